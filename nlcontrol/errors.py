@@ -311,8 +311,11 @@ def executor_failures_raised() -> Iterator[None]:
     try:
         yield
     except Exception as raised:
-        if isinstance(raised, Stopped) or known_error(raised) is not None:
+        known = known_error(raised)
+        if isinstance(raised, Stopped) or known is raised:
             raise
+        if known is not None:
+            raise known from raised
         hint = "the robot may stand anywhere: look at it, and open a new controller"
         raise ControlError(_place_of_failure("executor_failed", raised, hint)) from raised
 

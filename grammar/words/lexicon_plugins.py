@@ -24,6 +24,9 @@ from grammar.words.lexicon import Lexicon, default_lexicon
 
 GROUP = "nlcontrol.lexicon"
 
+MOST_BYTES = 1_000_000
+"""Largest file of words that is read [bytes]."""
+
 _KEYS = frozenset({"verbs", "terminals", "adjectives", "names"})
 
 
@@ -55,9 +58,27 @@ def _plug_in_words(thing: object) -> Mapping[str, Any]:
             raise ValueError(f"a lexicon's words have no {', '.join(unknown)}")
         return thing
     if isinstance(thing, str | PathLike):
-        import yaml
-
-        return _plug_in_words(yaml.safe_load(Path(thing).read_text(encoding="utf-8")))
+        return _plug_in_words(_yaml_content(Path(thing)))
     if callable(thing):
         return _plug_in_words(thing())
     raise TypeError(f"expected a mapping, a path or a function, found {type(thing).__name__}")
+
+
+def _yaml_content(path: Path) -> object:
+    """Contents of a file of words: a regular one of at most `MOST_BYTES`, in UTF-8.
+
+    Raises:
+        ValueError: it is none, or has aliases, which may stand for any amount of words.
+    """
+    import yaml
+
+    if not path.is_file():
+        raise ValueError(f"{path} is no regular file")
+    with path.open("rb") as file:
+        content = file.read(MOST_BYTES + 1)
+    if len(content) > MOST_BYTES:
+        raise ValueError(f"{path} holds more than {MOST_BYTES} bytes")
+    text = content.decode("utf-8-sig")
+    if any(isinstance(event, yaml.AliasEvent) for event in yaml.parse(text, yaml.SafeLoader)):
+        raise ValueError(f"{path} has aliases (*name): write out what they stand for")
+    return yaml.safe_load(text)

@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from nlcontrol.errors import ControlError, error, executor_failures_raised
@@ -89,6 +90,27 @@ class Exploration:
         return touch_trace(self.touches)
 
 
+class ExplorationStopped(Stopped):
+    """Raised where an exploration was told to stop.
+
+    Args:
+        trace: of the touches.
+        learned: makes the findings.
+    """
+
+    def __init__(self, trace: Trace | None, learned: Callable[[], Exploration]) -> None:
+        super().__init__(trace)
+        self._learned = learned
+
+    def findings(self) -> Exploration:
+        """Findings of the touches so far, what was believed before counting too.
+
+        Raises:
+            ControlError: `not_explorable` if they tell nothing.
+        """
+        return self._learned()
+
+
 def touch_trace(touches: Sequence[Touched]) -> Trace | None:
     """Everything that happened in some touches; None if nothing did."""
     from sim.traces.trace import join_traces
@@ -125,7 +147,7 @@ def explore(
         told: told of each touch.
 
     Raises:
-        Stopped: that was asked for, with the trace of the touches; what they taught is kept.
+        ExplorationStopped: that was asked for; what the touches so far have taught is kept.
         ControlError: `not_explorable` if the object cannot be touched so that it shows anything.
     """
     from sim.exploration.exploration_run import Explorer
@@ -155,19 +177,30 @@ def explore(
                 f"what was asked about the {name} is known to {precision:.0%} already",
                 suggestions=("ask for more precision, or give none",),
             )
-    _touch_repeatedly(models, explorer, kinds, asked, repetitions, Monitor.of(progress))
-    trials = [trial for touched in explorer.touches for trial in touched.trials]
-    found = _fit_all(start, trials, explorer, prior=precision is not None)
-    world = f"scene {executor.cell.name}, seed {executor.seed}"
-    model = with_provenance(
-        found,
-        before=found.model,
-        source=f"explored by touching in simulation ({world})",
-        method="tilted, slid and rubbed by a finger; joint fit of {count} balances of forces",
-    )
-    models[name] = model
-    report = _report(executor, name, before.model, found, explorer, trials, parameters)
-    return Exploration(model, report, tuple(explorer.touches))
+
+    def learned(stopped: bool) -> Exploration:
+        trials = [trial for touched in explorer.touches for trial in touched.trials]
+        found = _fit_all(start, trials, explorer, prior=stopped or precision is not None)
+        world = f"scene {executor.cell.name}, seed {executor.seed}"
+        early = f"stopped after {len(explorer.touches)} touches; " if stopped else ""
+        model = with_provenance(
+            found,
+            before=found.model,
+            source=f"explored by touching in simulation ({world})",
+            method=f"{early}tilted, slid and rubbed by a finger; joint fit of {{count}} balances "
+            "of forces",
+        )
+        report = _report(executor, name, before.model, found, explorer, trials, parameters)
+        return Exploration(model, report, tuple(explorer.touches))
+
+    try:
+        _touch_repeatedly(models, explorer, kinds, asked, repetitions, Monitor.of(progress))
+    except Stopped:
+        trace = touch_trace(explorer.touches)
+        raise ExplorationStopped(trace, partial(learned, stopped=True)) from None
+    found = learned(stopped=False)
+    models[name] = found.model
+    return found
 
 
 def precisions_asked(
@@ -217,16 +250,13 @@ def _touch_repeatedly(
     monitor: Monitor,
 ) -> None:
     """Makes all repetitions, or what tells most until everything asked is known."""
-    try:
-        with executor_failures_raised():
-            if asked:
-                _until(models, explorer, kinds, asked, most=repetitions * (len(kinds) + 1))
-            else:
-                for repetition in range(repetitions):
-                    explorer.repeat(kinds, repetition)
-        monitor.stop.check()
-    except Stopped:
-        raise Stopped(touch_trace(explorer.touches)) from None
+    with executor_failures_raised():
+        if asked:
+            _until(models, explorer, kinds, asked, most=repetitions * (len(kinds) + 1))
+        else:
+            for repetition in range(repetitions):
+                explorer.repeat(kinds, repetition)
+    monitor.stop.check()
 
 
 def _until(

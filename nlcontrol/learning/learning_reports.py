@@ -10,6 +10,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from nlcontrol.errors import ErrorInfo
 from nlcontrol.json_document import Document, DocumentPart
 from nlcontrol.text_format import with_sd_text
 from objectmodels.identification.trial import Statistics
@@ -193,6 +194,7 @@ class ExplorationReport(Document):
         saved: file of the fitted model, if it was kept.
         instead_of: file of the model whose place it takes.
         files: what was written, by kind.
+        error: `interrupted` if it was stopped; the rest then is what the touches until then tell.
     """
 
     ok: bool = True
@@ -213,3 +215,4 @@ class ExplorationReport(Document):
     saved: str | None = None
     instead_of: str | None = None
     files: dict[str, str] = Field(default_factory=dict)
+    error: ErrorInfo | None = None

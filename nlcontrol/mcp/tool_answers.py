@@ -86,6 +86,8 @@ class ToolAnswer(BaseModel):
         """The answer in some 300 characters: status, what decided, what would do instead."""
         head = f"{self.status} ({self.code})" if self.code else self.status
         text = shortened(f"{head}: {names.sentence_with_marks(self.message)}", MOST_SUMMARY - 40)
+        if text[-1] not in ".?!…":
+            text += "."
         return " ".join([text, *map(names.sentence_with_marks, self._next_steps())])
 
     def _next_steps(self) -> Iterator[str]:

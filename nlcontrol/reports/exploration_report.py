@@ -51,6 +51,8 @@ def report_lines(report: ExplorationReport) -> Iterator[str]:
     yield from (f"  given up: {why}" for why in report.given_up)
     yield from (f"  left out: {source}, {why}" for source, why in report.dropped.items())
     yield from (f"  note: {note}" for note in report.notes)
+    if report.error:
+        yield f"Stopped: {report.error.message} ({'; '.join(report.error.suggestions)})"
     if report.saved:
         yield f"Saved: {report.saved}"
     if report.instead_of:

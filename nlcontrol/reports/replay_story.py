@@ -55,7 +55,12 @@ def replay_story(result: Result) -> RunStory:
         clauses=tuple(_clauses(result)),
         ghosts=tuple(_ghosts(result.steps)),
         contacts=tuple(_contacts(result)),
-        notes=(*error, *result.notes, *(default_line(used).strip() for used in result.defaults)),
+        notes=(
+            *error,
+            *result.notes,
+            *(default_line(used).strip() for used in result.defaults),
+            *(lesson.text for step in result.steps for lesson in step.lessons),
+        ),
     )
 
 

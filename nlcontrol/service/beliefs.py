@@ -16,7 +16,7 @@ import json
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from objectmodels.registry.model_files import model_document
 from sim.cell.cell_description import LOOK
 
 if TYPE_CHECKING:
+    from nlcontrol.service.documents import Source
     from planner.types.world_state import SeenObject, WorldState
     from sim.cell.cell_description import CellDescription, Vision
 
@@ -58,9 +59,7 @@ class Tolerances:
         return cls(max(move, _LEAST_MOVE), max(turn, _LEAST_TURN), max(turn, _LEAST_LID))
 
 
-def table_view(
-    state: WorldState, cell: CellDescription, time: float, source: Literal["camera", "stated"]
-) -> TableView:
+def table_view(state: WorldState, cell: CellDescription, time: float, source: Source) -> TableView:
     """A belief as a document."""
     models = {item.name: item.model for item in cell.objects}
     return TableView(

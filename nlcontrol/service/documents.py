@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field
 
@@ -16,12 +16,20 @@ from nlcontrol.errors import ErrorInfo
 from nlcontrol.json_document import Document, DocumentPart
 from nlcontrol.results.result import Result
 from nlcontrol.session.events import Event
+from objectmodels.files.limits import LIMITS
+from objectmodels.files.value_types import Coordinate, Name, length_of
 
 if TYPE_CHECKING:
     from planner.affordances import Affordance
 
+Source = Literal["camera", "stated"]
 RunKind = Literal["execute", "say"]
 RunState = Literal["queued", "running", "ended", "aborted", "cut_off", "defect"]
+
+
+_LONGEST_PATH = 4096
+ShortText = Annotated[str, Field(max_length=int(LIMITS["name"].most))]
+"""Name that a caller gives, no longer than those in files."""
 
 
 class StatedObject(DocumentPart):
@@ -37,14 +45,17 @@ class StatedObject(DocumentPart):
         fixed: a holder keeps it where it stands.
     """
 
-    name: str
-    model: str | None = None
-    x: float
-    y: float
-    yaw: float = 0.0
-    synonyms: tuple[str, ...] = ()
+    name: Name
+    model: Name | None = None
+    x: Coordinate
+    y: Coordinate
+    yaw: Coordinate = 0.0
+    synonyms: tuple[Name, ...] = Field(default=(), max_length=20)
     fragile: bool = False
     fixed: bool = False
+
+
+StatedObjects = Annotated[tuple[StatedObject, ...], length_of("objects")]
 
 
 class TableSpec(DocumentPart):
@@ -59,10 +70,10 @@ class TableSpec(DocumentPart):
         objects: all that stands on the caller's own table; null for the simulated one.
     """
 
-    scene: str = "kitchen"
+    scene: Annotated[str, Field(max_length=_LONGEST_PATH)] = "kitchen"
     seed: int = Field(default=0, ge=0, lt=2**32)
-    defaults: dict[str, float] = Field(default={})
-    objects: tuple[StatedObject, ...] | None = None
+    defaults: dict[ShortText, float] = Field(default={}, max_length=100)
+    objects: StatedObjects | None = None
 
 
 class SessionSpec(TableSpec):
@@ -134,7 +145,7 @@ class TableView(Document):
         digest: of all that is believed; see `nlcontrol.service.beliefs`.
     """
 
-    source: Literal["camera", "stated"]
+    source: Source
     time: float
     scene: str
     objects: tuple[TableObject, ...]

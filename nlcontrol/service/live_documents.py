@@ -6,36 +6,28 @@ never told to who plans, perceives or decides.
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal
 
 from nlcontrol.json_document import Document, DocumentPart
 
 PoseSource = Literal["observer", "belief"]
 
 
-class DrawnShape(DocumentPart):
-    """A shape of a body.
+class DrawnBody(DocumentPart):
+    """A body with its shapes.
 
     Attributes:
-        body: name of the body, as in a `PoseFrame`.
-        object: name of the object on the table that the body is, or whose lid it is; null for
-            robot and table.
-        kind: of the shape; one with an axis stands along z.
-        size: edges of a box; radius and length of a cylinder, of a capsule without its round ends;
-            radius of a sphere [m].
-        vertices, triangles: of a mesh, places [m], and three of their numbers for each triangle.
-        pose: of the shape in the body: quaternion (w, x, y, z) and position [m].
-        colour: red, green, blue and opacity, 0…1.
+        name: of the body, as in a `PoseFrame`.
+        kind: of the body.
+        object: name of the object on the table that it is, or whose lid it is; null for others.
+        shapes: each with `kind`, `pose` in the body, `colour` (red, green, blue and opacity, 0…1)
+            and the measures of its kind [m]; see `sim.views.viewer_scene`.
     """
 
-    body: str
+    name: str
+    kind: Literal["world", "robot", "object", "lid"]
     object: str | None
-    kind: Literal["box", "cylinder", "capsule", "sphere", "mesh"]
-    size: tuple[float, ...]
-    vertices: tuple[tuple[float, float, float], ...] = ()
-    triangles: tuple[tuple[int, int, int], ...] = ()
-    pose: tuple[float, float, float, float, float, float, float]
-    colour: tuple[float, float, float, float]
+    shapes: tuple[dict[str, Any], ...]
 
 
 class SceneGeometry(Document):
@@ -43,11 +35,19 @@ class SceneGeometry(Document):
 
     Attributes:
         source: of the shapes: what an observer sees, or boxes as they are believed to be.
-        shapes: of all bodies.
+        format: of the shapes, and its version.
+        name: of the scene.
+        floor: height of the ground below the table top [m].
+        liquid: colour of liquid.
+        bodies: with their shapes.
     """
 
     source: PoseSource
-    shapes: tuple[DrawnShape, ...]
+    format: str
+    name: str
+    floor: float
+    liquid: tuple[float, float, float, float]
+    bodies: tuple[DrawnBody, ...]
 
 
 class PoseFrame(DocumentPart):

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import secrets
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from threading import RLock
@@ -23,12 +23,15 @@ from typing import TYPE_CHECKING, Literal, Self
 
 from nlcontrol.errors import ControlError, error, known_errors_raised
 from nlcontrol.service.beliefs import Tolerances, belief_digest, require_unchanged, table_view
+from nlcontrol.service.bundles.run_request import run_request
 from nlcontrol.service.documents import Affordances, FaceMap, Offer, SessionSpec, TableView
 from nlcontrol.service.offered_plans import LIFE, OfferedPlans
 from nlcontrol.service.session_runs import SessionRun
+from nlcontrol.service.stated_objects import stated_table
 from nlcontrol.session.controller import Controller
 from nlcontrol.session.conversation import Conversation
 from nlcontrol.session.frame_documents import text_of
+from objectmodels import Registry
 from planner.types.defaults import with_settings
 from sim.simulated_executor import SimulatedExecutor
 
@@ -38,12 +41,11 @@ if TYPE_CHECKING:
     from grammar.frames.command import Command
     from nlcontrol.questions.push_prediction import PushPrediction
     from nlcontrol.results.result import Result
-    from nlcontrol.service.documents import RunKind
+    from nlcontrol.service.documents import RunKind, Source, StatedObject
     from nlcontrol.service.session_runs import Deed
     from nlcontrol.session.events import Event
     from nlcontrol.session.executor import Executor, Motion
     from nlcontrol.session.frame_documents import Frames
-    from objectmodels import Registry
     from planner.types.world_state import SeenObject
     from sim.supervision import StopToken
 
@@ -55,7 +57,7 @@ class Session:
         table: what is asked for, or the name of a scene, or the path of a scene file.
         registry: object models; the default ones if not given.
         executor: a robot of one's own, whose cell takes the scene's place.
-        seed, defaults, approval: as in a `SessionSpec`, if none is given.
+        seed, defaults, objects, approval: as in a `SessionSpec`, if none is given.
         time_limit: of each plan and answer, by the clock on the wall [s]; none if not given.
         clock: by which plans expire [s].
 
@@ -77,13 +79,18 @@ class Session:
         executor: Executor | None = None,
         seed: int = 0,
         defaults: Mapping[str, float] | None = None,
+        objects: Sequence[StatedObject] | None = None,
         approval: Literal["plan", "none"] = "none",
         time_limit: float | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         if not isinstance(table, SessionSpec):
             table = SessionSpec(
-                scene=str(table), seed=seed, defaults=dict(defaults or {}), approval=approval
+                scene=str(table),
+                seed=seed,
+                defaults=dict(defaults or {}),
+                objects=None if objects is None else tuple(objects),
+                approval=approval,
             )
         self.session_id = f"session-{secrets.token_hex(8)}"
         self.spec = table
@@ -95,33 +102,56 @@ class Session:
 
     def _open(self) -> None:
         """Begins with the table as it was asked for."""
+        self.controller = self._controller(self.spec.objects)
+        self.conversation = Conversation(self.controller)
+        self._plans.drop()
+
+    def _controller(self, objects: Sequence[StatedObject] | None) -> Controller:
+        """The controller of a table on which objects are stated, or of the robot's own."""
         executor = self._executor
         with known_errors_raised():
             if executor is None:
                 executor = SimulatedExecutor.open(self.spec.scene, seed=self.spec.seed)
             defaults = with_settings(executor.cell.defaults, self.spec.defaults)
-        self.controller = Controller(
+            if objects is not None:
+                registry = Registry.default() if self._registry is None else self._registry.copy()
+                for path in executor.cell.models:
+                    registry.load(path)
+                executor = stated_table(executor.cell, objects, registry)
+        return Controller(
             executor=executor,
             registry=self._registry,
             defaults=defaults,
             time_limit=self._time_limit,
         )
-        self.conversation = Conversation(self.controller)
-        self._plans.drop()
 
     @property
     def executes(self) -> bool:
-        """Plans can be carried out here."""
-        return True
+        """Plans can be carried out here; not on a table that is stated."""
+        return self.spec.objects is None
 
     # --- questions -----------------------------------------------------------------------------
 
-    def look(self) -> TableView:
-        """The table as the robot sees it now."""
+    def look(self, objects: Sequence[StatedObject] | None = None) -> TableView:
+        """The table as the robot sees it now, or as it is stated; see `PlanningSession`."""
         with self._idle():
+            if objects is not None:
+                self._state(objects)
             state = self.controller.look()
             executor = self.controller.executor
-            return table_view(state, executor.cell, executor.time, "camera")
+            source: Source = "camera" if self.executes else "stated"
+            return table_view(state, executor.cell, executor.time, source)
+
+    def _state(self, objects: Sequence[StatedObject]) -> None:
+        """Takes what stands on the table from the caller; the conversation goes on."""
+        if self.executes:
+            raise error(
+                "bad_table",
+                "this robot sees by itself where everything stands",
+                suggestions=("look without objects, or open a session with `objects`",),
+            )
+        self.conversation.controller = self.controller = self._controller(objects)
+        self.conversation.turn = self.controller.turn
 
     def parse(self, said: str | Frames) -> Command:
         """The frames of a sentence, its references not yet resolved; see `PlanningSession`."""
@@ -259,7 +289,8 @@ class Session:
             def execute(tell: Callable[[Event], None], stop: StopToken) -> Result:
                 return self.conversation.execute(plan.proposal, on_event=tell, stop=stop)
 
-            return self._begin("execute", execute, plan.proposal.result.text, on_event, plan_id)
+            text, digest = plan.proposal.result.text, belief_digest(plan.state)
+            return self._begin("execute", execute, text, on_event, plan_id, digest)
 
     def say(
         self, said: str | Frames, *, on_event: Callable[[Event], object] | None = None
@@ -298,6 +329,7 @@ class Session:
         text: str,
         on_event: Callable[[Event], object] | None,
         plan_id: str | None = None,
+        digest: str | None = None,
     ) -> SessionRun:
         self._run = SessionRun(
             deed,
@@ -306,6 +338,7 @@ class Session:
             text=text,
             plan_id=plan_id,
             on_event=on_event,
+            request=lambda result: run_request(self.controller, result, digest),
         )
         return self._run
 

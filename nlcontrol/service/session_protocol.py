@@ -6,7 +6,7 @@ one at a server. A program that uses one can use the other.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Literal, Protocol, Self
 
 if TYPE_CHECKING:
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
         NumberedEvent,
         Offer,
         RunInfo,
+        StatedObject,
         TableView,
     )
     from nlcontrol.session.events import Event
@@ -71,8 +72,16 @@ class PlanningSession(Protocol):
     and raises nothing; a `ControlError` says that the call itself made no sense.
     """
 
-    def look(self) -> TableView:
-        """The table as the robot sees it now."""
+    def look(self, objects: Sequence[StatedObject] | None = None) -> TableView:
+        """The table as the robot sees it now.
+
+        Args:
+            objects: all that stands on a table that is stated, where it stands now; as before if
+                not given.
+
+        Raises:
+            ControlError: `bad_table`: the objects make no sense, or the robot has a camera; `busy`.
+        """
 
     def parse(self, said: str | Frames) -> Command:
         """The frames of a sentence, its references not yet resolved.

@@ -14,6 +14,7 @@ from sim.supervision import StopToken
 
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result
+    from nlcontrol.service.bundles.run_request import RunRequest
     from nlcontrol.session.events import Event
     from sim.traces.trace import Trace
 
@@ -30,6 +31,10 @@ class SessionRun:
         text: the sentence.
         plan_id: that was approved.
         on_event: told of every event, in the thread of the run.
+        request: makes the request of what has just been carried out.
+
+    Attributes:
+        request: with all that it takes to repeat it; None until it has a result.
     """
 
     def __init__(
@@ -41,9 +46,11 @@ class SessionRun:
         text: str,
         plan_id: str | None = None,
         on_event: Callable[[Event], object] | None = None,
+        request: Callable[[Result], RunRequest],
     ) -> None:
         self.run_id = f"run-{secrets.token_hex(8)}"
-        self._deed, self._on_event = deed, on_event
+        self.request: RunRequest | None = None
+        self._deed, self._on_event, self._make_request = deed, on_event, request
         self._stop = StopToken()
         self._changed = Condition()
         self._events: list[NumberedEvent] = []
@@ -67,6 +74,7 @@ class SessionRun:
         failure: ErrorInfo | None = None
         try:
             result = self._deed(self._tell, self._stop)
+            self.request = self._make_request(result)
         except Exception as raised:
             failure = exception_info(raised)
         with self._changed:

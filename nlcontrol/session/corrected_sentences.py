@@ -72,7 +72,7 @@ def corrected_sentences(parse: Parse, result: Result) -> tuple[str, ...]:
     frames = result.frames[begun:]
     found = itertools.chain(
         _from_frames(parse, info, frames) if frames else (),
-        _from_words(parse, info, result.text) if not result.steps else (),
+        _from_words(parse, info, result.text, is_read=bool(frames)) if not result.steps else (),
     )
     sentences = dict.fromkeys(_in_words(parse, found))
     return tuple(sentences)[:MOST]
@@ -108,9 +108,13 @@ def _with_other_names(
 ) -> Iterator[tuple[Frame, ...]]:
     """The frames with the object that may be meant."""
     for suggestion in info.suggestions:
-        if re.fullmatch(LEFT_OUT, suggestion):
+        name = _meant_words(suggestion)
+        # What else stands on the table is meant only if the name fits it, or nearly so.
+        if re.fullmatch(LEFT_OUT, suggestion) or (
+            name == suggestion and info.code != "ambiguous_object"
+        ):
             continue
-        name = _meant_words(suggestion).removeprefix("the ")
+        name = name.removeprefix("the ")
         with suppress(ControlError):
             yield _corrected(parse, f'no, the "{name}"', frames, info.span)
 
@@ -145,13 +149,18 @@ def _without_words(frames: tuple[Frame, ...], span: Span | None) -> Iterator[tup
         yield (without_spans(first.model_copy(update={"constraints": kept})), *rest)
 
 
-def _from_words(parse: Parse, info: ErrorInfo, text: str) -> Iterator[tuple[Frame, ...]]:
-    """What was not understood, with the words that were not left out or said otherwise."""
+def _from_words(
+    parse: Parse, info: ErrorInfo, text: str, *, is_read: bool
+) -> Iterator[tuple[Frame, ...]]:
+    """The sentence without the words in question, or if it is not read at all, with others."""
     if info.span is None:
         return
     start, end = info.span
     for suggestion in info.suggestions:
-        instead = "" if re.fullmatch(LEFT_OUT, suggestion) else _meant_words(suggestion)
+        left_out = re.fullmatch(LEFT_OUT, suggestion)
+        if is_read and not left_out:
+            continue
+        instead = "" if left_out else _meant_words(suggestion)
         with suppress(ControlError):
             yield parse(f"{text[:start]}{instead}{text[end:]}").frames
 

@@ -10,6 +10,7 @@ from nlcontrol.session.conversation import Conversation
 from nlcontrol.session.proposals import Proposal
 from nlcontrol.session.recipe import Recipe
 from objectmodels import Registry
+from objectmodels.errors import printable
 from objectmodels.registry.model_files import model_from_document
 from planner.types.defaults import Defaults
 from sim.simulated_executor import SimulatedExecutor, simulation
@@ -62,9 +63,11 @@ def repeat_recipe(
             result = proposal.result
         elif deed.executes is not None:
             approved = proposals.get((deed.conversation, deed.executes))
-            if approved is None or approved.intention is None:
+            if approved is None or (approved.intention is None and exact):
                 raise _bad_recipe(f"“{deed.said}” was not planned before")
-            result = conversation.execute(approved, progress=progress)
+            result = approved.result  # which refuses it, where another version has planned
+            if approved.intention is not None:
+                result = conversation.execute(approved, progress=progress)
         else:
             result = conversation.say(deed.said, motion=deed.motion, progress=progress)
     return controller, result
@@ -96,4 +99,5 @@ def _first_controller(recipe: Recipe) -> Controller:
 
 def _bad_recipe(message: str) -> ControlError:
     hint = "take one that `Controller.recipe` made with this version"
-    return error("bad_recipe", f"it cannot be rebuilt: {message}", suggestions=(hint,))
+    told = printable(" ".join(message[:500].split()))  # a recipe may come from anybody
+    return error("bad_recipe", f"it cannot be rebuilt: {told}", suggestions=(hint,))

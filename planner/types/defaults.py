@@ -274,7 +274,7 @@ class Defaults:
     most_contacts_last: Count = 24
     most_looks: Count = 100
     most_looks_last: Count = 300
-    most_work: Work = 10_000
+    most_work: Work = 11_500
     most_pushes: Count = 12
     known_to: Share = 0.10
     found_to: Share = 0.03

@@ -7,10 +7,12 @@ around), so that they compress well. Poses are interpolated between frames by th
 from __future__ import annotations
 
 import base64
+from collections.abc import Mapping
 from itertools import groupby
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from sim.rotations import Array
 from sim.traces.trace import Trace
@@ -42,19 +44,19 @@ def scene_and_recording(trace: Trace, scene: Scene) -> tuple[dict[str, Any], dic
         stage.show(trace, sample)
         rows.append(body_poses(stage.model, bodies, stage.plant_context))
     poses = _continuous(np.array(rows))
-    names = [body.name() for body in bodies]
+    places = {
+        name: bodies.index(body) for name, body in stage.model.bodies.items()
+    }  # of objects among the bodies
     recording = {
         "times": [_since(trace, float(time)) for time in trace.time[at]],
         "turns": packed(poses[:, :, :4], _PART),
         "places": packed(poses[:, :, 4:], _LENGTH),
-        "liquid": _liquid(trace, scene, at, names),
+        "liquid": _liquid(trace, scene, at, places),
         "phases": _phases(trace),
         "touches": _touches(trace),
         "force": _force(trace, at),
         "fingers": _fingers(trace, at),
-        "pushed": next(
-            i for i, body in enumerate(bodies) if body is stage.model.bodies[trace.pushed]
-        ),
+        "pushed": places[trace.pushed],
         "view": _view(trace),
     }
     return viewer_scene(scene, stage.model), recording
@@ -81,7 +83,9 @@ def _continuous(poses: Array) -> Array:
     return poses
 
 
-def _liquid(trace: Trace, scene: Scene, at: list[int], names: list[str]) -> list[dict[str, Any]]:
+def _liquid(
+    trace: Trace, scene: Scene, at: list[int], places: Mapping[str, int]
+) -> list[dict[str, Any]]:
     """Forms that liquid takes, each with the frames from and to which it has it.
 
     What stands in a container is in the frame of that body, a stream in W: its body is -1.
@@ -104,7 +108,7 @@ def _liquid(trace: Trace, scene: Scene, at: list[int], names: list[str]) -> list
             now[key] = len(forms)
             corners_of[len(forms)] = corners
             forms.append({
-                "body": names.index(part.name) if part.of == "level" else -1,
+                "body": places[part.name] if part.of == "level" else -1,
                 "from": frame,
                 "to": frame,
                 "step": _LENGTH,
@@ -149,20 +153,31 @@ def _averaged(trace: Trace, values: Array) -> Array:
 
 
 def _force(trace: Trace, at: list[int]) -> dict[str, Any]:
-    """What is felt at each frame, and the limit in force [N]: along a push, or of a grip."""
+    """What is felt at each frame, and the limit in force [N]: of pushes, or of a grip.
+
+    A trace of several pushes has the direction of the last one alone, so the size is told.
+    """
     pushed, held = np.isin(trace.phase, _PUSHES), np.isin(trace.phase, _GRIPS)
-    label, felt = "", np.zeros(len(trace.time))
+    forces = [_averaged(trace, force) for force in trace.felt.values()] or [_nothing(trace)]
     if pushed.any():
-        label, felt = "force along the push", np.where(pushed, trace.push_force(), 0.0)
-    elif held.any() and trace.felt:
-        label = "squeeze of the hand"
-        sizes = [np.linalg.norm(force, axis=1) for force in trace.felt.values()]
-        felt = np.where(held, np.max(sizes, axis=0), 0.0)
+        label, felt = "force of the push", np.where(pushed, _sizes(np.sum(forces, axis=0)), 0.0)
+    elif held.any():
+        label, felt = "squeeze of the hand", np.where(held, _sizes(forces).max(axis=0), 0.0)
+    else:
+        label, felt = "", np.zeros(len(trace.time))
     return {
         "label": label,
-        "felt": packed(_averaged(trace, felt)[at], _FORCE),
+        "felt": packed(felt[at], _FORCE),
         "limit": packed(np.where(pushed, trace.force_limit, 0.0)[at], _FORCE),
     }
+
+
+def _nothing(trace: Trace) -> Array:
+    return np.zeros((len(trace.time), 3))
+
+
+def _sizes(forces: ArrayLike) -> Array:
+    return np.asarray(np.linalg.norm(forces, axis=-1))
 
 
 def _fingers(trace: Trace, at: list[int]) -> list[dict[str, Any]]:
@@ -171,7 +186,7 @@ def _fingers(trace: Trace, at: list[int]) -> list[dict[str, Any]]:
     touching = np.isin(trace.phase, _PUSHES + _GRIPS)
     for name in trace.tips:
         force = np.where(touching[:, None], _averaged(trace, trace.felt[name]), 0.0)[at]
-        pressing = np.linalg.norm(force, axis=1) > _FELT
+        pressing = _sizes(force) > _FELT
         told.append({
             "name": name,
             "places": packed(trace.tips[name][at], _LENGTH),
@@ -181,8 +196,9 @@ def _fingers(trace: Trace, at: list[int]) -> list[dict[str, Any]]:
 
 
 def _view(trace: Trace) -> dict[str, Any]:
-    """Where a run is looked at from: from beside a push, a little from behind it."""
-    if not np.isin(trace.phase, _PUSHES).any():
+    """Where a run is looked at from: from beside a single push, a little from behind it."""
+    pushes = sum(phase == "push" for phase, _ in groupby(trace.phase.tolist()))
+    if pushes != 1:
         return {"azimuth": -2.2, "elevation": 0.42, "distance": 1.75, "at": _TABLE}
     along = np.arctan2(trace.direction[1], trace.direction[0])
     sides = along + np.array([-1.0, 1.0]) * (0.5 * np.pi + _FROM_BEHIND)

@@ -1,12 +1,14 @@
 """A scene as a viewer draws it: its bodies with their shapes and colours, as plain data.
 
-The shapes are those that the plant shows to pictures, and what `sim.views.visual_additions` adds.
+A body is named by its model and by its own name there, as `mug/mug` or `lwr_arm/arm_link_1`. The
+table belongs to `WorldModelInstance/world`, which does not move. The shapes are those that the
+plant has for pictures, and what `sim.views.visual_additions` adds.
 A pose is a row of quaternion (w, x, y, z) and position [m]: of a shape in its body, of a body in W.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +16,8 @@ import numpy as np
 from sim.rotations import Array
 from sim.truth.scene_file import Scene
 from sim.views.liquid_view import COLOUR, triangles
-from sim.views.visual_additions import FLOOR, furniture, object_shapes
+from sim.views.trace_scene import TraceScene
+from sim.views.visual_additions import FLOOR, box_shapes, furniture, object_shapes
 from sim.worlds.drake.drake_plant import Plant
 
 if TYPE_CHECKING:
@@ -23,6 +26,8 @@ if TYPE_CHECKING:
     from pydrake.multibody.tree import RigidBody
     from pydrake.systems.framework import Context
 
+    from sim.worlds.ports import Sample
+
 FORMAT = "nlcontrol-viewer-scene/1"
 """Form of the document, and its version."""
 
@@ -30,16 +35,78 @@ FORMAT = "nlcontrol-viewer-scene/1"
 def viewer_scene(scene: Scene, model: Plant) -> dict[str, Any]:
     """The bodies of a scene and of its plant, in the order of `body_poses`, as a JSON object."""
     bodies = [
-        {"name": body.name(), "kind": _kind(model, body), "shapes": shapes}
+        {
+            "name": body_name(body),
+            "kind": _kind(model, body),
+            "object": _object(model, body),
+            "shapes": shapes,
+        }
         for body, shapes in _bodies_with_shapes(scene, model)
     ]
+    return _document(scene.name, bodies)
+
+
+def boxes_scene(name: str, sizes: Mapping[str, Sequence[float]]) -> dict[str, Any]:
+    """Objects of which no more than the box about them is known, as `viewer_scene` has bodies.
+
+    Args:
+        name: of the scene.
+        sizes: of the boxes along their own axes, by the names of the objects [m].
+    """
+    bodies = [
+        {"name": each, "kind": "object", "object": each, "shapes": box_shapes(each, size)}
+        for each, size in sizes.items()
+    ]
+    return _document(name, bodies)
+
+
+def _document(name: str, bodies: list[dict[str, Any]]) -> dict[str, Any]:
     return {
         "format": FORMAT,
-        "name": scene.name,
+        "name": name,
         "floor": FLOOR,
         "liquid": list(COLOUR),
         "bodies": bodies,
     }
+
+
+class SceneBodies:
+    """Robot, table and objects of a scene, apart from any world in which something happens.
+
+    Args:
+        scene: what is shown.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+        self._stage = TraceScene(scene, lambda builder, model: None)
+        self._bodies = drawn_bodies(self._stage.model)
+
+    def document(self) -> dict[str, Any]:
+        """All that is drawn; see `viewer_scene`."""
+        return viewer_scene(self._scene, self._stage.model)
+
+    def poses(self, sample: Sample, joint_names: Sequence[str]) -> dict[str, tuple[float, ...]]:
+        """Poses of all bodies: quaternion (w, x, y, z) and position in W [m], by their names.
+
+        Args:
+            sample: of a world of this scene.
+            joint_names: of the angles in it.
+        """
+        joints = dict(zip(joint_names, sample.joints.tolist(), strict=True))
+        stage = self._stage
+        stage.put(joints, sample.poses, sample.lids, sample.lid_poses)
+        rows = body_poses(stage.model, self._bodies, stage.plant_context)
+        return {
+            body_name(body): tuple(rounded(row))
+            for body, row in zip(self._bodies, rows, strict=True)
+        }
+
+
+def body_name(body: RigidBody) -> str:
+    """Name of a body, which no other one of its plant has."""
+    name: str = body.scoped_name().get_full()
+    return name.replace("::", "/")
 
 
 def drawn_bodies(model: Plant) -> list[RigidBody]:
@@ -66,7 +133,15 @@ def _kind(model: Plant, body: RigidBody) -> str:
         return "world"
     if body.model_instance() in (model.arm, model.hand):
         return "robot"
-    return "object" if body.name() in model.bodies else "lid"
+    is_lid = any(lid.body.index() == body.index() for lid in model.lids.values())
+    return "lid" if is_lid else "object"
+
+
+def _object(model: Plant, body: RigidBody) -> str | None:
+    """Name of the object that a body is, or whose lid it is; None for others."""
+    lids = {lid.body.index(): name for name, lid in model.lids.items()}
+    bodies = {each.index(): name for name, each in model.bodies.items()}
+    return (lids | bodies).get(body.index())
 
 
 def _bodies_with_shapes(scene: Scene, model: Plant) -> Iterator[tuple[RigidBody, list[Any]]]:

@@ -8,7 +8,7 @@ height, turned about z), `tube` (through points) and `label` (a sheet with a tex
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -26,6 +26,7 @@ FLOOR = -0.74
 _UPRIGHT = (1.0, 0.0, 0.0, 0.0)
 _HERE = (*_UPRIGHT, 0.0, 0.0, 0.0)  # where its body is
 _TABLE, _WOOD = (0.79, 0.73, 0.65, 1.0), (0.60, 0.54, 0.46, 1.0)
+_CARDBOARD = (0.72, 0.62, 0.48, 1.0)
 _STEEL, _WHITE = (0.46, 0.48, 0.51, 1.0), (0.96, 0.95, 0.91, 1.0)
 _WITH_HANDLE = frozenset({"mug"})  # models of the registry
 _WIDE = 0.7  # share of the radius from which an opening shows what is inside
@@ -57,6 +58,12 @@ def object_shapes(item: SceneObject, shapes: list[Shape]) -> list[Shape]:
         if truth.container is not None and truth.lid is None:
             drawn.append(_spout(truth))
     return drawn
+
+
+def box_shapes(name: str, size: Sequence[float]) -> list[Shape]:
+    """A box that stands on the table, with its name on it; its edges are along x, y and z [m]."""
+    x, y, z = size
+    return [_box("solid", (x, y, z), (0.0, 0.0, z / 2), _CARDBOARD), *_labels(name, (x, y, z))]
 
 
 def furniture(scene: Scene, shapes: list[Shape]) -> list[Shape]:

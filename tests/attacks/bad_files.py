@@ -51,10 +51,17 @@ def places(document: Any) -> list[tuple[Any, Any]]:
     return [(document, k) for k in keys] + [place for k in keys for place in places(document[k])]
 
 
+def mutated_documents(folder: str) -> st.SearchStrategy[bytes]:
+    """A good document of a folder of which some values are odd, missing or new, as YAML."""
+    return mutated(documents(folder)).map(
+        lambda document: _text(document).encode("utf-8", "surrogatepass")
+    )
+
+
 @st.composite
-def mutated_documents(draw: st.DrawFn, folder: str) -> bytes:
-    """A good document of which some values are odd, some are missing, and some are new."""
-    document = json.loads(json.dumps(draw(st.sampled_from(documents(folder)))))
+def mutated(draw: st.DrawFn, good: list[Any]) -> Any:
+    """One of some good documents of which some values are odd, some are missing, some are new."""
+    document = json.loads(json.dumps(draw(st.sampled_from(good))))
     for _ in range(draw(st.integers(1, 3))):
         holder, key = draw(st.sampled_from(places(document)))
         change = draw(st.sampled_from(["value", "number", "number", "scale", "remove", "add"]))
@@ -74,7 +81,7 @@ def mutated_documents(draw: st.DrawFn, folder: str) -> bytes:
             holder.extend([draw(numbers)] * draw(st.integers(1, 3000)))
         if not places(document):
             break
-    return _text(document).encode("utf-8", "surrogatepass")
+    return document
 
 
 def _text(document: Any) -> str:

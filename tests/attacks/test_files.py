@@ -6,9 +6,12 @@ takes 10 s or 1 GB. `NLCONTROL_ATTACKS=20000` makes as many cases.
 
 from __future__ import annotations
 
+import json
 import resource
 import time
+import zipfile
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -18,9 +21,13 @@ import trimesh
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from nlcontrol import Controller, Conversation
 from nlcontrol.errors import CODES, FAMILIES, exception_info
 from nlcontrol.json_document import SCHEMA_VERSION
 from nlcontrol.outcome_maps.experiment_record import Record
+from nlcontrol.service.bundles.bundle_rerun import RerunReport, report_lines, rerun
+from nlcontrol.service.bundles.run_bundle import RunBundle, read_bundle
+from nlcontrol.service.bundles.run_request import run_request
 from objectmodels import ModelError, ObjectModel, Registry
 from objectmodels.identification.logs.touch_log import read_data
 from objectmodels.registry.mesh_import import FORMATS, import_mesh
@@ -29,6 +36,7 @@ from sim.truth.scene_file import load_scene, sample_world
 from tests.attacks.bad_files import (
     ROOT,
     good_bytes,
+    mutated,
     names,
     numbers,
     spliced,
@@ -124,6 +132,36 @@ def test_data_files(folder: Path, content: bytes) -> None:
     path.write_bytes(content)
     model = Registry.built_in().get("ice tea box")
     attack(lambda: read_data([path], model))
+
+
+@cache
+def _bundle() -> tuple[Any, ...]:
+    """Request and result of a run, as JSON."""
+    controller = Controller()
+    conversation = Conversation(controller)
+    conversation.plan("push the mug 2 cm to the left")
+    result = conversation.say("where is the mug?")
+    request = run_request(controller, result).model_dump_json()
+    return json.loads(request), json.loads(result.to_json())
+
+
+@attacks(0.02)
+@given(changes=st.data(), packed=st.booleans())
+def test_bundles(folder: Path, changes: st.DataObject, packed: bool) -> None:
+    path = folder / "run.zip"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED if packed else 0) as members:
+        for name, good in zip(("request.json", "result.json"), _bundle(), strict=True):
+            text = json.dumps(changes.draw(mutated([good]) | st.just(good)))
+            members.writestr(name, text.encode("utf-8", "surrogatepass"))
+        if changes.draw(st.integers(0, 9)) == 0:
+            members.writestr("trace.npz", changes.draw(st.binary(max_size=30)))
+    if changes.draw(st.integers(0, 9)) == 0:
+        path.write_bytes(changes.draw(spliced([path.read_bytes()], ["\x00", "PK\x01\x02"])))
+    bundle = attack(lambda: read_bundle(path))
+    if isinstance(bundle, RunBundle):
+        report = attack(lambda: rerun(bundle))
+        if isinstance(report, RerunReport):
+            assert all(line.isprintable() for line in report_lines(report))
 
 
 def _meshes() -> list[bytes]:

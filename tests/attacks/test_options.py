@@ -49,7 +49,7 @@ PARAMETERS = {
 ODD_VALUES = [
     "-1", "0", "1e300", "-1e300", "1e-320", "nan", "inf", "9" * 400, "-", "--", "=", ",", "/",
     "/proc/x.png", "/dev/null", ".", "..", "x" * 300, "x" * 250 + ".png", "a.png", "a.csv",
-    "a.json", "a.yaml", "a.html", "examples/ice_tea_trials.csv", "docs/images/run.png", "README.md",
+    "a.json", "a.yaml", "a.html", "examples/ice_tea_trials.csv", "docs/images/map.png", "README.md",
     # A byte that is no text comes as half a pair of its own range; a zero byte cannot come.
     *(n.replace("\ud800", "\udcff") for n in ODD_NAMES if "\0" not in n and len(n) < 1000),
 ]  # fmt: skip

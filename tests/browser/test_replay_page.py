@@ -127,7 +127,7 @@ def test_each_clause_has_its_verdict_and_lights_its_words(opened: Opened) -> Non
 
 
 def test_scrubbing_moves_the_box_and_shows_the_forces(opened: Opened) -> None:
-    box = f"replay.viewer.bodyNamed('{BOX}').position.x"
+    box = f"replay.viewer.bodies[replay.viewer.indexOf('{BOX}')].position.x"
     before = opened.ask(f"replay.player.seek(0), {box}")
     opened.page.locator("#time").fill(str(DURATION * 0.7))
     assert opened.ask("replay.player.time") == pytest.approx(DURATION * 0.7)
@@ -206,10 +206,9 @@ def test_live_frames_are_shown_between_those_that_came(opened: Opened) -> None:
         f"""(async () => {{
               const {{ viewer, player }} = replay;
               const live = new replay.LivePlayer(viewer);
-              const index = viewer.document.bodies.findIndex((each) => each.name === "{BOX}");
+              const index = viewer.indexOf("{BOX}");
               for (let i = 0; i < 20; i++) {{
-                const poses = Float32Array.from(player.poses);
-                poses[7 * index + 4] = 0.1 * i;
+                const poses = {{ "{BOX}/{BOX}": [1, 0, 0, 0, 0.1 * i, 0, 0] }};
                 live.push({{ time: i / 30, poses }});
                 await new Promise((done) => setTimeout(done, 33));
               }}

@@ -108,3 +108,17 @@ def test_what_a_library_made_of_a_signal_does_not_count(
     monkeypatch.setattr(robot_stop, "SIGNALS", signals_of_process)
     with pytest.raises(KeyboardInterrupt), robot_stop.stop_on_signal(moves=moves):
         signals_of_process.received += [signal.SIGINT] * signals
+
+
+@pytest.mark.slow
+def test_a_stopped_exploration_tells_what_it_has_found(tmp_path: Path) -> None:
+    explore = ["explore", "ice tea box", "--parameters", "mass", "--json", "--output", "box.yaml"]
+    ending = interrupted(explore, [signal.SIGINT], 0.0, folder=tmp_path, after="believed")
+    assert (ending.exit_code, ending.code) == (130, "interrupted")
+    document = ending.document or {}
+    assert (document["ok"], document["saved"]) == (False, None)
+    mass = document["parameters"]["mass"]
+    assert mass["sd"] < mass["believed_sd"]
+    assert f"stopped after {len(document['touches'])} touches" in (tmp_path / "box.yaml").read_text(
+        encoding="utf-8"
+    )

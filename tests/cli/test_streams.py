@@ -49,3 +49,28 @@ def test_a_backend_that_is_none_draws_a_map_all_the_same(tmp_path: Path) -> None
     done = shell(f"MPLBACKEND=nonsense {NLCONTROL} map mug --output '{tmp_path}/map.png' --json")
     assert (done.returncode, json.loads(done.stdout)["ok"]) == (0, True)
     assert (tmp_path / "map.png").stat().st_size > 0
+
+
+SAY = "say 'push the ice tea box 2 cm away'"
+
+
+@pytest.mark.parametrize(
+    ("command", "name"),
+    [
+        ("plan 'push the ice tea box away' --explain --picture", "words.png"),
+        ("map mug --output", "map.svg"),
+        ("map mug --output", "map.csv"),
+        ("map mug --output", "map.json"),
+        pytest.param(f"{SAY} --replay", "replay.html", marks=pytest.mark.slow),
+        pytest.param(f"{SAY} --trace", "trace.npz", marks=pytest.mark.slow),
+    ],
+)
+def test_a_disk_that_takes_no_more_leaves_no_half_file(
+    command: str, name: str, tmp_path: Path
+) -> None:
+    """The system refuses what goes beyond 1 kB, as a full disk does in the middle of a file."""
+    done = shell(f"ulimit -f 1; {NLCONTROL} {command} '{tmp_path}/{name}' --json")
+    assert (done.returncode, json.loads(done.stdout)["error"]["code"]) == (2, "cannot_write")
+    assert json.loads(done.stdout)["error"]["suggestions"]
+    assert "Traceback" not in done.stderr
+    assert list(tmp_path.iterdir()) == []

@@ -64,7 +64,7 @@ def test_what_is_found_by_touching() -> None:
         "schema_version", "ok", "object", "scene", "seed", "touches", "repeated", "parameters",
         "correlations", "friction_spread", "rms", "support", "given_up", "dropped", "notes",
         "truth", "saved",
-        "instead_of", "files",
+        "instead_of", "files", "error",
     ]  # fmt: skip
     assert list(_definition("TouchMade")["properties"]) == [
         "experiment", "outcome", "as_meant", "force"

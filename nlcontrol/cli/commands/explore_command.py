@@ -24,10 +24,13 @@ from nlcontrol.cli.console.console_output import (
     require_writable,
 )
 from nlcontrol.cli.console.robot_stop import stop_on_signal
+from nlcontrol.errors import ControlError, ErrorInfo
+from nlcontrol.interruption import SIGNALS
 from objectmodels.files.file_writing import replace_file
 from sim.supervision import Monitor
 
 if TYPE_CHECKING:
+    from nlcontrol.learning.exploration_session import Exploration, ExplorationStopped
     from objectmodels import ObjectModel
     from sim.exploration.exploration_run import Touched
 
@@ -78,9 +81,10 @@ def command(
     """Find the parameters of OBJECT by touching it, in simulation.
 
     The finger tilts, slides and rubs it again and again; at the end stand the figures of every
-    repetition by itself, those of all together, and how the object really is in the scene.
+    repetition by itself, those of all together, and how the object really is in the scene. Stopped
+    by control-C, it tells what the touches until then have shown; --save then saves nothing.
     """
-    from nlcontrol.learning.exploration_session import explore
+    from nlcontrol.learning.exploration_session import ExplorationStopped, explore
     from nlcontrol.outcome_maps.experiment_runner import object_on_table
     from nlcontrol.reports.exploration_report import report_lines, with_truth
     from objectmodels.geometry.pushed_body import UNCERTAIN
@@ -98,12 +102,16 @@ def command(
         believed = controller.models[item.name]
         named = rename_model(believed, saved_as) if saved_as else believed
         place_model(controller.registry.copy(), named, replace=True)
+    stopped = None
     with Narrator() as progress, stop_on_signal() as stop:
-        found = explore(
-            controller.executor, controller.models, item.name,
-            parameters=parameters or UNCERTAIN, repetitions=trials, precision=precision,
-            guess=guess, progress=Monitor(progress, stop), told=partial(_print_touch, progress),
-        )  # fmt: skip
+        try:
+            found = explore(
+                controller.executor, controller.models, item.name,
+                parameters=parameters or UNCERTAIN, repetitions=trials, precision=precision,
+                guess=guess, progress=Monitor(progress, stop), told=partial(_print_touch, progress),
+            )  # fmt: skip
+        except ExplorationStopped as raised:
+            found, stopped = _findings(raised)
     files = {}
     if picture is not None:
         from nlcontrol.reports.force_curve_plot import save_curves
@@ -116,11 +124,29 @@ def command(
         save_model(model, output)
         files["model"] = str(output)
     truth = simulation(controller.executor).truth(item.name)
-    report = with_truth(found.report, truth).model_copy(update={"files": files})
-    if saved_as is not None:
+    report = with_truth(found.report, truth).model_copy(
+        update={"files": files, "error": stopped, "ok": stopped is None}
+    )
+    if saved_as is not None and stopped is None:
         path, instead = store_model(controller.registry, model, replace=True)
         report = report.model_copy(update={"saved": str(path), "instead_of": instead})
-    return print_answer(report.model_dump(mode="json"), report_lines(report), as_json=as_json)
+    code = print_answer(report.model_dump(mode="json"), report_lines(report), as_json=as_json)
+    return code if stopped is None else SIGNALS.exit_code
+
+
+def _findings(stopped: ExplorationStopped) -> tuple[Exploration, ErrorInfo]:
+    """Findings of an exploration until a signal stopped it, and how that is told.
+
+    Raises:
+        Stopped: nothing.
+    """
+    try:
+        found = stopped.findings()
+    except ControlError:
+        raise stopped from None
+    message = f"interrupted after {len(found.touches)} touches, whose findings these are"
+    hint = "--output keeps them; nothing else does, so explore again for more"
+    return found, ErrorInfo(code="interrupted", message=message, suggestions=(hint,))
 
 
 def _require_file_ending(path: Path | None, *endings: str) -> None:

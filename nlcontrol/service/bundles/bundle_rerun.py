@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 
 from nlcontrol.errors import ErrorInfo, error
 from nlcontrol.json_document import Document
-from nlcontrol.service.bundles.run_bundle import installed_versions, platform_name
 from nlcontrol.service.bundles.run_comparison import (
     Difference,
     result_differences,
     trace_differences,
     version_differences,
 )
+from nlcontrol.service.bundles.run_request import installed_versions, platform_name
 from nlcontrol.session.recipe_rebuilding import repeat_recipe
 from objectmodels.errors import printable
 

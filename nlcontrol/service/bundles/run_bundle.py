@@ -8,25 +8,22 @@ a name of our own. Events and replay are for readers and browsers; they are neve
 
 from __future__ import annotations
 
-import importlib.metadata
 import io
 import json
-import platform
-import sys
 import tempfile
 import zipfile
 import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
 from nlcontrol.errors import ControlError, error, known_errors_raised
-from nlcontrol.json_document import Document, is_readable
+from nlcontrol.json_document import is_readable
 from nlcontrol.reports.replay_story import replay_story
-from nlcontrol.session.recipe import Recipe
+from nlcontrol.service.bundles.run_request import RunRequest, run_request
 from objectmodels.errors import printable
 from objectmodels.files.file_reading import read_bytes
 from objectmodels.files.file_writing import replace_file
@@ -45,32 +42,6 @@ _DIRECTORY_ENTRY = b"PK\x01\x02"
 _BROKEN = (zipfile.BadZipFile, zlib.error, ValueError, EOFError, OSError, RuntimeError)
 
 
-class RunRequest(Document):
-    """Request of a run, with all that it takes to repeat it.
-
-    Attributes:
-        format: of the bundle, and its version.
-        text: the sentence.
-        scene: name of the scene.
-        seed: of everything random.
-        digest: of what was believed when it was planned; null if nobody asked.
-        versions: of nlcontrol, Python and the libraries that decide on numbers.
-        platform: system, processor and C library.
-        recipe: of the controller, with the run as its last deed; null if it cannot be repeated.
-        why_not: the reason then.
-    """
-
-    format: Literal["nlcontrol-run/1"] = "nlcontrol-run/1"
-    text: str
-    scene: str
-    seed: int
-    digest: str | None = None
-    versions: dict[str, str]
-    platform: str
-    recipe: Recipe | None
-    why_not: str | None = None
-
-
 @dataclass(frozen=True)
 class RunBundle:
     """A bundle, as it was read.
@@ -84,43 +55,6 @@ class RunBundle:
     request: RunRequest
     result: dict[str, Any]
     trace: Trace | None
-
-
-def installed_versions() -> dict[str, str]:
-    """Versions of nlcontrol, of Python and of the libraries that decide on numbers."""
-    python = f"{sys.implementation.name} {platform.python_version()}"
-    packages = ("nlcontrol", "drake", "numpy", "scipy")
-    return {"python": python} | {name: importlib.metadata.version(name) for name in packages}
-
-
-def platform_name() -> str:
-    """System, processor and C library, as far as they decide on numbers."""
-    return " ".join(filter(None, (platform.system(), platform.machine(), *platform.libc_ver())))
-
-
-def run_request(controller: Controller, result: Result, digest: str | None = None) -> RunRequest:
-    """The request of a run that has just ended, which was the last that the controller did.
-
-    Args:
-        controller: that carried it out.
-        result: of the run.
-        digest: of what was believed when it was planned.
-    """
-    recipe, why_not = None, None
-    try:
-        recipe = controller.recipe()
-    except ControlError as raised:
-        why_not = str(raised)
-    return RunRequest(
-        text=result.text,
-        scene=result.scene,
-        seed=result.seed,
-        digest=digest,
-        versions=installed_versions(),
-        platform=platform_name(),
-        recipe=recipe,
-        why_not=why_not,
-    )
 
 
 def bundle_run(

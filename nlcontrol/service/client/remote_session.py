@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import uuid
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal, Self, TypeVar
 
 from pydantic import BaseModel
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
     import httpx
 
+    from nlcontrol.service.documents import StatedObject
     from nlcontrol.session.events import Event
     from nlcontrol.session.executor import Motion
     from nlcontrol.session.frame_documents import Frames
@@ -85,9 +86,10 @@ class Client:
         )
         self.session_id = info.session_id
 
-    def look(self) -> TableView:
-        """The table as the robot sees it now."""
-        return self._document(TableView, "look")
+    def look(self, objects: Sequence[StatedObject] | None = None) -> TableView:
+        """The table as the robot sees it now, or as it is stated; see `PlanningSession.look`."""
+        stated = None if objects is None else {"objects": _as_json(list(objects))}
+        return self._document(TableView, "look", stated)
 
     def parse(self, said: str | Frames) -> Command:
         """The frames of a sentence; raises a `ControlError` if it is not understood."""

@@ -11,9 +11,6 @@ from grammar.frames.command import Command, Frame
 from nlcontrol.json_document import DocumentPart
 from nlcontrol.service.documents import SessionSpec, TableSpec
 
-MOST_STATED = 60
-"""Objects that may be stated to stand on a table."""
-
 _NAME = r"^[A-Za-z0-9_-]{1,64}$"
 
 SessionId = Annotated[str, Path(pattern=_NAME, description="Of a session.")]

@@ -6,12 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from nlcontrol.errors import error
-from nlcontrol.service.bundles.run_bundle import (
-    RunRequest,
-    installed_versions,
-    platform_name,
-    write_bundle,
-)
+from nlcontrol.service.bundles.run_bundle import write_bundle
+from nlcontrol.service.bundles.run_request import RunRequest, installed_versions, platform_name
 
 if TYPE_CHECKING:
     from nlcontrol.service.documents import RunInfo

@@ -11,10 +11,9 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Callable
-from dataclasses import asdict
 from typing import TYPE_CHECKING, Protocol
 
-from nlcontrol.service.live_documents import DrawnShape, PoseFrame, SceneGeometry
+from nlcontrol.service.live_documents import PoseFrame, SceneGeometry
 from sim.rotations import quaternion
 from sim.simulated_executor import SimulatedExecutor
 
@@ -28,8 +27,6 @@ RATE = 30.0
 """Frames per second of the robot's time, at most."""
 
 _LOOK_EVERY = 0.008  # a simulation may run several times faster than the clock [s]
-
-_GREY = (0.6, 0.6, 0.6, 1.0)
 
 
 class View(Protocol):
@@ -54,7 +51,7 @@ class ObservedWorld:
     """
 
     def __init__(self, executor: SimulatedExecutor) -> None:
-        from sim.views.scene_bodies import SceneBodies
+        from sim.views.viewer_scene import SceneBodies
 
         self._executor = executor
         # A viewer's own world shows how things are before anything moves: the executor's is built
@@ -73,8 +70,7 @@ class ObservedWorld:
 
     def geometry(self) -> SceneGeometry:
         """All that is drawn."""
-        shapes = tuple(DrawnShape(**asdict(shape)) for shape in self._bodies.shapes())
-        return SceneGeometry(source="observer", shapes=shapes)
+        return SceneGeometry(source="observer", **self._bodies.document())
 
     def frame(self) -> PoseFrame:
         """Places of all bodies in the newest sample."""
@@ -100,20 +96,13 @@ class BelievedTable:
 
     def geometry(self) -> SceneGeometry:
         """A box about each object."""
-        shapes = []
-        for name, model in self._controller.models.items():
-            x, y, z = (float(side) for side in model.extents)
-            shapes.append(
-                DrawnShape(
-                    body=name,
-                    object=name,
-                    kind="box",
-                    size=(x, y, z),
-                    pose=(1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.5 * z),
-                    colour=_GREY,
-                )
-            )
-        return SceneGeometry(source="belief", shapes=tuple(shapes))
+        from sim.views.viewer_scene import boxes_scene
+
+        sizes = {
+            name: [float(side) for side in model.extents]
+            for name, model in self._controller.models.items()
+        }
+        return SceneGeometry(source="belief", **boxes_scene(self._controller.cell.name, sizes))
 
     def frame(self) -> PoseFrame:
         """Places of the objects as they are believed."""

@@ -20,7 +20,6 @@ from typing import TYPE_CHECKING, Any
 from nlcontrol.errors import ErrorInfo, error, exception_info
 from nlcontrol.json_document import DocumentPart
 from nlcontrol.results.result import Result
-from nlcontrol.service.bundles.run_bundle import run_request
 from nlcontrol.service.documents import SessionSpec
 from nlcontrol.service.session import Session
 from nlcontrol.service.workers.planner_host import warm_up
@@ -28,7 +27,7 @@ from nlcontrol.service.workers.pose_stream import PoseStream
 from nlcontrol.service.workers.session_answers import session_answer
 
 if TYPE_CHECKING:
-    from nlcontrol.service.session_protocol import Run
+    from nlcontrol.service.session_runs import SessionRun
     from nlcontrol.service.workers.worker_host import Tell
     from nlcontrol.session.events import Event
     from nlcontrol.session.executor import Executor
@@ -110,7 +109,7 @@ class SessionHost:
         self.session.controller.time_limit = None
         try:
             if plan_id is None:
-                run: Run = self.session.say(said, on_event=self._tell_event)
+                run = self.session.say(said, on_event=self._tell_event)
             else:
                 run = self.session.execute(plan_id, on_event=self._tell_event)
         except BaseException:
@@ -126,20 +125,18 @@ class SessionHost:
             self._turn.wait()
         self._tell("event", event.model_dump_json().encode())
 
-    def _follow(self, run: Run) -> None:
+    def _follow(self, run: SessionRun) -> None:
         """Waits for the end of a run, and tells it after all that belongs to the run."""
-        end = RunEnd()
         try:
-            result = run.result()
-            end = RunEnd(result=result)
-            trace = run.trace()
-            if trace is not None:
-                self._tell("trace", trace_bytes(trace))
-            request = run_request(self.session.controller, result)
-            self._tell("request", request.model_dump_json().encode())
+            end = RunEnd(result=run.result())
         except Exception as raised:
-            end = RunEnd(result=end.result, error=exception_info(raised))
+            end = RunEnd(error=exception_info(raised))
         self.session.controller.time_limit = self._time_limit
+        if run.request is not None:
+            self._tell("request", run.request.model_dump_json().encode())
+        trace = run.trace()
+        if trace is not None:
+            self._tell("trace", trace_bytes(trace))
         self._tell("ended", end.model_dump_json().encode())
 
 

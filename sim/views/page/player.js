@@ -112,9 +112,15 @@ export class LivePlayer extends Player {
     super(viewer, new FrameTrack());
   }
 
-  // `{time, poses, liquid, fingers}`: time [s], poses as `Viewer.setPoses` takes them.
+  // `{time, poses, liquid, fingers}`: time [s], poses by the names of the bodies as the service
+  // tells them. A body that is not told of stays where it was.
   push({ time, poses, liquid = [], fingers = [] }) {
-    this.track.push(time, poses, 120);
+    const row = this.newest ? this.newest.slice() : restingPoses(this.viewer.document.bodies);
+    this.viewer.document.bodies.forEach(({ name }, i) => {
+      if (poses[name]) row.set(poses[name], 7 * i);
+    });
+    this.newest = row;
+    this.track.push(time, row, 120);
     this.arrived = performance.now();
     this.viewer.setLiquid(liquid);
     this.viewer.setFingers(fingers);
@@ -129,4 +135,10 @@ export class LivePlayer extends Player {
     this.told(time, frame);
     return time < this.track.end;
   }
+}
+
+function restingPoses(bodies) {
+  const row = new Float32Array(7 * bodies.length);
+  bodies.forEach((_, i) => (row[7 * i] = 1));
+  return row;
 }

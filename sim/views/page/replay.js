@@ -170,23 +170,22 @@ function followAttempts(viewer, player, contacts) {
 function labelForce(viewer, player, felt) {
   const label = $("force");
   let written = 0;
-  player.onshow((_, frame) => {
+  viewer.ondrawn = () => {
+    const { frame, fingers } = player;
     let [most, place] = [0, null];
-    for (const { places, forces } of player.fingers) {
+    for (const { places, forces } of fingers) {
       const force = Math.hypot(...forces[frame]);
       if (force > most) [most, place] = [force, places[frame]];
     }
-    const now = performance.now();
     const at = place && viewer.project(new Vector3(...place));
     if (label.hidden === Boolean(at)) label.hidden = !at;
     if (!at) return;
-    const text = `${felt[frame].toFixed(1)} N`;
-    if (!player.playing || now - written > READ) {
-      written = now;
-      label.textContent = text;
-    }
     label.style.transform = `translate(${Math.round(at[0] + 34)}px, ${Math.round(at[1] - 12)}px)`;
-  });
+    const now = performance.now();
+    if (player.playing && now - written < READ) return;
+    written = now;
+    label.textContent = `${felt[frame].toFixed(1)} N`;
+  };
 }
 
 // -- controls -------------------------------------------------------------------------------------

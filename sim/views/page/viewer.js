@@ -37,6 +37,7 @@ export class Viewer {
     this.rings = [];
     this.scene.add(this.liquid, this.ghosts);
     this.onframe = null; // is asked for each frame, with its time [ms]; true if things move
+    this.ondrawn = null; // is called after each frame, when the camera stands where it is
     this.scriptTime = 0; // of the last frame [ms]
     this.frames = 0;
     this.size = [1, 1];
@@ -101,30 +102,30 @@ export class Viewer {
     this.invalidate();
   }
 
-  // Bodies as they should be at the end, `{name, pose}` each.
+  // Objects as they should be at the end, `{name, pose}` each.
   setGhosts(ghosts) {
     this.ghosts.clear();
     for (const { name, pose } of ghosts) {
-      const body = this.document.bodies.find((each) => each.name === name && each.kind === "object");
+      const body = this.document.bodies[this.indexOf(name)];
       if (body) this.ghosts.add(ghostOf(body, pose));
     }
     this.invalidate();
   }
 
-  // Places where bodies are to be touched, `{name, place, normal}` each, in the body.
+  // Places where objects are to be touched, `{name, place, normal}` each, in the object's frame.
   setContacts(contacts) {
     for (const ring of this.rings) ring.removeFromParent();
     this.rings = contacts.map((contact) => {
       const ring = contactRing(contact);
-      this.bodyNamed(contact.name)?.add(ring);
+      this.bodies[this.indexOf(contact.name)]?.add(ring);
       return ring;
     });
     this.invalidate();
   }
 
-  bodyNamed(name) {
-    const index = this.document.bodies.findIndex((each) => each.name === name && each.kind !== "robot");
-    return this.bodies[index];
+  // Place of an object among the bodies.
+  indexOf(object) {
+    return this.document.bodies.findIndex((each) => each.object === object && each.kind === "object");
   }
 
   // Place of a point of W in the element [px]; null behind the eye.
@@ -154,6 +155,7 @@ export class Viewer {
     const glides = this.orbit.update(step);
     this.quality.apply(false);
     this.renderer.render(this.scene, this.orbit.camera);
+    this.ondrawn?.();
     this.frames++;
     this.scriptTime = performance.now() - began;
     if (moves || glides) this.invalidate();

@@ -14,6 +14,7 @@ from grammar import ParseError, parse
 from grammar.parser import Parser, default_parser, parser_for
 from grammar.words import lexicon_plugins as plugins
 from grammar.words.lexicon import default_lexicon
+from objectmodels.files.limits import LIMITS
 
 SCOOT = """
 WORDS = {"verbs": [{"says": ["scoot"], "action": "slide", "goal": "displace"}]}
@@ -105,7 +106,8 @@ def test_words_of_several_plug_ins_come_together(install: Install) -> None:
         ("NOTHING = 1", "AttributeError"),
         ("WORDS = {'verbs': [], 'nouns': [], 'colours': {}}", "words have no colours, nouns"),
         ("WORDS = 3", "TypeError: expected a mapping, a path or a function, found int"),
-        ("WORDS = 'no/such/file.yaml'", "FileNotFoundError"),
+        ("WORDS = 'no/such/file.yaml'", "no/such/file.yaml is no regular file"),
+        ("WORDS = '/dev/zero'", "/dev/zero is no regular file"),
         ("def WORDS():\n    raise KeyError('later')", "KeyError: 'later'"),
         (
             "WORDS = {'verbs': [{'says': ['push'], 'action': 'pull', 'goal': 'displace'}]}",
@@ -194,3 +196,27 @@ def test_unit_of_a_plug_in() -> None:
     lexicon = default_lexicon().extended(terminals={"LENGTH_UNIT": {"0.1016": ["hands"]}})
     (frame,) = Parser(lexicon).parse("push the box away two hands").frames
     assert frame.goal.model_dump()["distance"] == pytest.approx(2 * 0.1016)  # rounding alone
+
+
+@pytest.mark.parametrize(
+    ("content", "why"),
+    [
+        (b"verbs: []\n" + b"#" * plugins.MOST_BYTES, "holds more than 1000000 bytes"),
+        (b"a: &a [x, x]\nb: &b [*a, *a]\nverbs: [*b, *b]\n", "has aliases"),
+        (b"\xff\xfe\x00", "UnicodeDecodeError"),
+        (b"[" * 5_000 + b"]" * 5_000, "RecursionError"),
+        (b"verbs: !!python/name:os.system", "ConstructorError"),
+    ],
+)
+def test_a_file_of_words_is_read_within_limits(
+    install: Install, tmp_path: Path, content: bytes, why: str
+) -> None:
+    (tmp_path / "words.yaml").write_bytes(content)
+    install(bad=f"WORDS = {str(tmp_path / 'words.yaml')!r}", good=SCOOT)
+    _, (problem,) = plugins.installed_lexicon()
+    assert why in problem
+    assert action("scoot the box away") == "slide"
+
+
+def test_the_limit_is_that_of_the_table() -> None:
+    assert LIMITS["lexicon_file"].most == plugins.MOST_BYTES

@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -123,3 +124,17 @@ def test_sigterm_ends_it(table: Path) -> None:
         assert json.loads(process.stdout.readline())["id"] == 1
         process.send_signal(signal.SIGTERM)
         assert process.wait(timeout=20) == 143
+
+
+def test_without_the_extra_it_says_how_to_install_it() -> None:
+    without = "import sys; sys.modules['mcp'] = None; from nlcontrol.cli import main; main(['mcp'])"
+    told = subprocess.run(
+        [sys.executable, "-c", without], capture_output=True, text=True, cwd=ROOT, check=False
+    )
+    assert told.returncode == 2
+    assert told.stdout == ""
+    assert "(missing_extra)" in told.stderr
+    assert "pip install '.[mcp]'" in told.stderr
+    assert "mcp" in tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"][
+        "optional-dependencies"
+    ]  # fmt: skip

@@ -14,15 +14,16 @@ import numpy as np
 import pytest
 
 from nlcontrol import ControlError, Controller, Conversation
-from nlcontrol.results.result import Result
 from nlcontrol.service.bundles.bundle_rerun import report_lines, rerun
-from nlcontrol.service.bundles.run_bundle import bundle_run, read_bundle, run_request
+from nlcontrol.service.bundles.run_bundle import bundle_run, read_bundle
 from nlcontrol.service.bundles.run_comparison import (
     result_differences,
     trace_differences,
     version_differences,
 )
+from nlcontrol.service.bundles.run_request import run_request
 from nlcontrol.service.documents import RunInfo, SessionSpec
+from nlcontrol.service.session import Session
 from nlcontrol.service.store.run_store import RunStore
 from nlcontrol.service.store.stored_bundle import bundle_file
 from nlcontrol.session import recipe as recipes
@@ -259,13 +260,20 @@ def test_the_bundle_of_a_run_in_a_store(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_push_is_repeated_to_the_digit(tmp_path: Path) -> None:
-    controller = Controller(seed=5)
-    result: Result = controller.say("push the mug 2 cm to the left")
-    bundle_run(controller, result, tmp_path / "b.zip")
-    found = read_bundle(tmp_path / "b.zip")
-    assert found.trace == result.trace
-    report = rerun(found)
+def test_a_plan_that_was_approved_is_repeated_to_the_digit(tmp_path: Path) -> None:
+    with Session(seed=5) as session:
+        first = session.plan("push the mug 2 cm to the left")
+        session.plan("push the ice tea box 2 cm away")
+        session.ask("where is the coffee box?")
+        assert first.plan_id is not None
+        run = session.execute(first.plan_id)
+        result = run.result()
+        events = tuple(run.events())
+        bundle_run(session.controller, result, tmp_path / "b.zip", events=events)
+    assert run.request is not None
+    assert run.request.digest == first.digest
+    bundle = read_bundle(tmp_path / "b.zip")
+    assert bundle.request.recipe == run.request.recipe
+    report = rerun(bundle)
     assert report.ok, list(report_lines(report))
-    assert result.trace is not None
-    assert report.samples == len(result.trace.time) > 0
+    assert report.samples > 0

@@ -65,6 +65,14 @@ def test_what_was_carried_out_is_not_said_again(controller: Controller) -> None:
     assert re.fullmatch(r"push the mug away by \d+ cm, then turn the mug", second.error.say[0])
 
 
+def test_another_object_is_not_offered_for_one_that_is_not_there() -> None:
+    counter = Controller("counter")
+    for text in ("push the book away", "push the teapot away", "push it away"):
+        error = counter.say(text, plan_only=True).error
+        assert error is not None
+        assert error.say == ()
+
+
 def test_nothing_is_offered_where_nothing_is_meant_more_than_the_rest(
     controller: Controller,
 ) -> None:

@@ -50,7 +50,7 @@ def test_bodies_are_where_the_trace_says(
     scene: Scene, recorded: tuple[dict[str, Any], dict[str, Any]]
 ) -> None:
     document, recording = recorded
-    names = [body["name"] for body in document["bodies"]]
+    names = [body["object"] or body["name"] for body in document["bodies"]]
     places = _unpacked(recording["places"]).reshape(len(names), 3, -1)
     turns = _unpacked(recording["turns"]).reshape(len(names), 4, -1)
     box = names.index(BOX)
@@ -96,7 +96,7 @@ def test_liquid_that_keeps_its_form_is_told_once(
     for form in forms:
         assert (form["from"], form["to"]) == (0, frames - 1)
         corners = np.frombuffer(base64.b64decode(form["corners"]), "<i2") * form["step"]
-        vessel = scene.object(document["bodies"][form["body"]]["name"]).truth.vessel
+        vessel = scene.object(document["bodies"][form["body"]]["object"]).truth.vessel
         assert vessel is not None
         assert corners.reshape(-1, 3)[:, 2].min() == pytest.approx(vessel.floor, abs=1e-4)
         faces = np.frombuffer(base64.b64decode(form["faces"]), "<u2")

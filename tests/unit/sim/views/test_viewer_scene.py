@@ -8,11 +8,20 @@ from typing import Any
 import numpy as np
 import pytest
 
+from nlcontrol.service.live_documents import SceneGeometry
 from sim import load_scene
 from sim.rotations import from_quaternion
 from sim.truth.scene_file import Scene
 from sim.views.trace_scene import TraceScene
-from sim.views.viewer_scene import body_poses, drawn_bodies, viewer_scene
+from sim.views.viewer_scene import (
+    SceneBodies,
+    body_name,
+    body_poses,
+    boxes_scene,
+    drawn_bodies,
+    viewer_scene,
+)
+from sim.worlds.ports import Sample
 
 KINDS = {"box", "sphere", "capsule", "cylinder", "mesh", "lathe", "tube", "label", "grid"}
 """That `page/body_shapes.js` draws."""
@@ -34,18 +43,24 @@ def document(scene: Scene) -> dict[str, Any]:
 
 
 def _shapes(document: dict[str, Any], kind: str) -> dict[str, list[Any]]:
-    return {body["name"]: body["shapes"] for body in document["bodies"] if body["kind"] == kind}
+    """Shapes of the bodies of a kind, by their objects, or by their names if they have none."""
+    return {
+        body["object"] or body["name"]: body["shapes"]
+        for body in document["bodies"]
+        if body["kind"] == kind
+    }
 
 
 def test_every_object_and_lid_has_a_body_of_its_name(
     scene: Scene, document: dict[str, Any]
 ) -> None:
     assert set(_shapes(document, "object")) == set(scene.names)
-    lids = {f"{item.name} lid" for item in scene.objects if item.truth.lid is not None}
+    lids = {item.name for item in scene.objects if item.truth.lid is not None}
     assert set(_shapes(document, "lid")) == lids
     assert len(_shapes(document, "robot")) > 15
-    names = [(body["kind"], body["name"]) for body in document["bodies"]]
+    names = [body["name"] for body in document["bodies"]]
     assert len(set(names)) == len(names)
+    assert "lwr_arm/arm_link_1" in names
 
 
 def test_every_shape_can_be_drawn(document: dict[str, Any]) -> None:
@@ -104,7 +119,30 @@ def test_poses_stand_in_the_order_of_the_bodies(scene: Scene, document: dict[str
     bodies = drawn_bodies(stage.model)
     poses = body_poses(stage.model, bodies, stage.plant_context)
     assert poses.shape == (len(document["bodies"]), 7)
-    assert [body.name() for body in bodies] == [body["name"] for body in document["bodies"]]
+    names = [body_name(body) for body in bodies]
+    assert names == [body["name"] for body in document["bodies"]]
     for item in scene.objects:
-        place = poses[[body.name() for body in bodies].index(item.name), 4:]
+        place = poses[names.index(f"{item.name}/{item.name}"), 4:]
         np.testing.assert_allclose(place, [item.pose.x_m, item.pose.y_m, 0.0], atol=1e-9)
+
+
+def test_objects_of_which_a_box_is_known_are_boxes_with_their_names() -> None:
+    (body,) = boxes_scene("mine", {"crate": (0.1, 0.2, 0.3)})["bodies"]
+    solid, *labels = body["shapes"]
+    assert (body["object"], solid["size"]) == ("crate", (0.1, 0.2, 0.3))
+    assert solid["pose"][6] == pytest.approx(0.15)
+    assert {label["text"] for label in labels} == {"crate"}
+
+
+def test_poses_of_a_sample_are_told_by_the_names_of_the_document() -> None:
+    scene = load_scene("kitchen")
+    shown = SceneBodies(scene)
+    rows = {item.name: np.array([1.0, 0, 0, 0, 0.1, 0.2, 0.3]) for item in scene.objects}
+    sample = Sample(time=0.0, poses=rows, joints=np.array([0.5]), lids={"ice tea cup": 1.0})
+    poses = shown.poses(sample, ["arm_joint_1"])
+    geometry = SceneGeometry(source="observer", **shown.document())
+    assert list(poses) == [body.name for body in geometry.bodies]
+    assert poses["mug/mug"] == (1.0, 0.0, 0.0, 0.0, 0.1, 0.2, 0.3)
+    assert poses["lwr_arm/arm_link_1"] != poses["lwr_arm/arm_base"]
+    lid = from_quaternion(np.array(poses["ice tea cup lid/ice tea cup lid"][:4]))
+    assert np.degrees(np.arccos(lid[2, 2])) == pytest.approx(np.degrees(1.0), abs=0.01)

@@ -94,6 +94,9 @@ def test_a_wrong_key_is_told_with_its_place(http: httpx.Client) -> None:
     objects = [{"name": "mug", "x": 0.5, "y": 0.0}, {"name": "jar", "x": "far", "y": 0.0}]
     refused = http.post("/v1/plan", json={**SAID, "table": {"objects": objects}})
     assert refused.json()["path"] == "table.objects[1].x"
+    many = [{"name": f"mug {n}", "x": 0.5, "y": 0.0} for n in range(61)]
+    refused = http.post("/v1/plan", json={**SAID, "table": {"objects": many}})
+    assert (code(refused), refused.json()["path"]) == ((422, "bad_request"), "table.objects")
     refused = http.post("/v1/plan", json={**SAID, "tabel": {}})
     assert refused.json()["path"] == "tabel"
 

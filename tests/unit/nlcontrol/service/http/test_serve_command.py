@@ -1,0 +1,83 @@
+"""`nlcontrol serve` as a command: what it refuses to begin, and how it ends."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import httpx
+import pytest
+
+from tests.service_process import ROOT, serving
+
+
+def refused(*options: str, path: str = "") -> tuple[int, str]:
+    """Exit code and standard error of a server that does not begin."""
+    found = subprocess.run(
+        [sys.executable, "-m", "nlcontrol", "serve", "--port", "0", *options],
+        env=os.environ | {"PYTHONPATH": f"{path}:{ROOT}", "NLCONTROL_TOKEN": ""},
+        capture_output=True, text=True, timeout=30, check=False,
+    )  # fmt: skip
+    return found.returncode, found.stderr
+
+
+def test_without_the_extra_it_says_how_to_install_it(tmp_path: Path) -> None:
+    (tmp_path / "uvicorn.py").write_text("raise ModuleNotFoundError('no', name='uvicorn')")
+    status, said = refused(path=str(tmp_path))
+    assert status == 2
+    assert "pip install '.[serve]'" in said
+    extras = (ROOT / "pyproject.toml").read_text()
+    assert 'serve = ["fastapi' in extras
+
+
+def test_other_machines_need_a_token(tmp_path: Path) -> None:
+    status, said = refused("--host", "0.0.0.0")
+    assert (status, "--token-file" in said) == (2, True)
+    short = tmp_path / "token"
+    short.write_text("short\n")
+    assert refused("--host", "0.0.0.0", "--token-file", str(short))[0] == 2
+
+
+def test_a_port_that_is_taken_is_told() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        status, said = refused("--port", str(taken.getsockname()[1]))
+    assert (status, "--port" in said) == (2, True)
+
+
+def processes_below(pid: int) -> list[int]:
+    """Numbers of the processes that a process has started."""
+    tasks = Path(f"/proc/{pid}/task").iterdir()
+    return [int(number) for task in tasks for number in (task / "children").read_text().split()]
+
+
+def is_alive(pid: int) -> bool:
+    """True if a process goes on; one that has ended may wait for somebody to take note."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(") ")[2][0] != "Z"
+    except OSError:
+        return False
+
+
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_signal_ends_it_with_all_its_processes(number: signal.Signals, status: int) -> None:
+    with serving("--planners", "1", "--workers", "1") as server:
+        opened = httpx.post(f"{server.url}/v1/sessions", json={}, timeout=30.0)
+        live = f"{server.url}/v1/sessions/{opened.json()['session_id']}/live"
+        children = processes_below(server.process.pid)
+        assert len(children) >= 3
+        with httpx.stream("GET", live) as stream:
+            assert stream.status_code == 200
+            began = time.monotonic()
+            server.process.send_signal(number)
+            assert server.process.wait(15) == status
+        assert time.monotonic() - began < 8.0
+        # The tracker of Python's own resources ends a moment after its parent.
+        deadline = time.monotonic() + 3.0
+        while any(map(is_alive, children)) and time.monotonic() < deadline:
+            time.sleep(0.05)
+        assert [pid for pid in children if is_alive(pid)] == []
