@@ -83,15 +83,17 @@ def _hollow(shape: Shape, truth: Truth, vessel: Vessel) -> Shape:
     wall, opening = truth.container.wall, truth.container.opening.radius
     base = truth.base_radius_m or radius
     wide = opening > _WIDE * radius
+    seen_into = wide and truth.lid is None
     outside = [(0.0, _OFF_TABLE), (base, _OFF_TABLE), (radius, floor)]
-    if wide:
+    if seen_into:
         inner = radius - wall
         profile = [*outside, (radius, height), (inner, height), (inner, floor), (0.0, floor)]
+    elif wide:  # an inner side would stripe with the liquid that is seen through the outer one
+        profile = [*outside, (radius, height), (opening, height)]
     else:
         neck = opening + _NECK_WALL
         shoulder = [(radius, _SHOULDER * height), (neck, _NECK * height)]
         profile = [*outside, *shoulder, (neck, height), (opening, height)]
-    seen_into = wide and truth.lid is None
     return shape | {
         "kind": "lathe",
         "profile": [(round(r, 5), round(z, 5)) for r, z in profile],

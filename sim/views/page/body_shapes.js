@@ -34,13 +34,16 @@ export function meshesOf(bodies) {
 class SolidParts {
   constructor() {
     this.values = { position: [], normal: [], color: [], uv: [], skinIndex: [], skinWeight: [] };
+    this.faces = [];
   }
 
   // `corners` of a sheet are the place of a label on it.
   add(shape, index, corners = null) {
     const geometry = placed(geometryOf(shape, index), shape.pose);
-    const flat = geometry.index ? geometry.toNonIndexed() : geometry;
-    const { position, normal, uv } = flat.attributes;
+    const { position, normal, uv } = geometry.attributes;
+    const first = this.values.position.length / 3;
+    const faces = geometry.index?.array ?? Array.from({ length: position.count }, (_, i) => i);
+    for (const corner of faces) this.faces.push(first + corner);
     const [r, g, b] = new THREE.Color().setRGB(...shape.colour.slice(0, 3), THREE.SRGBColorSpace);
     for (const [name, { array }] of Object.entries({ position, normal })) {
       for (const value of array) this.values[name].push(value);
@@ -63,6 +66,7 @@ class SolidParts {
       if (values.length) geometry.setAttribute(name, new THREE.Float32BufferAttribute(values, size));
     }
     geometry.setAttribute("skinIndex", new THREE.Uint16BufferAttribute(skinIndex, 4));
+    geometry.setIndex(this.faces);
     const mesh = new THREE.SkinnedMesh(geometry, material);
     mesh.bind(skeleton, new THREE.Matrix4());
     mesh.frustumCulled = false;
@@ -91,7 +95,7 @@ function shellOf(shape) {
 
 // How many sides something round has.
 function sidesOf(radius) {
-  return Math.round(Math.min(48, 8 + 640 * radius));
+  return Math.round(Math.min(34, 8 + 420 * radius));
 }
 
 // Geometry of a shape in its own frame. Round bodies, of which one ends in the next, differ a little
@@ -105,7 +109,7 @@ export function geometryOf(shape, order = 0) {
     case "sphere":
       return new THREE.SphereGeometry(shape.radius * swell, sides, Math.ceil(sides / 2));
     case "capsule":
-      return new THREE.CapsuleGeometry(shape.radius * swell, shape.length, Math.ceil(sides / 4), sides)
+      return new THREE.CapsuleGeometry(shape.radius * swell, shape.length, Math.ceil(sides / 5), sides)
         .rotateX(Math.PI / 2);
     case "cylinder":
       return cylinderGeometry(shape.radius, shape.length);
@@ -152,24 +156,26 @@ function cylinderGeometry(radius, length) {
 function latheGeometry(profile) {
   const positions = [];
   const normals = [];
+  const faces = [];
   const sides = sidesOf(Math.max(...profile.map(([r]) => r)));
   for (let i = 0; i + 1 < profile.length; i++) {
     const [[r0, z0], [r1, z1]] = [profile[i], profile[i + 1]];
     const length = Math.hypot(r1 - r0, z1 - z0) || 1;
     const [out, up] = [(z1 - z0) / length, -(r1 - r0) / length];
-    for (let k = 0; k < sides; k++) {
-      const corner = (r, z, turn) => {
-        const phi = (2 * Math.PI * turn) / sides;
-        positions.push(r * Math.cos(phi), r * Math.sin(phi), z);
-        normals.push(out * Math.cos(phi), out * Math.sin(phi), up);
-      };
-      corner(r0, z0, k); corner(r0, z0, k + 1); corner(r1, z1, k + 1);
-      corner(r0, z0, k); corner(r1, z1, k + 1); corner(r1, z1, k);
+    for (let k = 0; k <= sides; k++) {
+      const phi = (2 * Math.PI * k) / sides;
+      const [cos, sin] = [Math.cos(phi), Math.sin(phi)];
+      positions.push(r0 * cos, r0 * sin, z0, r1 * cos, r1 * sin, z1);
+      normals.push(out * cos, out * sin, up, out * cos, out * sin, up);
+      if (k === sides) continue;
+      const at = 2 * (i * (sides + 1) + k);
+      faces.push(at, at + 2, at + 3, at, at + 3, at + 1);
     }
   }
   const geometry = new THREE.BufferGeometry();
   geometry.setAttribute("position", new THREE.Float32BufferAttribute(positions, 3));
   geometry.setAttribute("normal", new THREE.Float32BufferAttribute(normals, 3));
+  geometry.setIndex(faces);
   return geometry;
 }
 
