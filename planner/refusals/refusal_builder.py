@@ -64,7 +64,7 @@ def refusal(
     *,
     spans: Spans = (),
     reason: RefusalReason | None = None,
-    instead: tuple[str, ...] | None = None,
+    instead: tuple[str, ...] = (),
     **words: object,
 ) -> Refusal:
     """Refusal in the words of its code.
@@ -86,9 +86,7 @@ def refusal(
         numbers=dict(numbers),
         capability=said.capability and filled_in(said.capability, values),
         spans=spans,
-        suggestions=tuple(filled_in(one, values) for one in said.instead)
-        if instead is None
-        else instead,
+        suggestions=instead or tuple(filled_in(one, values) for one in said.instead),
     )
 
 

@@ -46,6 +46,12 @@ def test_each_sentence_is_in_its_words(code: str) -> None:
     assert _said(code) == GOLDEN[code]
 
 
+@pytest.mark.parametrize("code", SENTENCES)
+def test_each_refusal_says_what_would_do(code: str) -> None:
+    assert all(SENTENCES[code].instead)
+    assert len(SENTENCES[code].instead) >= 1
+
+
 def test_every_sentence_is_used() -> None:
     source = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "planner").rglob("*.py"))
     for code in SENTENCES:
