@@ -121,8 +121,10 @@ def say_sentences(url: str, seed: int, told: Told, ended: threading.Event) -> No
     """Says sentences in a session of its own, until the service or the session is lost."""
     rng = random.Random(seed)
     with contextlib.suppress(httpx.TransportError), httpx.Client(base_url=url, timeout=30) as http:
-        session = http.post("/v1/sessions", json={"seed": seed}).raise_for_status().json()
-        place = f"/v1/sessions/{session['session_id']}"
+        opened = http.post("/v1/sessions", json={"seed": seed})
+        if opened.status_code == 410:  # its process was killed as it was opened
+            return
+        place = f"/v1/sessions/{opened.raise_for_status().json()['session_id']}"
         while not ended.is_set():
             answer = http.post(f"{place}/say", json={"text": rng.choice(SENTENCES)})
             if answer.status_code != 202:  # the session was lost
