@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from nlcontrol.service.store.store_folder import STORE_VARIABLE
 from tests.fakes.counted_executor import FOLDER_VARIABLE, first_poses, write_poses
 
 ROOT = Path(__file__).parents[1]
@@ -45,7 +46,9 @@ def serving(*options: str, environment: Mapping[str, str] | None = None) -> Iter
                 stderr=errors,
                 text=True,
                 cwd=ROOT,
-                env=os.environ | {"PYTHONPATH": str(ROOT)} | dict(environment or {}),
+                env=os.environ
+                | {"PYTHONPATH": str(ROOT), STORE_VARIABLE: str(Path(folder, "store"))}
+                | dict(environment or {}),
             )
         try:
             assert process.stdout is not None

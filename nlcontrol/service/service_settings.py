@@ -20,7 +20,7 @@ class ServiceSettings(BaseModel):
         sessions: that may be open at once, each a process.
         planners: processes that plan for those who have no session, at most.
         queue: runs that may wait for their turn, and as many calls for a planner.
-        store: folder of the runs; a temporary one if not given.
+        store: folder of the runs; a temporary one if not given, where `serve` takes the user's own.
         keep_bytes: of runs that are kept; the oldest go first.
         scenes: names of the host's scenes that may be asked for; all built-in ones if not given.
         executor: `module:Class` of the robot to be driven, instead of the simulated one.

@@ -44,7 +44,7 @@ _COUNT = click.IntRange(1, 1000)
 @click.option(
     "--store",
     type=click.Path(file_okay=False, path_type=Path),
-    help="Folder of the runs; without it they go with the service.",
+    help="Folder of the runs; your own of the service by default.",
 )
 @click.option("--keep", type=click.IntRange(1), metavar="MB", help="Of runs that are kept.")
 @click.option(
@@ -82,13 +82,14 @@ def command(
 
     from nlcontrol.service.http.http_settings import HttpSettings
     from nlcontrol.service.service_settings import ServiceSettings
+    from nlcontrol.service.store.store_folder import default_folder
 
     given = {
         "workers": workers,
         "sessions": sessions,
         "planners": planners,
         "queue": queue,
-        "store": store,
+        "store": store or default_folder(),
         "keep_bytes": None if keep is None else keep * 10**6,
         "scenes": scenes or None,
         "executor": executor,
