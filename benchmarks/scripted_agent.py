@@ -44,7 +44,7 @@ TASKS = (
     Task("kitchen", "topple the cereal box"),
     Task("kitchen", "lift the ice tea with at most 0.1 N", refused_first=True),
     Task("kitchen", "pour 50 ml of the ice tea into the mug"),
-    Task("kitchen", "pour the contents of the ice tea into the mug at 3 m/s", refused_first=True),
+    Task("kitchen", "pour the ice tea into the mug in at most 1 s", refused_first=True),
     Task("kitchen", "how heavy is the mug?"),
     Task("kitchen", "push the ice te box 10 cm away", refused_first=True),
     Task("kitchen", "put the mug at the left edge in at most 2 s", refused_first=True),

@@ -18,6 +18,7 @@ from mcp.client.stdio import StdioServerParameters
 
 from tests.architecture.product import ROOT
 from tests.fakes.counted_executor import FOLDER_VARIABLE, MOTIONS, first_poses, write_poses
+from tests.service_process import serving_counted_robot
 from tests.unit.nlcontrol.mcp.tool_calls import content_of
 
 NOISE = ("printed by Python", "written to the descriptor", "put by a library")
@@ -124,6 +125,32 @@ def test_sigterm_ends_it(table: Path) -> None:
         assert json.loads(process.stdout.readline())["id"] == 1
         process.send_signal(signal.SIGTERM)
         assert process.wait(timeout=20) == 143
+
+
+def test_the_tools_work_at_a_session_of_a_server(tmp_path: Path) -> None:
+    async def talk(url: str) -> dict[str, Any]:
+        server = StdioServerParameters(
+            command=sys.executable,
+            args=["-m", "nlcontrol", "mcp", "--url", url, "--allow-motion"],
+            cwd=ROOT,
+        )
+        async with Client(server) as client:
+            refused = content_of(
+                await client.call_tool("plan", {"sentence": "push the mug 3 m away"})
+            )
+            assert refused["say"]
+            planned = content_of(
+                await client.call_tool("plan", {"sentence": "push the mug 5 cm away"})
+            )
+            done = await client.call_tool("execute", {"plan_id": planned["plan_id"]})
+            again = await client.call_tool("execute", {"plan_id": planned["plan_id"]})
+            assert content_of(again)["code"] == "used_plan"
+            return content_of(done)
+
+    with serving_counted_robot(tmp_path) as server:
+        done = anyio.run(talk, server.url)
+    assert done["status"] == "done"
+    assert (tmp_path / MOTIONS).read_text() == "mug\n"
 
 
 def test_without_the_extra_it_says_how_to_install_it() -> None:
