@@ -12,7 +12,7 @@ import threading
 import time
 from collections.abc import AsyncIterator
 from concurrent.futures import Future
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Self
@@ -197,7 +197,9 @@ class PlanningService:
         """Asks the run of a session to come to rest; its plans are dropped."""
         session = self._session(session_id)
         session.require_process()
-        session.process.call("stop_run")
+        asked = session.process.call("stop")
+        with suppress(TimeoutError):  # a long search goes on; it will be heard after it
+            asked.result(self.settings.request_time)
 
     def close_session(self, session_id: str) -> None:
         """Closes a session; its run comes to rest first, but not for longer than `stop_time`."""

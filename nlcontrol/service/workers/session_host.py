@@ -54,6 +54,7 @@ class SessionHost:
     def __init__(self, tell: Tell) -> None:
         self._tell = tell
         self._session: Session | None = None
+        self._run: SessionRun | None = None
         self._time_limit = math.inf
         self._turn = threading.Event()
         warm_up()
@@ -79,10 +80,8 @@ class SessionHost:
             case "take_turn":
                 self._turn.set()
                 return b"{}"
-            case "stop_run":
-                self.session.stop()
-                self._turn.set()
-                return b"{}"
+            case "stop" | "stop_run":
+                return self._stop(session=method == "stop")
             case "geometry":
                 return self.poses.geometry().model_dump_json().encode()
             case "tell_poses":
@@ -112,11 +111,21 @@ class SessionHost:
                 run = self.session.say(said, on_event=self._tell_event)
             else:
                 run = self.session.execute(plan_id, on_event=self._tell_event)
+            self._run = run
         except BaseException:
             self.session.controller.time_limit = self._time_limit
             raise
         threading.Thread(target=self._follow, args=(run,), daemon=True).start()
         return run.info().model_dump_json().encode()
+
+    def _stop(self, *, session: bool) -> bytes:
+        """Asks the run to come to rest, be it before its turn; with the session, plans go too."""
+        if session:
+            self.session.stop()
+        elif self._run is not None:
+            self._run.stop()
+        self._turn.set()
+        return b"{}"
 
     def _tell_event(self, event: Event) -> None:
         """Tells an event; before the first one the run waits for its turn, in its own thread."""
@@ -132,11 +141,14 @@ class SessionHost:
         except Exception as raised:
             end = RunEnd(error=exception_info(raised))
         self.session.controller.time_limit = self._time_limit
-        if run.request is not None:
-            self._tell("request", run.request.model_dump_json().encode())
-        trace = run.trace()
-        if trace is not None:
-            self._tell("trace", trace_bytes(trace))
+        try:
+            if run.request is not None:
+                self._tell("request", run.request.model_dump_json().encode())
+            trace = run.trace()
+            if trace is not None:
+                self._tell("trace", trace_bytes(trace))
+        except Exception as raised:  # such as a disk that is full: the run has ended all the same
+            end = RunEnd(result=end.result, error=end.error or exception_info(raised))
         self._tell("ended", end.model_dump_json().encode())
 
 
