@@ -80,11 +80,10 @@ def affordances(name: str, scene: str, seed: int, settings: Settings, as_json: b
 
     An object that is not in the scene is taken as standing alone in the middle of the table.
     """
-    from dataclasses import asdict
-
     from nlcontrol.questions.answer import affordance_lines
+    from nlcontrol.service.documents import Affordances
 
     found = open_controller(scene, seed, settings).affordances(name)
-    document = {"object": name, "scene": scene, "affordances": [asdict(a) for a in found]}
     lines = (line for each in found for line in affordance_lines(each))
+    document = Affordances.of(name, scene, found).model_dump(mode="json")
     return print_answer(document, lines, as_json=as_json)

@@ -9,7 +9,7 @@ from pydantic import ConfigDict, Field, SkipValidation, model_validator
 
 from grammar.frames.command import Command, Frame
 from nlcontrol.json_document import DocumentPart
-from nlcontrol.service.documents import SessionSpec, TableSpec
+from nlcontrol.service.documents import SessionSpec, StatedObjects, TableSpec
 
 _NAME = r"^[A-Za-z0-9_-]{1,64}$"
 
@@ -78,6 +78,22 @@ class AskBody(SaidBody):
     motion: Literal["never"] = "never"
 
 
+class LookBody(RequestBody):
+    """A look at the table.
+
+    Attributes:
+        objects: all that stands on a table that is stated, where it stands now; as before if not
+            given.
+    """
+
+    objects: StatedObjects | None = None
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """Arguments of a session's method, as JSON has them."""
+        return self.model_dump(mode="json")
+
+
 class PlanIdBody(RequestBody):
     """A plan to be executed.
 
@@ -111,7 +127,7 @@ class PredictBody(ObjectBody):
         face: that is touched, as the robot calls it.
         lateral: along the face from its middle, to the right of who looks at it [m].
         height: above the table [m].
-        direction: of the force in B; straight into the face if not given.
+        direction: of the force in W; straight into the face if not given.
         force: its size [N]; the class at the onset is told if not given.
         friction: which coefficient at the table counts.
     """

@@ -21,6 +21,7 @@ from nlcontrol.service.http.openapi_document import PROBLEMS
 from nlcontrol.service.http.request_bodies import (
     AskBody,
     IdempotencyKey,
+    LookBody,
     MapBody,
     ObjectBody,
     PlanIdBody,
@@ -72,9 +73,10 @@ def close_session(session_id: SessionId, service: Service) -> Response:
 
 
 @ROUTER.post("/{session_id}/look", operation_id="session_look", response_model=TableView)
-async def look(session_id: SessionId, service: Service) -> Response:
-    """Looks at the table."""
-    return await answer_of(service.call_session(session_id, "look"))
+async def look(session_id: SessionId, service: Service, body: LookBody | None = None) -> Response:
+    """Looks at the table, or takes where everything stands from the caller."""
+    arguments = {} if body is None else body.arguments
+    return await answer_of(service.call_session(session_id, "look", **arguments))
 
 
 @ROUTER.post("/{session_id}/parse", operation_id="session_parse", response_model=Understanding)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import BaseModel
 
 from nlcontrol.json_document import Document, document_text
+from nlcontrol.service.documents import StatedObject
 
 if TYPE_CHECKING:
     from nlcontrol.service.session_protocol import PlanningSession
@@ -29,6 +30,10 @@ def session_answer(session: PlanningSession, method: str, arguments: Mapping[str
         raise ValueError(f"{method} is no method of a session")
     if method == "ask":
         arguments = {**arguments, "motion": "never"}  # what moves waits for its turn, as a run
+    stated = arguments.get("objects") if method == "look" else None
+    if stated is not None:
+        objects = tuple(StatedObject.model_validate(item) for item in stated)
+        arguments = {**arguments, "objects": objects}
     answer: BaseModel | None = getattr(session, method)(**arguments)
     if answer is None:
         return b"{}"

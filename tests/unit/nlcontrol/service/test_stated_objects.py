@@ -9,7 +9,8 @@ import pytest
 from pydantic import ValidationError
 
 from nlcontrol import ControlError, Controller, Session
-from nlcontrol.service.documents import SessionSpec, StatedObject
+from nlcontrol.service.documents import SessionSpec, StatedObject, TableView
+from nlcontrol.service.workers.session_answers import session_answer
 from planner.types.world_state import PlanarPose
 from sim.stated_table import StatedTable
 
@@ -85,6 +86,14 @@ def test_objects_are_stated_anew_while_the_conversation_goes_on(session: Session
     assert session.plan("push the beaker away").result.status == "not_understood"
     session.reset()
     assert session.look() == before
+
+
+def test_objects_come_over_a_wire(session: Session) -> None:
+    stated = {"objects": [MUG.model_dump(mode="json")]}
+    view = TableView.model_validate_json(session_answer(session, "look", stated))
+    assert [item.name for item in view.objects] == [MUG.name]
+    same = TableView.model_validate_json(session_answer(session, "look", {"objects": None}))
+    assert same == view
 
 
 def test_a_robot_with_a_camera_is_not_told() -> None:
