@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from nlcontrol.service.documents import SessionSpec, TableSpec
 from nlcontrol.service.session import Session
 from nlcontrol.service.workers.session_answers import QUESTIONS, session_answer
+from objectmodels import Registry
 
 if TYPE_CHECKING:
     from nlcontrol.service.workers.worker_host import Tell
@@ -24,6 +25,9 @@ class PlannerHost:
 
     def __init__(self, tell: Tell) -> None:
         self._lock = Lock()
+        self._registry = (
+            Registry.default()
+        )  # to look for plug-ins takes longer than to read a sentence
         self._executors: OrderedDict[str, Executor] = OrderedDict()
         warm_up()
 
@@ -36,7 +40,7 @@ class PlannerHost:
         with self._lock:
             executor = self._executors.pop(table, None)
         spec = SessionSpec(**TableSpec.model_validate_json(table).model_dump())
-        session = Session(spec, executor=executor, time_limit=time_limit)
+        session = Session(spec, executor=executor, registry=self._registry, time_limit=time_limit)
         with self._lock:
             self._executors[table] = session.controller.executor
             while len(self._executors) > MOST_TABLES:

@@ -97,6 +97,8 @@ def test_a_wrong_key_is_told_with_its_place(http: httpx.Client) -> None:
     many = [{"name": f"mug {n}", "x": 0.5, "y": 0.0} for n in range(61)]
     refused = http.post("/v1/plan", json={**SAID, "table": {"objects": many}})
     assert (code(refused), refused.json()["path"]) == ((422, "bad_request"), "table.objects")
+    refused = http.post("/v1/sessions/nobody/look", json={"objects": many})
+    assert (code(refused), refused.json()["path"]) == ((422, "bad_request"), "objects")
     refused = http.post("/v1/plan", json={**SAID, "tabel": {}})
     assert refused.json()["path"] == "tabel"
 
@@ -207,3 +209,19 @@ def test_a_token_is_asked_for(bearer: str, status: int) -> None:
 @pytest.mark.parametrize(("name", "status"), [(b"robot.example", 200), (b"other.example", 421)])
 def test_a_name_of_a_proxy_is_taken_if_it_was_given(name: bytes, status: int) -> None:
     assert answer_of_guard({"Host": name}, hosts=("robot.example",)).status_code == status
+
+
+def test_a_stated_table_is_stated_anew(http: httpx.Client) -> None:
+    mug = {"name": "mug", "x": 0.5, "y": 0.1}
+    opened = http.post("/v1/sessions", json={"objects": [mug]}).json()
+    path = f"/v1/sessions/{opened['session_id']}"
+    assert opened["executes"] is False
+    seen = http.post(f"{path}/look", json={"objects": [{**mug, "x": 0.6}]}).json()
+    again = http.post(f"{path}/look").json()
+    for table in (seen, again):
+        assert [(o["name"], o["x"]) for o in table["objects"]] == [("mug", 0.6)]
+        assert table["source"] == "stated"
+    offer = http.post(f"{path}/plans", json={"text": "push the mug 5 cm away"}).json()
+    assert (offer["result"]["status"], offer["plan_id"]) == ("planned", None)
+    assert code(http.post(f"{path}/say", json=SAID)) == (409, "no_robot")
+    assert http.delete(path).status_code == 204
