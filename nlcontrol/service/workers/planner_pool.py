@@ -25,12 +25,15 @@ from nlcontrol.service.workers.worker_process import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
     from nlcontrol.service.documents import TableSpec
 
 GRACE = 3.0
 """Time by which a planner may be late [s]."""
+
+MOST_TRIES = 3
+"""Planners that may end over a call."""
 
 
 class _Job:
@@ -43,6 +46,7 @@ class _Job:
         self.table = table.model_dump_json()
         self.answer: Future[bytes] = Future()
         self.answer.set_running_or_notify_cancel()
+        self.tries = 0
         self.deadline = time.monotonic() + time_limit
 
 
@@ -120,6 +124,8 @@ class PlannerPool:
         with self._lock:
             self._is_closed = True
             processes = [p.process for p in self._planners if p.process is not None]
+            jobs, self._waiting = self._waiting, deque()
+        _fail(jobs)
         for process in processes:
             process.kill()
         for process in processes:
@@ -162,9 +168,17 @@ class PlannerPool:
         with self._lock:
             job, planner.job = planner.job, None
             assert job is not None, "it was at work"
-            if isinstance(raised, ControlError) and raised.code == "worker_lost":
+            is_lost = isinstance(raised, ControlError) and raised.code == "worker_lost"
+            if is_lost:
                 self._planners.remove(planner)
+            job.tries += 1
+            is_over = job.answer.done() or job.tries == MOST_TRIES or self._is_closed
+            again = is_lost and not is_over
+            if again:  # nothing moves by it, and another planner may do
+                self._waiting.appendleft(job)
             self._hand_out()
+        if again:
+            return
         with suppress(InvalidStateError):  # its time was over
             if raised is None:
                 job.answer.set_result(call.result())
@@ -181,9 +195,7 @@ class PlannerPool:
                 self._hand_out()
                 return
             jobs, self._waiting = self._waiting, deque()
-        for job in jobs:
-            with suppress(InvalidStateError):
-                job.answer.set_exception(lost_error())
+        _fail(jobs)
 
     def _give_up(self, job: _Job) -> None:
         """Ends a call whose time is over; its planner too if that does not come to an end."""
@@ -199,6 +211,12 @@ class PlannerPool:
             planner = next((p for p in self._planners if p.job is job), None)
         if planner is not None and planner.process is not None:
             planner.process.kill()
+
+
+def _fail(jobs: Iterable[_Job]) -> None:
+    for job in jobs:
+        with suppress(InvalidStateError):
+            job.answer.set_exception(lost_error())
 
 
 def _queue_full(waiting: int) -> ControlError:
