@@ -125,8 +125,10 @@ def try_form_of_a_page(a: Attacker) -> None:
 def try_bad_token(a: Attacker) -> None:
     """A token that is none, with a plan that is fresh."""
     plan_id = a.spare_plan()
+    guess = near(a.rng, TOKEN).strip()
     tokens = (
-        "", "Bearer", "Bearer ", f"Basic {TOKEN}", TOKEN, f"Bearer {near(a.rng, TOKEN).strip()}",
+        "", "Bearer", "Bearer ", f"Basic {TOKEN}", TOKEN,
+        f"Bearer {guess if guess != TOKEN else 'x'}",
         "Bearer " + "x" * 5000, f"Bearer {TOKEN}, Bearer x", "Bearer null", "Bearer \xe9",
         f"Bearer {TOKEN[:-1]}",
     )  # fmt: skip
