@@ -107,7 +107,8 @@ class Attacker:
         self.session = self.call("POST", "/v1/sessions", json={"approval": "plan"})["session_id"]
 
     def fresh_plan(self) -> str:
-        """Id of a plan of the open session."""
+        """Id of a plan of the open session, from where everything stood at the beginning."""
+        self.server.put_back()
         text = self.rng.choice(SENTENCES)
         offer = self.call("POST", f"/v1/sessions/{self.session}/plans", json={"text": text})
         plan_id = offer["plan_id"]
