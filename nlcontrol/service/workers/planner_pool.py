@@ -33,7 +33,7 @@ GRACE = 3.0
 """Time by which a planner may be late [s]."""
 
 MOST_TRIES = 3
-"""Planners that may end over a call."""
+"""Planners that may end over a call, or one after the other before they began."""
 
 
 class _Job:
@@ -78,6 +78,7 @@ class PlannerPool:
         self._lock = threading.RLock()
         self._planners: list[_Planner] = []
         self._waiting: deque[_Job] = deque()
+        self._failed_starts = 0
         self._is_closed = False
 
     def start(self) -> None:
@@ -161,6 +162,7 @@ class PlannerPool:
     def _welcome(self, planner: _Planner) -> None:
         with self._lock:
             planner.is_ready = True
+            self._failed_starts = 0
             self._hand_out()
 
     def _take_answer(self, planner: _Planner, call: Future[bytes]) -> None:
@@ -186,14 +188,16 @@ class PlannerPool:
                 job.answer.set_exception(raised)
 
     def _remove(self, planner: _Planner) -> None:
-        """Takes out a planner that has ended; one that never began would end again."""
+        """Takes out a planner that has ended; where none begins, no call is kept waiting."""
         with self._lock:
             if planner not in self._planners:
                 return
             self._planners.remove(planner)
-            if planner.is_ready:
+            self._failed_starts += not planner.is_ready
+            if self._failed_starts < MOST_TRIES:
                 self._hand_out()
                 return
+            self._failed_starts = 0  # the next call may try again
             jobs, self._waiting = self._waiting, deque()
         _fail(jobs)
 

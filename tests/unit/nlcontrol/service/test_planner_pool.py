@@ -86,6 +86,16 @@ def test_a_call_of_a_killed_planner_is_made_again(pool: PlannerPool) -> None:
     assert not before & set(pool.pids)
 
 
+def test_a_planner_that_is_killed_before_it_began_is_replaced() -> None:
+    pool = PlannerPool(most=1, queue=2, request_time=60.0)
+    pool.start()
+    call = pool.call("parse", TableSpec(), said=PUSH)
+    for pid in pool.pids:
+        os.kill(pid, signal.SIGKILL)
+    assert json.loads(call.result())["frames"]
+    pool.close()
+
+
 def test_a_call_ends_with_its_time_and_a_planner_that_does_not_stop_is_ended() -> None:
     pool = PlannerPool(most=1, queue=2, request_time=0.3)
     pool.start()
