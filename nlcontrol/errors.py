@@ -126,7 +126,6 @@ CODES: dict[str, Status] = {
     "wrong_media_type": Status(USAGE, 415),
     "wrong_host": Status(USAGE, 421),
     "too_many_requests": Status(USAGE, 429),
-    "too_long": _CALLER,
     # The address of a server.
     "bad_token": _CALLER,
     "cannot_listen": _CALLER,

@@ -172,7 +172,7 @@ def try_bad_body(a: Attacker) -> None:
         a.rng.choice([call for call in CALLS if call != "/v1/sessions"]),
         content=bad_body(a.rng, text),
         headers={"Content-Type": "application/json"},
-        expected=("bad_json", "bad_request", "too_large", "too_long", "closed"),
+        expected=("bad_json", "bad_request", "too_large", "closed"),
     )
 
 
@@ -183,7 +183,7 @@ def try_odd_text(a: Attacker) -> None:
         "POST",
         a.rng.choice(("/v1/parse", "/v1/plan", "/v1/sessions/{session_id}/plans")),
         json={"text": odd_text(a.rng)},
-        expected=("ok", "too_long", "bad_json", "bad_request"),
+        expected=("ok", "too_large", "bad_json", "bad_request"),
     )
 
 
@@ -196,7 +196,8 @@ def try_odd_values(a: Attacker) -> None:
         body = {**body, a.rng.choice(list(body)): odd_value(a.rng)}
     if template.endswith(("/say", "/runs")):
         expected: tuple[str, ...] = (
-            "bad_request", "approval_required", "unknown_plan", "too_long", "bad_frame", "bad_json",
+            "bad_request", "approval_required", "unknown_plan", "too_large", "bad_frame",
+            "bad_json",
         )  # fmt: skip
     else:
         expected = ()

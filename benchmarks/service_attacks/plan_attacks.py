@@ -96,7 +96,7 @@ def try_to_say(a: Attacker) -> None:
         "POST",
         SAY,
         json={"text": text},
-        expected=("approval_required", "too_long", "bad_request", "bad_json"),
+        expected=("approval_required", "too_large", "bad_request", "bad_json"),
     )
 
 

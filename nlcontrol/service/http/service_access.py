@@ -90,11 +90,11 @@ def require_bounded_sentence(body: SaidBody, settings: ServiceSettings) -> None:
     """Refuses a sentence that is longer than the settings allow.
 
     Raises:
-        ControlError: `too_long`.
+        ControlError: `too_large`.
     """
     if body.text is not None and len(body.text) > settings.sentence_length:
         raise error(
-            "too_long",
+            "too_large",
             f"the sentence has more than {settings.sentence_length} characters",
             suggestions=("say less at once",),
             numbers={"sentence_length": float(settings.sentence_length)},

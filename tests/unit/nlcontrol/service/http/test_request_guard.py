@@ -80,7 +80,7 @@ def test_own_origin_is_taken_and_a_page_of_another_site_is_not(
         (b'{"text": "a", "path": "b"}', JSON, (422, "bad_request")),
         (b'{"text": "a", "table": {"seed": 1e999}}', JSON, (422, "bad_request")),
         (b'{"text": "a", "table": {"scene": "/etc/passwd"}}', JSON, (400, "unknown_scene")),
-        (b'{"text": "' + b"a" * 2001 + b'"}', JSON, (400, "too_long")),
+        (b'{"text": "' + b"a" * 2001 + b'"}', JSON, (413, "too_large")),
     ],
     ids=lambda value: str(value)[:40],
 )
