@@ -52,7 +52,7 @@ class StatedTable:
         return ArmHandReach(self.cell, ARM, HAND)
 
     def look(self, models: Mapping[str, ObjectModel], duration: float = LOOK) -> WorldState:
-        """What was stated; see `Executor.look`."""
+        """The belief that was stated; see `Executor.look`."""
         objects = {
             item.name: SeenObject.lying(
                 item.name,

@@ -42,7 +42,7 @@ def offer_answer(offer: Offer, detail: bool) -> ToolAnswer:
 
 
 def run_answer(info: RunInfo, detail: bool) -> ToolAnswer:
-    """What came of a run so far."""
+    """The outcome of a run so far."""
     if info.result is not None:
         return result_answer(info.result, detail).model_copy(update={"run_id": info.run_id})
     if info.error is not None:
@@ -58,7 +58,7 @@ def run_answer(info: RunInfo, detail: bool) -> ToolAnswer:
 
 
 def result_answer(result: Result, detail: bool) -> ToolAnswer:
-    """What came of a sentence."""
+    """The outcome of a sentence."""
     answer = _outcome(result)
     return answer.model_copy(
         update={

@@ -1,4 +1,4 @@
-"""What can be said, on one card: an example of every kind, in the language's own words.
+"""The language on one card: an example of every kind, in the language's own words.
 
 The kinds come from the frames and the words from the lexicon, so that a new kind or another word
 stands on the card by itself; only the numbers of the examples are chosen here.

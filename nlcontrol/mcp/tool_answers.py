@@ -1,4 +1,4 @@
-"""What a tool answers: one form for all of them, short by rule.
+"""Answers of the tools: one form for all of them, short by rule.
 
 A language model pays for every word, so an answer stays below `MOST_BYTES` unless all is asked for.
 What does not fit is left out in whole parts, in a fixed order, and `left_out` says what.
@@ -91,7 +91,7 @@ class ToolAnswer(BaseModel):
         return " ".join([text, *map(names.sentence_with_marks, self._next_steps())])
 
     def _next_steps(self) -> Iterator[str]:
-        """What to do next, if that is not done already."""
+        """Advice on what to do next, if that is not done already."""
         if self.say:
             yield f"Say instead: {self.say[0]}"
         elif self.suggestions and not self.ok:

@@ -98,7 +98,7 @@ def _clauses(result: Result) -> Iterator[StoryClause]:
 
 
 def _ghosts(steps: Sequence[Step]) -> Iterator[Ghost]:
-    """Where each moved object was predicted to be at the end."""
+    """Poses at the end of each moved object, as predicted."""
     ends = {}
     for step in steps:
         if step.plan is not None and step.before is not None:
@@ -176,7 +176,7 @@ Mark = tuple[Array, Array]  # a place and the outward normal there, in B
 
 
 def _push_marks(push: PushAction, R_WB: Array) -> Iterator[Mark]:
-    """Where the fingertips push."""
+    """Places where the fingertips push."""
     n = np.array(push.normal_W) @ R_WB
     along = np.cross([0.0, 0.0, 1.0] @ R_WB, n)
     for side in (-0.5, 0.5) if push.fingers == 2 else (0.0,):
@@ -184,7 +184,7 @@ def _push_marks(push: PushAction, R_WB: Array) -> Iterator[Mark]:
 
 
 def _grasp_marks(grasp: GraspAction | None, R_WB: Array) -> Iterator[Mark]:
-    """Where thumb and fingers hold an object; a lid's own contacts are on no object."""
+    """Places where thumb and fingers hold an object; a lid's own contacts are on no object."""
     if grasp is None or grasp.part == "lid":
         return
     closing = np.array(grasp.closing_W) @ R_WB

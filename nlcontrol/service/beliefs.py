@@ -1,4 +1,4 @@
-"""What is believed of a table: as a document, as a digest, and compared with what was before.
+"""Beliefs about a table: as a document, as a digest, and compared with what was before.
 
 A plan holds for the poses, the models and the held object that it was made from. All objects
 count, not the moved one alone, since another may stand in its way by now.

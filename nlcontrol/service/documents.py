@@ -1,4 +1,4 @@
-"""What the service is asked and answers, as documents: tables, sessions, plans to approve, runs.
+"""Questions to the service and its answers, as documents: tables, sessions, plans to approve, runs.
 
 All numbers are in SI units, places in W. The result of a sentence is a
 `nlcontrol.results.result.Result`, whichever way it comes.

@@ -1,4 +1,4 @@
-"""What a viewer is told, and nobody else: shapes of bodies, and where they are while things happen.
+"""Documents for viewers, and for nobody else: shapes of bodies, and their poses over time.
 
 Where the robot is simulated these are the poses that an observer of that world sees; they are
 never told to who plans, perceives or decides.

@@ -48,7 +48,7 @@ class Run(Protocol):
         """
 
     def result(self, timeout: float | None = None) -> Result:
-        """What came of it; waits until it has ended.
+        """The result; waits until it has ended.
 
         Args:
             timeout: longest time to wait, by the clock on the wall [s]; None for no limit.
@@ -62,7 +62,7 @@ class Run(Protocol):
         """Asks it to let go and come to rest; its result is then `cancelled`."""
 
     def trace(self) -> Trace | None:
-        """What happened over time; None if nothing moved. Waits until it has ended."""
+        """The trace of what happened; None if nothing moved. Waits until it has ended."""
 
 
 class PlanningSession(Protocol):

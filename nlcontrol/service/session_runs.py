@@ -119,7 +119,7 @@ class SessionRun:
             return self._events[number:]
 
     def result(self, timeout: float | None = None) -> Result:
-        """What came of it; waits until it has ended; see `Run.result`."""
+        """The result; waits until it has ended; see `Run.result`."""
         with self._changed:
             if not self._changed.wait_for(lambda: self.is_over, timeout):
                 raise TimeoutError(f"it goes on after {timeout} s")
@@ -137,6 +137,6 @@ class SessionRun:
         self._thread.join()
 
     def trace(self) -> Trace | None:
-        """What happened over time; None if nothing moved. Waits until it has ended."""
+        """The trace of what happened; None if nothing moved. Waits until it has ended."""
         self.join()
         return None if self._result is None else self._result.trace

@@ -171,7 +171,7 @@ class Conversation:
         return Supervisor(progress, stop, on_event=on_event, force_rate=force_rate, clock=clock)
 
     def _supervised(self, deed: Deed, supervisor: Supervisor, do: Callable[[], Result]) -> Result:
-        """What comes of something that is done, which is noted."""
+        """The result of something that is done, which is noted."""
         journal = self.controller.journal
         with journal.deed(deed, self.controller.models):
             result = result_with_corrections(do(), self.controller.parse)
@@ -188,7 +188,7 @@ class Conversation:
         *,
         proposed: bool = False,
     ) -> tuple[Result, Intention | None]:
-        """What comes of a sentence, and what it meant; None if there is nothing to be done."""
+        """The result of a sentence, and what it meant; None if there is nothing to be done."""
         text, command = text_of(said), None
         try:
             command = self.controller.command(said)
@@ -204,7 +204,7 @@ class Conversation:
             return self._last, None
 
     def _intention(self, command: g.Command) -> Intention | Result:
-        """What a command is to do, or what there is to say to a remark."""
+        """The intention of a command, or what there is to say to a remark."""
         remark = follow_up.sole_remark(command)
         if remark == "stop":
             # Sentences are carried out before the next one is read, so there is nothing to stop.
@@ -225,7 +225,7 @@ class Conversation:
         *,
         proposed: bool = False,
     ) -> Result:
-        """What comes of an intention, which is remembered."""
+        """The result of an intention, which is remembered."""
         context = Context() if meant.back else self.context
         result = self.controller.carry_out(
             meant.command,

@@ -1,4 +1,4 @@
-"""What a sentence would do, planned and not yet done: to be approved, then carried out as it is."""
+"""Proposals: plans of sentences, not yet done; to be approved, then carried out as they are."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Approved:
 
 @dataclass(frozen=True)
 class Intention:
-    """What a sentence is to do, as it is meant after those before it.
+    """The task of a sentence, as it is meant after those before it.
 
     Attributes:
         command: with each remark replaced by the frames that it means.
@@ -60,7 +60,7 @@ class Proposal:
 
     @property
     def approved(self) -> Approved | None:
-        """What is carried out first; None if a touch decides what comes next."""
+        """The plan that is carried out first; None if a touch decides what comes next."""
         frame = self.result.steps[-1].frame
         if self.result.frames[frame].action == "explore":
             return None

@@ -1,4 +1,4 @@
-"""What a guarded Cartesian controller needs to carry out what is committed of a plan.
+"""Numbers that a guarded Cartesian controller needs to carry out what is committed of a plan.
 
 Numbers are in SI units, points and directions in W. They are for fingertips of the radius that is
 stated; another hand keeps the contacts and computes its own. Places hold for the table as it was

@@ -1,4 +1,4 @@
-"""What the executor does with a plan, as numbers for the controller of another arm.
+"""Guides: the executor's way with a plan, as numbers for the controller of another arm.
 
 Places, speeds and conditions are those that the executor itself goes by: the fingertips' path, the
 guarded touch, the guards, the legs of what is held. Nothing is searched for but the stance of the
@@ -46,7 +46,7 @@ from sim.rotations import Array
 
 
 def motion_guide(plan: Plan, state: WorldState, robot: Robot) -> MotionGuide:
-    """What is committed of a plan, for a guarded Cartesian controller.
+    """The committed part of a plan, for a guarded Cartesian controller.
 
     Args:
         plan: what to do.

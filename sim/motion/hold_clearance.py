@@ -1,4 +1,4 @@
-"""What is in the way of a hand that holds something, and of what it holds; no arm is looked at.
+"""Obstacles of a hand that holds something, and of what it holds; no arm is looked at.
 
 What happens while it holds the object does not depend on how the open hand gets on and off, so that
 it is looked at once for all ways to withdraw.

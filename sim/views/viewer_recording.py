@@ -153,7 +153,7 @@ def _averaged(trace: Trace, values: Array) -> Array:
 
 
 def _force(trace: Trace, at: list[int]) -> dict[str, Any]:
-    """What is felt at each frame, and the limit in force [N]: of pushes, or of a grip.
+    """The force that is felt at each frame, and the limit in force [N]: of pushes, or of a grip.
 
     A trace of several pushes has the direction of the last one alone, so the size is told.
     """
@@ -196,7 +196,7 @@ def _fingers(trace: Trace, at: list[int]) -> list[dict[str, Any]]:
 
 
 def _view(trace: Trace) -> dict[str, Any]:
-    """Where a run is looked at from: from beside a single push, a little from behind it."""
+    """The eye from which a run is looked at: from beside a single push, a little from behind it."""
     pushes = sum(phase == "push" for phase, _ in groupby(trace.phase.tolist()))
     if pushes != 1:
         return {"azimuth": -2.2, "elevation": 0.42, "distance": 1.75, "at": _TABLE}

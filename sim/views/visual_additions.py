@@ -1,4 +1,4 @@
-"""What is added to a scene for the eye alone: a mug's handle, labels, the stand of the arm.
+"""Additions to a scene for the eye alone: a mug's handle, labels, the stand of the arm.
 
 Nothing of this exists for the physics, the planner or the camera. Every shape is plain data as in
 `sim.views.viewer_scene`; kinds besides those of the plant are `lathe` (a profile of radius and

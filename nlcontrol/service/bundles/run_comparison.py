@@ -99,7 +99,7 @@ def _is_number(value: object) -> bool:
 
 
 def _distance(a: float, b: float) -> float | None:
-    """How far two numbers are from each other; None if that is no number itself."""
+    """Distance of two numbers from each other; None if that is no number itself."""
     try:
         return finite_or_none(abs(b - a))
     except OverflowError:  # of an integer beyond all floats

@@ -90,7 +90,7 @@ class RemoteRun:
             failures += 1
 
     def result(self, timeout: float | None = None) -> Result:
-        """What came of it; waits until it has ended.
+        """The result; waits until it has ended.
 
         Args:
             timeout: longest time to wait, by the clock on the wall [s]; None for no limit.
@@ -112,7 +112,7 @@ class RemoteRun:
         self._connection.response("POST", f"{self._path}/stop")
 
     def trace(self) -> Trace | None:
-        """What happened over time; None if nothing moved. Waits until it has ended."""
+        """The trace of what happened; None if nothing moved. Waits until it has ended."""
         from sim.traces.trace import Trace
 
         self._ended_info(None)

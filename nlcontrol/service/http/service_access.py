@@ -34,7 +34,7 @@ Service = Annotated[PlanningService, Depends(planning_service)]
 
 
 class Understanding(Document):
-    """What was understood of a sentence, or why nothing was.
+    """Frames of a sentence, or why nothing was understood.
 
     Attributes:
         ok: it was understood.

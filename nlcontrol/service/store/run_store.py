@@ -366,7 +366,7 @@ _CUT_OFF = ErrorInfo(
 
 
 def _row(info: RunInfo) -> dict[str, object]:
-    """What the table of runs has of a run."""
+    """Row of a run in the table of runs."""
     return {
         "run_id": info.run_id,
         "session_id": info.session_id,

@@ -67,7 +67,7 @@ class SessionHost:
 
     @cached_property
     def poses(self) -> PoseStream:
-        """What viewers are told of the session."""
+        """Poses of all bodies, for viewers of the session."""
         return PoseStream(self.session, partial(self._tell, "pose_frame"))
 
     def answer(self, method: str, arguments: Mapping[str, Any]) -> bytes:
