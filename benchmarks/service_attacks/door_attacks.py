@@ -288,7 +288,7 @@ def try_flood(a: Attacker) -> None:
         list(
             callers.map(
                 lambda _: a.send(
-                    "flood of requests", "POST", "/v1/parse", json={"text": SENTENCES[0]},
+                    "flood of requests", "POST", "/v1/plan", json={"text": SENTENCES[0]},
                     expected=("ok", "too_many_requests", "queue_full"),
                 ),
                 range(FLOOD),

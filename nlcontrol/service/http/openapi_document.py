@@ -39,8 +39,18 @@ def openapi_document(app: FastAPI, routers: Iterable[APIRouter]) -> dict[str, An
             separate_input_output_schemas=False,
         )
         document["components"]["schemas"] |= _described_schemas(routers)
+        _make_bodies_objects(document)
         app.openapi_schema = document
     return app.openapi_schema
+
+
+def _make_bodies_objects(document: dict[str, Any]) -> None:
+    """Takes null out of bodies that may be left out; clients leave them out."""
+    for operation in (each for path in document["paths"].values() for each in path.values()):
+        content = operation.get("requestBody", {}).get("content", {}).get("application/json", {})
+        schemas = [s for s in content.get("schema", {}).get("anyOf", ()) if s != {"type": "null"}]
+        if len(schemas) == 1:
+            content["schema"] = schemas[0]
 
 
 def _described_schemas(routers: Iterable[APIRouter]) -> dict[str, Any]:
