@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from nlcontrol.service.store.run_store import RunStore
     from nlcontrol.service.workers.live_session import LiveSession
 
+ENDING = 10.0
+"""Longest time that the end of a run is waited for before the next one begins [s]."""
+
 
 class LiveRun:
     """A run that has not ended.
@@ -32,6 +35,7 @@ class LiveRun:
         changed: rung at each change.
         ended: set at its end.
         has_turn: it may simulate.
+        is_ending: nothing moves any more; its trace and its result are on their way.
         is_aborted: its process is being ended.
     """
 
@@ -40,7 +44,7 @@ class LiveRun:
         self.info: RunInfo | None = None
         self.changed = Bell()
         self.ended = threading.Event()
-        self.has_turn = self.is_aborted = False
+        self.has_turn = self.is_ending = self.is_aborted = False
 
 
 class LiveRuns:
@@ -71,6 +75,9 @@ class LiveRuns:
                 if known is not None:
                     return self.run(known.run_id)
             session.require_process()
+            before = self._runs.get(session.run_id or "")
+            if before is not None and before.is_ending:
+                before.ended.wait(ENDING)
             if session.run_id is not None:
                 raise _busy(session.run_id)
             run = LiveRun(f"run-{secrets.token_hex(8)}", session)
@@ -220,14 +227,16 @@ class LiveRuns:
             assert run.info is not None, "it was begun"
             number = run.info.events + 1
             run.info = run.info.model_copy(update={"events": number})
+        run.is_ending = event.kind == "ended"
         self._store.add_events(run.run_id, [NumberedEvent(number=number, event=event)])
         run.changed.ring()
 
     def _end(self, run: LiveRun, state: RunState, end: RunEnd) -> None:
         changes = {"result": end.result, "error": end.error, "ended_at": time.time()}
         try:
-            with self._lock:
+            with self._lock:  # who sees that it has ended may begin the next one
                 self._put(run, state=state, place=None, **changes)
+                self._free_session(run)
         finally:
             self._forget(run)
 
@@ -241,12 +250,15 @@ class LiveRuns:
         """Lets the next one begin in the place of a run that has ended."""
         with self._lock:
             self._runs.pop(run.run_id, None)
-            if run.session.run_id == run.run_id:
-                run.session.run_id = None
-                run.session.note_use()
+            self._free_session(run)
         self.queue.leave(run.run_id)
         run.ended.set()
         run.changed.ring()
+
+    def _free_session(self, run: LiveRun) -> None:
+        if run.session.run_id == run.run_id:
+            run.session.run_id = None
+            run.session.note_use()
 
 
 def _busy(run_id: str) -> ControlError:

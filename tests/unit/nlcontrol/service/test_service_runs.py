@@ -167,3 +167,16 @@ def test_a_closed_session_lets_its_run_come_to_rest() -> None:
         assert ended.result is not None
         assert ended.result.status == "cancelled"
         wait_until(lambda: not service.sessions(), 20.0)
+
+
+def test_who_hears_of_the_end_may_begin_the_next_run_at_once() -> None:
+    with PlanningService(ServiceSettings(workers=1, planners=1)) as service:
+        session_id = service.open_session(SessionSpec()).session_id
+
+        def has_told_end(run_id: str) -> bool:
+            return any(each.event.kind == "ended" for each in service.events_so_far(run_id))
+
+        for number in range(20):
+            run_id = service.begin_run(session_id, said="how heavy is the mug?").run_id
+            while not (has_told_end(run_id) if number % 2 else service.run(run_id).result):
+                pass
