@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from nlcontrol.checks.verdicts import Check
     from nlcontrol.questions.push_prediction import PushPrediction
     from nlcontrol.results.result import Result
-    from nlcontrol.service.documents import AffordanceItem, Affordances, Offer, RunInfo, TableView
+    from nlcontrol.service.documents import Affordances, Offer, RunInfo, TableView
+    from planner.affordances import Affordance
 
 
 def table_answer(view: TableView, detail: bool) -> ToolAnswer:
@@ -164,7 +165,7 @@ def affordances_answer(found: Affordances, detail: bool) -> ToolAnswer:
     )
 
 
-def _affordance_text(found: AffordanceItem) -> str:
+def _affordance_text(found: Affordance) -> str:
     said = f"{found.outcome} {found.direction}".strip()
     if found.least_force is None:
         return said

@@ -7,8 +7,7 @@ All numbers are in SI units, places in W. The result of a sentence is a
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import asdict
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -18,9 +17,7 @@ from nlcontrol.results.result import Result
 from nlcontrol.session.events import Event
 from objectmodels.files.limits import LIMITS
 from objectmodels.files.value_types import Coordinate, Name, length_of
-
-if TYPE_CHECKING:
-    from planner.affordances import Affordance
+from planner.affordances import Affordance
 
 Source = Literal["camera", "stated"]
 RunKind = Literal["execute", "say"]
@@ -242,45 +239,12 @@ class Affordances(Document):
 
     object: str
     scene: str
-    affordances: tuple[AffordanceItem, ...]
+    affordances: tuple[Affordance, ...]
 
     @classmethod
     def of(cls, name: str, scene: str, found: Iterable[Affordance]) -> Affordances:
         """The document of what was found out about an object."""
-        items = tuple(AffordanceItem(**asdict(each)) for each in found)
-        return cls(object=name, scene=scene, affordances=items)
-
-
-class AffordanceItem(DocumentPart):
-    """One of them; see `planner.affordances.Affordance`.
-
-    Attributes:
-        outcome: `slide`, `topple`, `tilt`, `turn`, `lift`, `open`, `close` or `pour`.
-        direction: `away`, `toward`, `left`, `right` (for `turn`: which way it turns); empty for
-            what a whole hand does.
-        face: face that is pushed, as the robot calls it; null if there is none.
-        possible: whether any contact on that face has this outcome at the onset.
-        least_force: smallest force at which it begins, nominal [N].
-        place: where that is, (lateral, height) on the face [m].
-        heights: lowest and highest contact at which the outcome has the default probability [m];
-            null if it is sure nowhere.
-        can: whether this robot can do it now.
-        reason: why not: a reason of a refusal, or `impossible` for the object.
-        message: the same in words; what the plan is if it can.
-        suggestions: what would be possible instead.
-    """
-
-    outcome: str
-    direction: str
-    face: str | None
-    possible: bool
-    least_force: float | None
-    place: tuple[float, float] | None
-    heights: tuple[float, float] | None
-    can: bool
-    reason: str | None
-    message: str
-    suggestions: tuple[str, ...] = ()
+        return cls(object=name, scene=scene, affordances=tuple(found))
 
 
 class MapContact(DocumentPart):
