@@ -5,9 +5,11 @@ the tool that takes a sentence, or a question; what is refused it says again in 
 with the refusal; a plan it gives to the tool that takes the identifier of a plan. So a task that is
 refused first succeeds only if the refusal says a sentence that does.
 
-    python -m benchmarks.scripted_agent
+    python -m benchmarks.scripted_agent [--seed 0] [--seeds 1]
 
-Each task has a server process and a table of its own. The exit code is 0 if all are done.
+A seed draws twenty tasks (`benchmarks.agent_tasks`); each has a server process and a table of its
+own. The exit code is 0 if all are done: those that ask too much after a refusal, the others at
+once.
 """
 
 from __future__ import annotations
@@ -22,39 +24,9 @@ import anyio
 from mcp.client.client import Client
 from mcp.client.stdio import StdioServerParameters, stdio_client
 
+from benchmarks.agent_tasks import Task, tasks
+
 MOST_TURNS = 5
-
-
-class Task(NamedTuple):
-    """A task, on the table of a scene; some are refused as they are said first."""
-
-    scene: str
-    text: str
-    refused_first: bool = False
-
-
-TASKS = (
-    Task("kitchen", "push the ice tea box to the left with at most 0.1 N", refused_first=True),
-    Task("kitchen", "will the ice tea box topple if you push it away at the top?"),
-    Task("kitchen", "push the mug 20 cm to the right at 3 m/s", refused_first=True),
-    Task("kitchen", "put the mug to the right of the ice tea box"),
-    Task("kitchen", "topple the ice tea box at the bottom", refused_first=True),
-    Task("kitchen", "turn the coffee box by 45 degrees"),
-    Task("kitchen", "turn the cereal box by 30 degrees with two fingers", refused_first=True),
-    Task("kitchen", "topple the cereal box"),
-    Task("kitchen", "lift the ice tea with at most 0.1 N", refused_first=True),
-    Task("kitchen", "pour 50 ml of the ice tea into the mug"),
-    Task("kitchen", "pour the ice tea into the mug in at most 1 s", refused_first=True),
-    Task("kitchen", "how heavy is the mug?"),
-    Task("kitchen", "push the ice te box 10 cm away", refused_first=True),
-    Task("kitchen", "put the mug at the left edge in at most 2 s", refused_first=True),
-    Task("counter", "push the soup can 10 cm away"),
-    Task("counter", "push the tea tin 10 cm to the left with at most 0.1 N", refused_first=True),
-    Task("breakfast", "turn the sugar box by 30 degrees"),
-    Task("breakfast", "push the coffee box 3 m away", refused_first=True),
-    Task("pantry", "open the jar"),
-    Task("workbench", "topple the sugar box"),
-)
 
 
 class Outcome(NamedTuple):
@@ -72,7 +44,7 @@ class Outcome(NamedTuple):
 
     @property
     def as_meant(self) -> bool:
-        """It was done, and refused before if that was to be."""
+        """It was done, and refused before if that was to be, and else not."""
         return self.ok and self.was_refused_first == self.task.refused_first
 
 
@@ -136,17 +108,23 @@ def outcomes(tasks: Sequence[Task]) -> Iterator[Outcome]:
 def main() -> int:
     """Do the tasks, print a line for each, and return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--tasks", type=int, default=len(TASKS), help="how many, from the first")
-    chosen = TASKS[: parser.parse_args().tasks]
-    as_meant = refused = 0
+    parser.add_argument("--seed", type=int, default=0, help="the first one")
+    parser.add_argument("--seeds", type=int, default=1, help="how many, twenty tasks each")
+    given = parser.parse_args()
+    chosen = [task for seed in range(given.seed, given.seed + given.seeds) for task in tasks(seed)]
+    as_meant = done = refused = 0
     begun = time.monotonic()
     for found in outcomes(chosen):
         as_meant += found.as_meant
+        done += found.ok
         refused += found.was_refused_first
         mark = "✓" if found.as_meant else "✗"
-        print(f"{mark} {found.task.scene}: {' → '.join(found.said)} [{', '.join(found.statuses)}]")
+        said, statuses = " → ".join(found.said), ", ".join(found.statuses)
+        print(f"{mark} {found.task.scene}: {said} [{statuses}]", flush=True)
     spent = time.monotonic() - begun
-    print(f"{as_meant} of {len(chosen)} done, {refused} of them refused first; {spent:.0f} s")
+    print(
+        f"{as_meant} of {len(chosen)} as meant, {done} done, {refused} refused first; {spent:.0f} s"
+    )
     return 0 if as_meant == len(chosen) else 1
 
 

@@ -4,16 +4,24 @@ from __future__ import annotations
 
 import pytest
 
-from benchmarks.scripted_agent import TASKS, outcomes
+from benchmarks.agent_tasks import Task, tasks
+from benchmarks.scripted_agent import outcomes
 
 
-def test_half_of_the_tasks_are_refused_first() -> None:
-    assert len(TASKS) == len(set(TASKS)) == 20
-    assert sum(task.refused_first for task in TASKS) == 10
-    assert len({task.scene for task in TASKS}) >= 3
+def test_a_seed_draws_twenty_tasks_half_of_which_ask_too_much() -> None:
+    drawn = list(tasks(0))
+    assert drawn == list(tasks(0))
+    assert drawn != list(tasks(1))
+    assert len(set(drawn)) == 20
+    assert sum(task.refused_first for task in drawn) == 10
+    assert len({task.scene for task in drawn}) >= 3
 
 
 @pytest.mark.slow
 def test_it_says_again_what_was_refused_and_asks() -> None:
-    for found in outcomes(TASKS[:2]):
+    asked = (
+        Task("kitchen", "push the ice tea box to the left with at most 0.1 N", refused_first=True),
+        Task("kitchen", "will the ice tea box topple if you push it away at the top?"),
+    )
+    for found in outcomes(asked):
         assert found.as_meant, found
