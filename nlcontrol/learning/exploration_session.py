@@ -95,12 +95,12 @@ class ExplorationStopped(Stopped):
 
     Args:
         trace: of the touches.
-        learned: makes the findings.
+        findings: makes them.
     """
 
-    def __init__(self, trace: Trace | None, learned: Callable[[], Exploration]) -> None:
+    def __init__(self, trace: Trace | None, findings: Callable[[], Exploration]) -> None:
         super().__init__(trace)
-        self._learned = learned
+        self._findings = findings
 
     def findings(self) -> Exploration:
         """Findings of the touches so far, what was believed before counting too.
@@ -108,7 +108,7 @@ class ExplorationStopped(Stopped):
         Raises:
             ControlError: `not_explorable` if they tell nothing.
         """
-        return self._learned()
+        return self._findings()
 
 
 def touch_trace(touches: Sequence[Touched]) -> Trace | None:
@@ -165,42 +165,61 @@ def explore(
         name, executor, lambda: executor.look(models), learn=learn, progress=progress
     )  # fmt: skip
     kinds = kinds_for(parameters)
-    if not explorer.possible(kinds):
-        message = f"no side of the {name} is high and wide enough for a fingertip"
-        raise error("not_explorable", message, suggestions=("weigh it by lifting it",))
+    _require_reach(explorer, kinds)
     asked = {}
     if precision is not None:
         asked = precisions_asked(before.model, parameters, precision)
-        if is_precise_enough(models[name], asked, spread=SPREAD):
-            raise error(
-                "not_explorable",
-                f"what was asked about the {name} is known to {precision:.0%} already",
-                suggestions=("ask for more precision, or give none",),
-            )
+        _require_ignorance(models[name], asked, f"the {name} is known to {precision:.0%} already")
 
-    def learned(stopped: bool) -> Exploration:
-        trials = [trial for touched in explorer.touches for trial in touched.trials]
-        found = _fit_all(start, trials, explorer, prior=stopped or precision is not None)
-        world = f"scene {executor.cell.name}, seed {executor.seed}"
-        early = f"stopped after {len(explorer.touches)} touches; " if stopped else ""
-        model = with_provenance(
-            found,
-            before=found.model,
-            source=f"explored by touching in simulation ({world})",
-            method=f"{early}tilted, slid and rubbed by a finger; joint fit of {{count}} balances "
-            "of forces",
-        )
-        report = _report(executor, name, before.model, found, explorer, trials, parameters)
-        return Exploration(model, report, tuple(explorer.touches))
+    def findings(early: bool) -> Exploration:
+        prior = early or precision is not None
+        return _findings(executor, explorer, before.model, start, parameters, prior, early)
 
     try:
         _touch_repeatedly(models, explorer, kinds, asked, repetitions, Monitor.of(progress))
     except Stopped:
         trace = touch_trace(explorer.touches)
-        raise ExplorationStopped(trace, partial(learned, stopped=True)) from None
-    found = learned(stopped=False)
+        raise ExplorationStopped(trace, partial(findings, early=True)) from None
+    found = findings(early=False)
     models[name] = found.model
     return found
+
+
+def _require_reach(explorer: Explorer, kinds: Sequence[Kind]) -> None:
+    if not explorer.possible(kinds):
+        message = f"no side of the {explorer.name} is high and wide enough for a fingertip"
+        raise error("not_explorable", message, suggestions=("weigh it by lifting it",))
+
+
+def _require_ignorance(believed: ObjectModel, asked: Mapping[str, float], said: str) -> None:
+    if is_precise_enough(believed, asked, spread=SPREAD):
+        hints = ("ask for more precision, or give none",)
+        raise error("not_explorable", f"what was asked about {said}", suggestions=hints)
+
+
+def _findings(
+    executor: TouchExecutor,
+    explorer: Explorer,
+    before: ObjectModel,
+    start: ObjectModel,
+    parameters: Sequence[str],
+    prior: bool,
+    early: bool,
+) -> Exploration:
+    """The model fitted to all touches, and the report of it."""
+    trials = [trial for touched in explorer.touches for trial in touched.trials]
+    found = _fit_all(start, trials, explorer, prior=prior)
+    cut = f"stopped after {len(explorer.touches)} touches; " if early else ""
+    model = with_provenance(
+        found,
+        before=found.model,
+        source="explored by touching in simulation "
+        f"(scene {executor.cell.name}, seed {executor.seed})",
+        method=f"{cut}tilted, slid and rubbed by a finger; joint fit of {{count}} balances "
+        "of forces",
+    )
+    report = _report(executor, explorer.name, before, found, explorer, trials, parameters)
+    return Exploration(model, report, tuple(explorer.touches))
 
 
 def precisions_asked(
