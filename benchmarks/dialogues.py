@@ -1,0 +1,89 @@
+"""How many turns of whole dialogues are understood as they are meant.
+
+    python -m benchmarks.dialogues developing
+    python -m benchmarks.dialogues judging --simulate
+
+Dialogues stand in `tests/data/dialogues`, each turn with what is meant; their first lines say how.
+Without `--simulate` everything is planned and nothing moves.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from nlcontrol import Controller, Conversation
+from nlcontrol.results.result import Result
+
+DIALOGUES = Path(__file__).parents[1] / "tests" / "data" / "dialogues"
+
+
+def has_steps(result: Result, steps: list[list[Any]]) -> bool:
+    """Check for the frames that are meant, one for each step."""
+    frames = [frame for frame in result.frames if frame.query is None]
+    return len(frames) == len(steps) and all(
+        frame.action == action
+        and frame.object is not None
+        and frame.object.id == name
+        and goal.items() <= frame.goal.model_dump().items()
+        and set(*kinds) <= {constraint.kind for constraint in frame.constraints}
+        for frame, (action, name, goal, *kinds) in zip(result.frames, steps, strict=True)
+    )
+
+
+def is_told(result: Result, turn: dict[str, Any]) -> bool:
+    """Check for an answer to the question that is meant, about what is meant."""
+    if result.answer is None or any(step.execution for step in result.steps):
+        return False
+    told = " ".join((result.answer.text, *result.answer.lines))
+    query = next((frame.query for frame in result.frames if frame.query), "done")
+    return (
+        query == turn["tells"]
+        and all(name in told for name in turn.get("names", ()))
+        and not any(words in told for words in turn.get("not", ()))
+    )
+
+
+def is_right(result: Result, turn: dict[str, Any]) -> bool:
+    """Check for a result that is what a turn means."""
+    if turn.get("refused"):
+        return result.status == "not_understood"
+    if "tells" in turn:
+        return is_told(result, turn)
+    return any(has_steps(result, turn[key]) for key in ("steps", "or") if key in turn)
+
+
+def acts_wrongly(result: Result, turn: dict[str, Any]) -> bool:
+    """Check for something done, or planned to be done, with an object that was not meant."""
+    acts = [f.object.id for f in result.frames if f.query is None and f.object and f.action]
+    meant = {step[1] for key in ("steps", "or") for step in turn.get(key, ())}
+    return result.status != "not_understood" and not set(acts) <= meant
+
+
+def main() -> None:
+    options = argparse.ArgumentParser(description="How turns of dialogues are understood.")
+    options.add_argument("dialogues", choices=("developing", "judging"))
+    options.add_argument("--simulate", action="store_true")
+    options.add_argument("--show", action="store_true", help="print the turns that are not right")
+    chosen = options.parse_args()
+    text = (DIALOGUES / f"{chosen.dialogues}.yaml").read_text(encoding="utf-8")
+    right = wrong = turns = 0
+    for dialogue in yaml.safe_load(text):
+        conversation = Conversation(Controller("kitchen", seed=1))
+        for turn in dialogue:
+            result = conversation.say(turn["say"], plan_only=not chosen.simulate)
+            good = is_right(result, turn)
+            turns, right, wrong = turns + 1, right + good, wrong + acts_wrongly(result, turn)
+            if chosen.show and not good:
+                told = (
+                    result.error.message if result.error else result.answer and result.answer.text
+                )
+                print(f"{turn['say']!r}: {result.status} {result.paraphrase!r} {told or ''}")
+    print(f"{right} of {turns} turns right, {wrong} with an object that was not meant")
+
+
+if __name__ == "__main__":
+    main()

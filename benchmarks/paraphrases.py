@@ -1,0 +1,336 @@
+"""How many paraphrases of a command are read as the command itself.
+
+    python -m benchmarks.paraphrases --seed 0                    # the words it was made with
+    python -m benchmarks.paraphrases --seed 100 --words judging  # the words it was not made with
+
+Commands are drawn as frames and said in other ways by the kinds of paraphrase that make
+vision-language models stumble: other words, another structure, politeness, disfluency, another
+order, typing errors. A paraphrase is read as the same, refused, or read as something else; of
+typing errors one that is refused where it stands counts as read, since nothing is guessed. A name
+that is none on the table is refused when it is looked up, so it counts as refused.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from random import Random
+from typing import Any, NamedTuple
+
+import yaml
+
+from grammar import ParseError, paraphrase, parse
+from grammar.frames import command as g
+from grammar.words.lexicon import default_lexicon
+
+WORDS = Path(__file__).with_name("paraphrase_words.yaml")
+NAMES = ("coffee box", "mug", "cereal box", "soup can", "jar", "ice tea box")
+OTHERS = ("tea tin", "bottle", "sugar box")
+KINDS = ("lexical", "structural", "politeness", "disfluency", "order", "typing")
+
+
+class Verb(NamedTuple):
+    """A verb and its forms; `noun` is what is given by it ("a push")."""
+
+    base: str
+    action: g.Action
+    ed: str
+    ing: str
+    noun: str = ""
+
+
+MOVING = (
+    Verb("push", "push", "pushed", "pushing", "a push"),
+    Verb("slide", "slide", "slid", "sliding"),
+    Verb("move", "move", "moved", "moving"),
+    Verb("pull", "pull", "pulled", "pulling", "a pull"),
+)
+TURN = Verb("turn", "turn", "turned", "turning", "a turn")
+TOPPLE = Verb("topple", "topple", "toppled", "toppling")
+LIFT = Verb("lift", "lift", "lifted", "lifting")
+
+
+class Phrase(NamedTuple):
+    """A phrase by the key of its words, with what it names behind it."""
+
+    key: str
+    name: str = ""
+
+
+@dataclass(frozen=True)
+class Case:
+    """A command, and the phrases that say it.
+
+    Attributes:
+        verb: what is done.
+        name: of the object.
+        goal: phrases of the goal.
+        how: phrases of the constraints.
+        frame: what it means.
+    """
+
+    verb: Verb
+    name: str
+    goal: tuple[Phrase, ...]
+    how: tuple[Phrase, ...]
+    frame: g.Frame
+
+
+HOW: Mapping[str, g.Constraint] = {
+    "gentle": g.Gentle(),
+    "slow": g.Slow(),
+    "no_topple": g.NoTopple(),
+    "finger": g.Effector(tool="finger", count=1),
+    "force": g.MaxForce(value=5.0),
+}
+
+
+def drawn_case(rng: Random) -> Case:
+    """A command of one of the kinds of goals, with up to two constraints."""
+    name, kind = rng.choice(NAMES), rng.randrange(8)
+    phrases: tuple[Phrase, ...]
+    goal: g.Goal
+    verb = rng.choice(MOVING)
+    other = rng.choice(OTHERS)
+    direction: Any = rng.choice(("away", "toward", "left", "right"))
+    match kind:
+        case 0 | 1:
+            phrases, goal = (Phrase(direction),), g.Displace(direction=direction)
+        case 2 | 3:
+            far, distance = rng.choice((("cm10", 0.1), ("cm5", 0.05)))
+            phrases = (Phrase(far), Phrase(direction))
+            goal = g.Displace(direction=direction, distance=distance)
+        case 4:
+            phrases = (Phrase("little"), Phrase(direction))
+            goal = g.Displace(direction=direction, amount="little")
+        case 5:
+            relation: Any = rng.choice(("next_to", "behind"))
+            phrases = (Phrase(relation, other),)
+            goal = g.Place(relation=relation, reference=(g.ObjectRef(text=other),))
+        case 6:
+            side, sense = rng.choice((("left", "ccw"), ("right", "cw")))
+            verb, phrases = TURN, (Phrase("deg30"), Phrase(side))
+            goal = g.Rotate(angle=0.5235987755982988, sense=sense)
+        case _:
+            verb = rng.choice((TOPPLE, LIFT))
+            phrases = (Phrase(direction),) if verb is TOPPLE else (Phrase("cm10"),)
+            goal = g.Topple(direction=direction) if verb is TOPPLE else g.Lift(height=0.1)
+    fitting = [key for key in HOW if not (key == "no_topple" and verb in (TOPPLE, LIFT))]
+    fitting = [key for key in fitting if not (key == "finger" and verb is LIFT)]
+    how = tuple(rng.sample(fitting, rng.choice((0, 0, 1, 1, 2))))
+    frame = g.Frame(
+        action=verb.action,
+        object=g.ObjectRef(text=name),
+        goal=goal,
+        constraints=tuple(HOW[key] for key in how),
+    )
+    return Case(verb, name, phrases, tuple(map(Phrase, how)), frame)
+
+
+class Speaker:
+    """Says a case in other words, drawn from one list of words."""
+
+    def __init__(self, words: Mapping[str, Any], rng: Random) -> None:
+        self._words, self._rng = words, rng
+        lexicon = default_lexicon()
+        terminals = [*lexicon.terminals, *lexicon.verb_words]
+        self._known = {w for t in terminals for p in lexicon.phrases_of(t) for w in p.split()}
+        self._known |= lexicon.reserved_words | {w for n in (*NAMES, *OTHERS) for w in n.split()}
+
+    def paraphrase_of(self, case: Case, kind: str) -> str:
+        """The case said in the way of a kind."""
+        said: str = getattr(self, f"_{kind}")(case)
+        return " ".join(said.split()).replace(" ,", ",").replace(" .", ".")
+
+    def _pick(self, key: str) -> str:
+        picked: str = self._rng.choice(self._words[key])
+        return picked
+
+    def _first(self, phrase: Phrase, other: bool = False) -> str:
+        """A phrase in plain words, or in any of those of the list."""
+        words = self._pick(phrase.key) if other else plain_words(phrase.key)
+        return f"{words} the {phrase.name}" if phrase.name else words
+
+    def _rest(self, case: Case, other: bool = False) -> str:
+        return " ".join(self._first(phrase, other) for phrase in (*case.goal, *case.how))
+
+    def _bare(self, case: Case) -> str:
+        return f"{case.verb.base} the {case.name} {self._rest(case)}"
+
+    def _lexical(self, case: Case) -> str:
+        return f"{case.verb.base} the {case.name} {self._rest(case, other=True)}"
+
+    def _structural(self, case: Case) -> str:
+        templates = [t for ts in self._words["structures"].values() for t in ts]
+        if case.verb.noun and not isinstance(case.frame.goal, g.Place):
+            templates += self._words["nouns"] * 2
+        verb = case.verb
+        return str(self._rng.choice(templates)).format(
+            v=verb.base, ed=verb.ed, ing=verb.ing, a=verb.noun, o=f"the {case.name}",
+            rest=self._rest(case),
+        )  # fmt: skip
+
+    def _politeness(self, case: Case) -> str:
+        bare, way = self._bare(case), self._rng.randrange(4)
+        before = f"{self._pick('before')} " if way in (0, 2) else ""
+        after = self._pick("after") if way in (1, 2) else ""
+        reason = f" {self._pick('reasons')}" if way == 3 else ""
+        return f"{before}{bare}{after}{reason}"
+
+    def _disfluency(self, case: Case) -> str:
+        phrases = [case.verb.base, f"the {case.name}"]
+        phrases += [self._first(phrase) for phrase in (*case.goal, *case.how)]
+        match self._rng.randrange(4):
+            case 0:
+                i = self._rng.randrange(len(phrases))
+                first = phrases[i].split()[0]
+                phrases.insert(i, first)
+            case 1:
+                phrases.insert(self._rng.randrange(len(phrases)), self._pick("fillers"))
+            case _:
+                i = self._rng.randrange(1, len(phrases))
+                instead = self._mistaken(case, i)
+                phrases.insert(i, f"{instead}{self._pick('corrections')}")
+        return " ".join(phrases)
+
+    def _mistaken(self, case: Case, i: int) -> str:
+        """What one said first in place of the phrase at a place, where 1 is the object."""
+        if i == 1:
+            return f"the {self._rng.choice([n for n in NAMES if n != case.name])}"
+        phrase = (*case.goal, *case.how)[i - 2]
+        return f"{plain_words(phrase.key)} the mug" if phrase.name else MISTAKEN[phrase.key]
+
+    def _order(self, case: Case) -> str:
+        how = [self._first(phrase) for phrase in case.how]
+        goal = [self._first(phrase) for phrase in case.goal]
+        self._rng.shuffle(goal)
+        self._rng.shuffle(how)
+        verb = f"{case.verb.base} the {case.name}"
+        front = [words for words in how if words in ("gently", "slowly", "without toppling it")]
+        match self._rng.randrange(3):
+            case 0 if front and front[0] != "without toppling it":
+                how.remove(front[0])
+                return f"{front[0]} {verb} {' '.join((*goal, *how))}"
+            case 1 if not case.goal[-1].name:
+                return f"{verb} {' '.join((*how, *goal))}"
+            case _:
+                return f"{verb} {' '.join((*goal, *how))}"
+
+    def _typing(self, case: Case) -> str:
+        words = self._bare(case).split()
+        own = set(case.name.split()) | {w for p in case.goal for w in p.name.split()}
+        places = [i for i, w in enumerate(words) if len(w) > 3 and w.isalpha() and w not in own]
+        while True:
+            i = self._rng.choice(places)
+            wrong = self._mistyped(words[i])
+            if wrong not in self._known and wrong != words[i]:
+                return " ".join([*words[:i], wrong, *words[i + 1 :]])
+
+    def _mistyped(self, word: str) -> str:
+        i = self._rng.randrange(len(word) - 1)
+        match self._rng.randrange(3):
+            case 0:
+                return f"{word[:i]}{word[i + 1]}{word[i]}{word[i + 2 :]}"
+            case 1:
+                return f"{word[:i]}{word[i + 1 :]}"
+            case _:
+                return f"{word[: i + 1]}{word[i:]}"
+
+
+MISTAKEN = {
+    "away": "to the left", "toward": "to the right", "left": "to the right",
+    "right": "to the left", "cm10": "20 cm", "cm5": "7 cm", "little": "a lot",
+    "deg30": "45 degrees", "gentle": "hard", "slow": "fast", "no_topple": "without tilting it",
+    "finger": "with two fingers", "force": "with at most 9 N",
+}  # fmt: skip
+
+
+def plain_words(key: str) -> str:
+    """The first words of a key, those that the language had before."""
+    words: str = _ALL_WORDS["developing"][key][0]
+    return words
+
+
+_ALL_WORDS: dict[str, Any] = yaml.safe_load(WORDS.read_text(encoding="utf-8"))
+
+
+def meaning(frames: Sequence[g.Frame]) -> str:
+    """Frames without the places of their words, constraints in any order."""
+    plain = []
+    for frame in frames:
+        dumped = replace_spans(frame.model_dump(exclude_defaults=True))
+        dumped["constraints"] = sorted(map(repr, dumped.get("constraints", ())))
+        plain.append(dumped)
+    return repr(plain)
+
+
+def replace_spans(value: Any) -> Any:
+    """A copy without spans, and with quantities to nine digits."""
+    if isinstance(value, dict):
+        return {k: replace_spans(v) for k, v in sorted(value.items()) if k != "spans"}
+    if isinstance(value, list | tuple):
+        return [replace_spans(v) for v in value]
+    return round(value, 9) if isinstance(value, float) else value
+
+
+def outcome(text: str, case: Case, kind: str) -> str:
+    """Whether a paraphrase is read as the `same`, `refused`, or read `differently`."""
+    try:
+        frames = parse(text).frames
+    except ParseError as error:
+        start, end = error.span or (0, len(text))
+        wrong = set(re.findall(r"[a-z]+", text)) - set(
+            re.findall(r"[a-z]+", paraphrase(case.frame))
+        )
+        located = any(word in text[max(0, start - 20) : end + 20] for word in wrong)
+        return "same" if kind == "typing" and located else "refused"
+    said = meaning(frames)
+    if said == meaning([case.frame]):
+        return "same"
+    if names_in(said) <= {*NAMES, *OTHERS, "it", "its"}:
+        return "differently"
+    return "same" if kind == "typing" else "refused"
+
+
+def names_in(said: str) -> set[str]:
+    """The names of objects in a meaning."""
+    return set(re.findall(r"'text': [\"'](.+?)[\"'][,}]", said))
+
+
+def judged(words: str, seed: int, count: int) -> Iterator[tuple[str, str, str]]:
+    """For each paraphrase its kind, what came of it, and its text."""
+    rng = Random(seed)
+    speaker = Speaker(_ALL_WORDS[words], rng)
+    for i in range(count):
+        kind, case = KINDS[i % len(KINDS)], drawn_case(rng)
+        text = speaker.paraphrase_of(case, kind)
+        yield kind, outcome(text, case, kind), text
+
+
+def main() -> None:
+    options = argparse.ArgumentParser(description="How paraphrases of a command are read.")
+    options.add_argument("--seed", type=int, default=0)
+    options.add_argument("--words", choices=sorted(_ALL_WORDS), default="developing")
+    options.add_argument("--count", type=int, default=4200)
+    options.add_argument("--show", type=int, default=0, help="failures of each kind to print")
+    chosen = options.parse_args()
+    table: Counter[tuple[str, str]] = Counter()
+    for kind, came, text in judged(chosen.words, chosen.seed, chosen.count):
+        table[kind, came] += 1
+        if came != "same" and table[kind, came] <= chosen.show:
+            print(f"{kind}, {came}: {text}")
+    print(f"{chosen.count} paraphrases, seed {chosen.seed}, words {chosen.words}")
+    for kind in (*KINDS, "all"):
+        row = [
+            sum(n for (k, came), n in table.items() if came == column and kind in (k, "all"))
+            for column in ("same", "refused", "differently")
+        ]
+        print(f"{kind:11} same {row[0]:5}  refused {row[1]:5}  differently {row[2]:5}")
+
+
+if __name__ == "__main__":
+    main()
