@@ -53,7 +53,8 @@ def replay_page(trace: Trace, scene: Scene, story: RunStory | None = None) -> st
     }
     text = json.dumps(content, ensure_ascii=False, separators=(",", ":"))
     packed = gzip.compress(text.encode("utf-8", "replace"), mtime=0)
-    loader, style = f"\n{_page_file('replay_loader.js')}", f"\n{_page_file('replay.css')}"
+    loader = f"\n{_page_file('replay_loader.js')}"
+    style = f"\n{_page_file('look.css')}{_page_file('replay.css')}"
     return Template(_page_file("replay.html")).substitute(
         policy=_policy(loader, style),
         title=escape(told.title.encode("utf-8", "replace").decode()),

@@ -7,7 +7,13 @@ from typing import TYPE_CHECKING
 from fastapi import FastAPI
 
 from nlcontrol import __version__
-from nlcontrol.service.http import host_routes, planning_routes, run_routes, session_routes
+from nlcontrol.service.http import (
+    host_routes,
+    page_routes,
+    planning_routes,
+    run_routes,
+    session_routes,
+)
 from nlcontrol.service.http.event_streams import Listeners
 from nlcontrol.service.http.openapi_document import openapi_document
 from nlcontrol.service.http.problem_documents import answer_problems
@@ -17,7 +23,13 @@ if TYPE_CHECKING:
     from nlcontrol.service.http.http_settings import HttpSettings
     from nlcontrol.service.planning_service import PlanningService
 
-ROUTERS = (host_routes.ROUTER, planning_routes.ROUTER, session_routes.ROUTER, run_routes.ROUTER)
+ROUTERS = (
+    host_routes.ROUTER,
+    planning_routes.ROUTER,
+    session_routes.ROUTER,
+    run_routes.ROUTER,
+    page_routes.ROUTER,
+)
 """All routes, by what they are about."""
 
 

@@ -1,0 +1,103 @@
+// Calls of the service, one method for each route. A refused call rejects with its problem document;
+// an older call of the same kind is given up, and rejects with an `AbortError`.
+
+export const EVENT_KINDS = [
+  "understood", "planned", "phase", "contact", "force", "replanned", "lesson", "verdict", "ended",
+];
+
+export class ServiceApi {
+  sessionId = null; // in which sentences are said
+  #underWay = new Map(); // what gives up a call, by its kind
+
+  // -- the host -----------------------------------------------------------------------------------
+
+  health = () => this.#call("health", "GET", "/health");
+  scenes = () => this.#call("scenes", "GET", "/scenes");
+  objects = () => this.#call("objects", "GET", "/objects");
+  object = (name) => this.#call("object", "GET", `/objects/${encodeURIComponent(name)}`);
+
+  // -- a session ----------------------------------------------------------------------------------
+
+  async openSession(spec) {
+    const info = await this.#call("session", "POST", "/sessions", spec);
+    this.sessionId = info.session_id;
+    return info;
+  }
+
+  session = (id = this.sessionId) => this.#call("session", "GET", `/sessions/${id}`);
+  closeSession = (id = this.sessionId) => this.#call("close", "DELETE", `/sessions/${id}`);
+  geometry = () => this.#call("geometry", "GET", this.#path("geometry"));
+  look = () => this.#call("look", "POST", this.#path("look"));
+  reset = () => this.#call("reset", "POST", this.#path("reset"));
+  parse = (text) => this.#call("parse", "POST", this.#path("parse"), { text });
+  ask = (text) => this.#call("ask", "POST", this.#path("ask"), { text });
+  plan = (text) => this.#call("plan", "POST", this.#path("plans"), { text });
+  predict = (push) => this.#call("predict", "POST", this.#path("predict"), push);
+  map = (face) => this.#call("map", "POST", this.#path("map"), face);
+  affordances = (object) => this.#call("affordances", "POST", this.#path("affordances"), { object });
+
+  // -- runs ---------------------------------------------------------------------------------------
+
+  execute = (planId) => this.#begin("runs", { plan_id: planId });
+  say = (text) => this.#begin("say", { text });
+  run = (id) => this.#call(`run ${id}`, "GET", `/runs/${id}`);
+  runs = (search = {}) => this.#call("runs", "GET", `/runs?${new URLSearchParams(search)}`);
+  stop = (id) => this.#call("stop", "POST", `/runs/${id}/stop`);
+  abort = (id) => this.#call("abort", "POST", `/runs/${id}/abort`);
+  deleteRun = (id) => this.#call(`delete ${id}`, "DELETE", `/runs/${id}`);
+  fileOf = (id, kind) => `/v1/runs/${id}/${kind}`; // "bundle", "replay", "trace"
+
+  // -- streams ------------------------------------------------------------------------------------
+
+  // Events of a run that follow a number; goes on by itself after a gap. Returns what ends it.
+  events(id, after, onEvent) {
+    const source = new EventSource(`/v1/runs/${id}/events?after=${after}`);
+    for (const kind of EVENT_KINDS) {
+      source.addEventListener(kind, ({ data }) => {
+        if (kind === "ended") source.close();
+        onEvent(JSON.parse(data));
+      });
+    }
+    return () => source.close();
+  }
+
+  // Frames of a session for a viewer, until what is returned is called.
+  live(onFrame, id = this.sessionId) {
+    const source = new EventSource(`/v1/sessions/${id}/live`);
+    source.addEventListener("poses", ({ data }) => onFrame(JSON.parse(data)));
+    return () => source.close();
+  }
+
+  // -- calls --------------------------------------------------------------------------------------
+
+  #path(what) {
+    return `/sessions/${this.sessionId}/${what}`;
+  }
+
+  // Begins a run; the same request is not begun twice, should it be sent again.
+  #begin(what, body) {
+    const headers = { "Idempotency-Key": crypto.getRandomValues(new Uint32Array(4)).join("-") };
+    return this.#call("begin", "POST", this.#path(what), body, headers);
+  }
+
+  async #call(kind, method, path, body, headers = {}) {
+    this.#underWay.get(kind)?.abort();
+    const given = new AbortController();
+    this.#underWay.set(kind, given);
+    const options = { method, headers: { ...headers }, signal: given.signal };
+    if (body !== undefined) {
+      options.headers["Content-Type"] = "application/json";
+      options.body = JSON.stringify(body);
+    }
+    const response = await fetch(`/v1${path}`, options);
+    const text = await response.text();
+    const document = text ? JSON.parse(text) : null;
+    if (!response.ok) throw document;
+    return document;
+  }
+}
+
+// True if a call was given up for a newer one of its kind.
+export function isGivenUp(problem) {
+  return problem?.name === "AbortError";
+}
