@@ -20,6 +20,7 @@ from nlcontrol.questions.answer import Answer
 from planner.explanation.push_explanation import Basis
 from planner.explanation.rows import Row
 from planner.types.actions import Vector3
+from planner.types.marks import Mark
 from planner.types.motion_guide import MotionGuide
 from planner.types.plan import DefaultUsed, Plan
 from planner.types.world_state import PlanarPose
@@ -87,6 +88,8 @@ class Step(DocumentPart):
         exploration: what touching the object found out, if the frame asked for that.
         answer: if the frame is a question.
         error: why it went no further.
+        marks: of a refusal: where its numbers are on the table; an offer bears them, the JSON
+            document of a result does not.
         basis: what was known then; not a part of the JSON document.
     """
 
@@ -102,6 +105,7 @@ class Step(DocumentPart):
     exploration: ExplorationReport | None = None
     answer: Answer | None = None
     error: ErrorInfo | None = None
+    marks: SkipJsonSchema[tuple[Mark, ...]] = Field(default=(), exclude=True, repr=False)
     basis: SkipJsonSchema[Annotated[Basis, AsItIs()] | None] = Field(
         default=None, exclude=True, repr=False
     )

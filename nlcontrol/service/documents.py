@@ -18,6 +18,8 @@ from nlcontrol.session.events import Event
 from objectmodels.files.limits import LIMITS
 from objectmodels.files.value_types import Coordinate, Name, length_of
 from planner.affordances import Affordance
+from planner.types.marks import Mark
+from sim.views.run_story import ContactMark, Ghost
 
 Source = Literal["camera", "stated"]
 RunKind = Literal["execute", "say"]
@@ -150,6 +152,22 @@ class TableView(Document):
     digest: str
 
 
+class Drawing(DocumentPart):
+    """Places of a plan, or of the reason why there is none, as they are believed.
+
+    Attributes:
+        object: name of what is moved, or was to be.
+        ghosts: objects and the poses in which they should end.
+        contacts: where fingertips touch at first: places and outward normals in B.
+        marks: where the numbers of a refusal are.
+    """
+
+    object: str
+    ghosts: tuple[Ghost, ...] = ()
+    contacts: tuple[ContactMark, ...] = ()
+    marks: tuple[Mark, ...] = ()
+
+
 class Offer(Document):
     """A plan that waits to be approved, or the reason why there is none.
 
@@ -158,12 +176,14 @@ class Offer(Document):
         expires_in: time for which that is possible [s]; null without a plan id.
         digest: of what was believed when it was planned.
         result: of the sentence so far: `planned`, or refused, not understood, answered.
+        drawing: of it; null if it is about no object on the table.
     """
 
     plan_id: str | None = None
     expires_in: float | None = None
     digest: str
     result: Result
+    drawing: Drawing | None = None
 
     @property
     def ok(self) -> bool:

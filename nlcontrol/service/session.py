@@ -25,6 +25,7 @@ from nlcontrol.errors import ControlError, error, known_errors_raised
 from nlcontrol.service.beliefs import Tolerances, belief_digest, require_unchanged, table_view
 from nlcontrol.service.bundles.run_request import run_request
 from nlcontrol.service.documents import Affordances, FaceMap, Offer, SessionSpec, TableView
+from nlcontrol.service.offer_drawing import offer_drawing
 from nlcontrol.service.offered_plans import LIFE, OfferedPlans
 from nlcontrol.service.session_runs import SessionRun
 from nlcontrol.service.stated_objects import stated_table
@@ -188,16 +189,7 @@ class Session:
         force: float | None = None,
         friction: Literal["static", "kinetic"] = "static",
     ) -> PushPrediction:
-        """The prediction of one push; see `nlcontrol.questions.push_prediction.predict_push`.
-
-        Args:
-            name: of the object, as it lies and is turned on the table.
-            face: as the robot calls it.
-            lateral: place on the face, to the right of who looks at it [m].
-            height: of the place above the table [m].
-            direction: of the force in W; straight in if not given.
-            force: its size [N].
-            friction: which coefficient at the table decides.
+        """The prediction of one push; see `PlanningSession`.
 
         Raises:
             ControlError: `unknown_object`, `unknown_face`, `bad_push`, `busy`.
@@ -273,6 +265,7 @@ class Session:
                 expires_in=None if plan_id is None else LIFE,
                 digest=belief_digest(state),
                 result=proposal.result,
+                drawing=offer_drawing(proposal.result),
             )
 
     def execute(

@@ -181,6 +181,7 @@ class FrameRun:
             if isinstance(made, Refusal):
                 if attempt == 0:
                     info = refusal_error(made)
+                    self._note(marks=made.marks)
                     return _result_with_step(self.result, self.step, made.status, info)
                 self._note(stuck=made.message)
                 break

@@ -125,3 +125,18 @@ def _to_edges(points: Array, polygon: Array) -> float:
     from_corner = points[:, None] - polygon
     share = np.clip((from_corner * edges).sum(axis=2) / (edges**2).sum(axis=1), 0.0, 1.0)
     return float(np.linalg.norm(from_corner - share[..., None] * edges, axis=2).min())
+
+
+def leading_point(seen: SeenObject, direction_W: Array) -> Array:
+    """Point on the table as far along a direction from B's origin as the object goes.
+
+    Args:
+        seen: the object.
+        direction_W: unit direction, horizontal, shape (3,).
+
+    Returns:
+        The point in W, shape (3,) [m].
+    """
+    p_WB = seen.pose.p_WB
+    ahead = float(((footprint(seen) - p_WB[:2]) @ direction_W[:2]).max())
+    return np.asarray(p_WB + ahead * direction_W)

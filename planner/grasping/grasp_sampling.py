@@ -26,6 +26,8 @@ from objectmodels.models.object_parts import LiftOffLid, ScrewCap
 from planner.geometry.footprints import footprint, overlaps
 from planner.problem.planning_problem import GraspProblem
 from planner.refusals.refusal_builder import no_plan
+from planner.refusals.refusal_marks import length_mark
+from planner.types.marks import LengthMark
 from planner.types.refusal import NoPlanError
 from planner.types.robot import Grip, Robot
 from planner.types.world_state import SeenObject, WorldState
@@ -123,7 +125,9 @@ def body_candidates(problem: GraspProblem) -> list[Candidate]:
     grips = [(pair, robot.grasp(pair.width)) for pair in sides if _fits(pair.width, robot)]
     closing = [(pair, grip) for pair, grip in grips if grip is not None]
     if not closing:
-        raise _not_that_wide(f"the {target.name}", [pair.width for pair in sides], robot)
+        slimmest = sorted(sides, key=lambda pair: pair.width)[:1]
+        marks = tuple(_width_mark(target, pair, 0.5 * (low + high), robot) for pair in slimmest)
+        raise _not_that_wide(f"the {target.name}", [pair.width for pair in sides], robot, marks)
     found: list[Candidate] = []
     # Where neither level nor upright fingers find room, those that come down askew may.
     for pitches in (_SQUARE, _ASKEW):
@@ -196,7 +200,9 @@ def _fits(width: float, robot: Robot) -> bool:
     return narrowest <= width <= widest
 
 
-def _not_that_wide(part: str, widths: list[float], robot: Robot) -> NoPlanError:
+def _not_that_wide(
+    part: str, widths: list[float], robot: Robot, marks: tuple[LengthMark, ...] = ()
+) -> NoPlanError:
     """Dead end since the hand does not close about an object, or about its lid."""
     if not widths:
         return no_plan("no_two_sides", part=part)
@@ -204,7 +210,16 @@ def _not_that_wide(part: str, widths: list[float], robot: Robot) -> NoPlanError:
     wide = min(widths) > widest
     width = min(widths) if wide else max(widths)
     numbers = {"width": width, "widest": widest, "narrowest": narrowest}
-    return no_plan("too_wide" if wide else "too_narrow", numbers, part=part)
+    return no_plan("too_wide" if wide else "too_narrow", numbers, marks=marks, part=part)
+
+
+def _width_mark(target: SeenObject, pair: _Sides, height: float, robot: Robot) -> LengthMark:
+    """The mark of the width between two sides, above the object's base [m]."""
+    across = target.pose.R_WB @ pair.normal
+    middle = target.pose.p_WB + target.pose.R_WB @ pair.middle + [0.0, 0.0, height]
+    least, most = (1e3 * width for width in _grasp_widths(robot))
+    text = f"{1e3 * pair.width:.0f} mm wide; the hand holds {least:.0f} to {most:.0f} mm"
+    return length_mark(middle - 0.5 * pair.width * across, across, pair.width, text)
 
 
 def _opposite_sides(target: SeenObject) -> Iterator[_Sides]:

@@ -15,9 +15,10 @@ from numpy.typing import ArrayLike, NDArray
 from grammar.frames.command import Tilt
 from objectmodels import ObjectModel
 from objectmodels.mechanics.tilt_limits import largest_return, return_probability
-from planner.geometry.footprints import footprint, free_travel
+from planner.geometry.footprints import footprint, free_travel, leading_point
 from planner.problem.planning_problem import PushProblem, value_in_bound
 from planner.refusals.refusal_builder import QUANTITIES, no_plan, refusal
+from planner.refusals.refusal_marks import length_mark, tilt_mark
 from planner.types.actions import Limits, Prediction, Push
 from planner.types.defaults import Defaults
 from planner.types.refusal import NoPlanError, Refusal
@@ -87,9 +88,11 @@ def require_free_tilt(
     for name, other in problem.others.items():
         free = free_travel(here, footprint(other), u[:2], CLEARANCE)
         if free < leans:
+            text = f"{1e3 * free:.0f} mm to the {name}; it leans over by {1e3 * leans:.0f} mm"
             raise no_plan(
                 "leans_on",
                 {"free": free, "leans_over": leans},
+                marks=(length_mark(leading_point(target, u), u, free, text, leans),),
                 object=target.name,
                 other=name,
                 tilt=angle,
@@ -141,10 +144,14 @@ def _may_fall(problem: PushProblem, inward: NDArray[np.float64], angle: float) -
         else ()
     )
     learn = () if impossible else ("find out where its centre of mass is first",)
+    u = target.pose.R_WB @ inward
+    text = f"beyond {QUANTITIES['deg_exact'](no_return)} it falls by itself"
+    mark = tilt_mark(target.name, leading_point(target, u), u, no_return, text)
     return refusal(
         "no_return" if impossible else "may_not_return",
         {"tilt": angle, "stay_on_base_angle": no_return, "sure_return": sure},
         instead=(*ways, *learn),
+        marks=(mark,),
         object=target.name,
         tolerance=defaults.tilt_tolerance,
     )

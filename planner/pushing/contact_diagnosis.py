@@ -20,6 +20,7 @@ from planner.problem.planning_problem import PushProblem, PushStep, Side
 from planner.pushing.contact_sampling import EDGE, has_place, model_limited_by_hand
 from planner.refusals.refusal_builder import refusal
 from planner.types.defaults import Defaults
+from planner.types.marks import HeightMark
 from planner.types.refusal import NoPlanError, Refusal, RefusalReason
 from planner.types.world_state import SeenObject
 
@@ -121,19 +122,26 @@ def _with_doubt(
     """The refusal with how likely it is, and with what would settle it."""
     probability, asked = outcome_probability(model, touch), problem.effort.probability
     learn, then = best_experiment(model, touch, problem.defaults)
+    verb, height = "slides" if touch.outcome == "slide" else "topples", float(touch.point[2])
+    mark = HeightMark(
+        object=problem.target.name,
+        height=height,
+        text=f"pushed at {_mm(height)} it {verb} with {probability:.2f}",
+    )
     doubt = {"probability": probability, "probability_then": then, "asked_probability": asked}
     with_doubt = refusal(
         "not_sure",
         {**refused.numbers, **doubt},
         message=refused.message,
-        at=touch.point[2],
-        verb="slides" if touch.outcome == "slide" else "topples",
+        at=height,
+        verb=verb,
     )
     return refused.model_copy(
         update={
             "message": with_doubt.message,
             "numbers": with_doubt.numbers,
             "suggestions": (learn, *refused.suggestions),
+            "marks": (mark, *refused.marks),
         }
     )
 

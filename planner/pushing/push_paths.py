@@ -20,9 +20,11 @@ from numpy.typing import NDArray
 
 from objectmodels.geometry.base_shapes import Disc
 from planner.geometry.directions import angle_between, heading_of, unit
-from planner.geometry.footprints import footprint, free_travel, travel_to_edge
+from planner.geometry.footprints import footprint, free_travel, leading_point, travel_to_edge
 from planner.problem.place_regions import object_at
+from planner.refusals.refusal_marks import length_mark
 from planner.types.actions import Aim
+from planner.types.marks import LengthMark
 from planner.types.world_state import SeenObject, WorldState
 
 OBLIQUE = math.radians(17.5)
@@ -192,6 +194,19 @@ def first_stop(
             return SegmentEnd(free + max(least, 0.0), segment, other)
         here, free = here + segment.distance * u, free + segment.distance
     return None
+
+
+def free_length_mark(
+    target: SeenObject, way: tuple[PathSegment, ...], met: SegmentEnd
+) -> LengthMark:
+    """The mark of what is free before the end of a way, on the segment on which it ends."""
+    gone = 0.0
+    for segment in itertools.takewhile(lambda each: each is not met.segment, way):
+        target, gone = moved_along(target, segment), gone + segment.distance
+    u, asked, free = unit(met.segment.heading), met.segment.distance, max(met.free - gone, 0.0)
+    what = "to the table's edge" if met.other is None else f"to the {met.other}"
+    text = f"{1e3 * free:.0f} mm {what}; {1e3 * asked:.0f} mm asked"
+    return length_mark(leading_point(target, u), u, free, text, asked)
 
 
 def _inward_headings(target: SeenObject) -> list[float]:

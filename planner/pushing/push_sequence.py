@@ -275,13 +275,14 @@ class PushSequencePlanner:
         distance = sum(segment.distance for segment in path)
         # What is to be brought to a place would not be there after a shorter way.
         so_far = met.free > _LEAST and math.isfinite(self._problem.goal.distance)
+        marks = (push_paths.free_length_mark(target, path, met),)
         if met.other is None:
             numbers = {"room": max(met.free, 0.0), "distance": distance}
             code = "off_the_table_so_far" if so_far else "off_the_table"
-            return no_plan(code, numbers, object=target.name)
+            return no_plan(code, numbers, marks=marks, object=target.name)
         numbers = {"free": met.free, "distance": distance}
         code = "in_the_way_so_far" if so_far else "in_the_way"
-        return no_plan(code, numbers, object=target.name, other=met.other)
+        return no_plan(code, numbers, marks=marks, object=target.name, other=met.other)
 
     def _path_pushes(
         self, target: SeenObject, path: tuple[push_paths.PathSegment, ...]

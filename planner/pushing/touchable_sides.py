@@ -10,11 +10,18 @@ import math
 import numpy as np
 
 from planner.geometry.directions import HEADINGS, angle_between, face_name, heading_of, phrase, unit
-from planner.geometry.footprints import footprint, landing_strip, overlaps, travel_to_edge
+from planner.geometry.footprints import (
+    footprint,
+    landing_strip,
+    leading_point,
+    overlaps,
+    travel_to_edge,
+)
 from planner.problem.planning_problem import PushProblem, PushStep, Side
 from planner.problem.tilt_goals import require_free_tilt
 from planner.pushing.push_paths import largest_obliqueness
 from planner.refusals.refusal_builder import no_plan
+from planner.refusals.refusal_marks import tilt_mark
 from planner.types.world_state import SeenObject
 
 UNCLEAR_FACE = math.radians(40.0)
@@ -116,8 +123,13 @@ def require_room(problem: PushProblem, step: PushStep, side: Side) -> None:
 def _require_landing(problem: PushProblem, u: np.ndarray) -> None:
     target = problem.target
     strip, height = landing_strip(target, u), {"height": target.model.top}
+    edge = leading_point(target, u)
     if travel_to_edge(strip, problem.state.table, u[:2], 0.0) < problem.defaults.clearance:
-        raise no_plan("falls_off", height, object=target.name)
+        marks = (tilt_mark(target.name, edge, u, math.pi / 2.0, "over the edge of the table"),)
+        raise no_plan("falls_off", height, marks=marks, object=target.name)
     for other in problem.others.values():
         if overlaps(strip, footprint(other), problem.clearance(other)):
-            raise no_plan("falls_on", height, object=target.name, other=other.name)
+            mark = tilt_mark(
+                target.name, edge, u, math.pi / 2.0, f"it would fall on the {other.name}"
+            )
+            raise no_plan("falls_on", height, marks=(mark,), object=target.name, other=other.name)

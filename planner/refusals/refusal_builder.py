@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 import string
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
+from planner.refusals.refusal_marks import height_marks
 from planner.refusals.sentences import SENTENCES
+from planner.types.marks import Mark, ObstacleMark
 from planner.types.refusal import NoPlanError, Refusal, RefusalReason
 
 Spans = tuple[tuple[int, int], ...]
@@ -65,6 +67,7 @@ def refusal(
     spans: Spans = (),
     reason: RefusalReason | None = None,
     instead: tuple[str, ...] = (),
+    marks: tuple[Mark, ...] = (),
     **words: object,
 ) -> Refusal:
     """Refusal in the words of its code.
@@ -75,6 +78,7 @@ def refusal(
         spans: the words that cannot be satisfied.
         reason: the kind of obstacle, where it is not that of the code.
         instead: what would be possible, where it is not that of the code.
+        marks: of numbers that the other words do not place.
         words: other words and numbers of the sentence.
     """
     said, numbers = SENTENCES[code], numbers or {}
@@ -87,7 +91,19 @@ def refusal(
         capability=said.capability and filled_in(said.capability, values),
         spans=spans,
         suggestions=instead or tuple(filled_in(one, values) for one in said.instead),
+        marks=(*marks, *_marks(said.reason, numbers, values)),
     )
+
+
+def _marks(
+    reason: RefusalReason, numbers: Mapping[str, float], words: Mapping[str, Any]
+) -> Iterator[Mark]:
+    """Heights on the object that a refusal is about, and what stands in the way."""
+    if "object" in words:
+        yield from height_marks(words["object"], numbers)
+    other = words.get("blocker") or (words.get("other") if reason == "blocked" else None)
+    if other is not None:
+        yield ObstacleMark(object=other, text="stands in the way")
 
 
 def not_capable(capability: str, message: str, spans: Spans, *instead: str) -> NoPlanError:

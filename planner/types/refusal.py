@@ -8,6 +8,7 @@ from typing import Literal
 from pydantic import Field
 
 from planner.types.actions import Value
+from planner.types.marks import Mark
 
 RefusalReason = Literal[
     "impossible",  # no push on this object does it, whoever pushes
@@ -30,6 +31,7 @@ class Refusal(Value):
         capability: what is missing, if the reason is `unsupported`.
         spans: the words that cannot be satisfied, `[start, end)` in the sentence.
         suggestions: what would be possible instead, as plain phrases.
+        marks: where the numbers are on the table.
     """
 
     code: str
@@ -39,6 +41,7 @@ class Refusal(Value):
     capability: str | None = None
     spans: tuple[tuple[int, int], ...] = ()
     suggestions: tuple[str, ...] = ()
+    marks: tuple[Mark, ...] = ()
 
     @property
     def status(self) -> Literal["refused", "unsupported"]:

@@ -64,7 +64,12 @@ class StoryClause:
 
 @dataclass(frozen=True)
 class Ghost:
-    """An object and the pose X_WB that is predicted for the end: quaternion (w, x, y, z), place."""
+    """An object as it is predicted for the end.
+
+    Attributes:
+        name: of it.
+        pose: X_WB: quaternion (w, x, y, z) and place in W [m].
+    """
 
     name: str
     pose: tuple[float, ...]
@@ -72,7 +77,14 @@ class Ghost:
 
 @dataclass(frozen=True)
 class ContactMark:
-    """A place on an object in its B [m] and the outward normal there; since when it counts [s]."""
+    """A place on an object where it is to be touched.
+
+    Attributes:
+        since: when it counts [s].
+        name: of the object.
+        place: in its B [m].
+        normal: outward unit normal there, in B.
+    """
 
     since: float
     name: str

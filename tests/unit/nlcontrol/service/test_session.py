@@ -7,6 +7,7 @@ import threading
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from nlcontrol import ControlError, Controller, Event, Session
@@ -334,3 +335,22 @@ def test_predictions_go_by_the_table(session: Session, robot: PlayedExecutor) ->
     assert {contact.outcome for contact in chart.contacts} >= {"slide", "topple"}
     assert error_of(lambda: session.map(BOX, spacing=1e-6)).code == "bad_value"
     assert session.affordances("mug").affordances
+
+
+def test_an_offer_is_drawn_where_it_is_believed_to_be(session: Session) -> None:
+    offer = session.plan(AWAY)
+    drawing, plan = offer.drawing, offer.result.plan
+    assert drawing is not None
+    assert plan is not None
+    (ghost,) = drawing.ghosts
+    assert ghost.name == drawing.object == BOX
+    assert plan.aim is not None
+    assert ghost.pose[4:6] == pytest.approx((plan.aim.x, plan.aim.y), abs=1e-6)
+    middle = np.mean([mark.place for mark in drawing.contacts], axis=0)
+    assert len(drawing.contacts) == plan.push.fingers
+    assert middle == pytest.approx(plan.push.p_BC, abs=1e-5)  # they are told in 10 µm
+    assert drawing.marks == ()
+
+
+def test_what_names_no_object_on_the_table_is_not_drawn(session: Session) -> None:
+    assert session.plan("push the unicorn away").drawing is None
