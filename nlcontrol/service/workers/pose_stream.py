@@ -2,8 +2,8 @@
 
 Of a simulated world these are what its observer sees. The world leaves a sample of itself after
 every control step; a thread of its own takes the newest one now and then, so that nothing is asked
-of the world, and what happens in it does not depend on who looks. Of another robot it is what is
-believed since the last look.
+of the world, and what happens in it does not depend on who looks; it only takes no less than real
+time then. Of another robot it is what is believed since the last look.
 """
 
 from __future__ import annotations
@@ -42,6 +42,9 @@ class View(Protocol):
     def frame(self) -> PoseFrame:
         """Places of all bodies now."""
 
+    def keep_real_time(self, wanted: bool) -> None:
+        """Lets nothing happen faster than it would on a real table, or ends that."""
+
 
 class ObservedWorld:
     """A simulated world as its observer sees it.
@@ -78,6 +81,11 @@ class ObservedWorld:
         poses = self._bodies.poses(sample, self._joint_names)
         return PoseFrame(time=sample.time, source="observer", poses=poses)
 
+    def keep_real_time(self, wanted: bool) -> None:
+        """Lets the simulation run no faster than the clock, or ends that."""
+        if self._executor.is_built:
+            self._executor.world.clock.runs = wanted
+
 
 class BelievedTable:
     """The table of a robot that is not simulated, as it was seen last: a box for each object.
@@ -113,6 +121,9 @@ class BelievedTable:
             for name, seen in objects.items()
         }
         return PoseFrame(time=self.time, source="belief", poses=poses)
+
+    def keep_real_time(self, wanted: bool) -> None:
+        """Changes nothing: another robot has a time of its own."""
 
 
 def copy_of(executor: SimulatedExecutor) -> SimulatedExecutor:
@@ -163,9 +174,12 @@ class PoseStream:
         shown, due = None, -math.inf
         while not unwanted.wait(_LOOK_EVERY):
             view = self._view()
+            view.keep_real_time(True)
             if view is not shown:
                 shown, due = view, -math.inf
             if view.time >= due:
                 frame = view.frame()
                 due = max(due + 1.0 / RATE, frame.time + 0.5 / RATE)
                 self._tell(frame.model_dump_json().encode())
+        if shown is not None:
+            shown.keep_real_time(False)

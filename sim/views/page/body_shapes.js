@@ -70,6 +70,7 @@ class SolidParts {
     const mesh = new THREE.SkinnedMesh(geometry, material);
     mesh.bind(skeleton, new THREE.Matrix4());
     mesh.frustumCulled = false;
+    mesh.boundingSphere = new THREE.Sphere(); // which would be found corner by corner
     mesh.castShadow = mesh.receiveShadow = true;
     return mesh;
   }

@@ -5,7 +5,9 @@ import { FrameTrack, bytesOf, series } from "./frame_track.js";
 
 const NEAR = 0.8; // share of the distance from which a contact is looked at
 const MIDDLE = 0.3; // how much of the table stays the place that is looked at
-const BEHIND = 0.15; // by which a live view lags, so that it can interpolate [s]
+const LAG = 0.25; // of a live view, so that it can interpolate [s]
+const LATEST = 1; // lag that is let go instead of being made up for [s]
+const HURRY = 3; // by which a live view is the faster, the later it is [1/s]
 
 class Player {
   constructor(viewer, track) {
@@ -112,28 +114,31 @@ export class LivePlayer extends Player {
     super(viewer, new FrameTrack());
   }
 
-  // `{time, poses, liquid, fingers}`: time [s], poses by the names of the bodies as the service
-  // tells them. A body that is not told of stays where it was.
-  push({ time, poses, liquid = [], fingers = [] }) {
+  // `{time, poses}`: time [s], poses by the names of the bodies as the service tells them. A body
+  // that is not told of stays where it was.
+  push({ time, poses }) {
     const row = this.newest ? this.newest.slice() : restingPoses(this.viewer.document.bodies);
     this.viewer.document.bodies.forEach(({ name }, i) => {
       if (poses[name]) row.set(poses[name], 7 * i);
     });
     this.newest = row;
+    if (time <= this.track.end) this.track = new FrameTrack(); // put back to its beginning
+    if (!this.track.times.length) this.time = time;
     this.track.push(time, row, 120);
-    this.arrived = performance.now();
-    this.viewer.setLiquid(liquid);
-    this.viewer.setFingers(fingers);
     this.viewer.invalidate();
   }
 
   tick(now) {
     if (!this.track.times.length) return false;
-    const since = (now - this.arrived) / 1e3;
-    const time = Math.min(this.track.end, this.track.end + since - BEHIND);
-    const frame = this.show(Math.max(time, this.track.start));
-    this.told(time, frame);
-    return time < this.track.end;
+    const passed = this.before ? Math.min((now - this.before) / 1e3, 0.25) : 0;
+    const late = this.track.end - this.time;
+    const speed = Math.max(0.25, 1 + HURRY * (late - LAG));
+    const time = late > LATEST ? this.track.end - LAG : this.time + speed * passed;
+    this.time = Math.min(Math.max(time, this.track.start), this.track.end);
+    const moves = this.time < this.track.end;
+    this.before = moves ? now : null;
+    this.told(this.time, this.show(this.time));
+    return moves;
   }
 }
 

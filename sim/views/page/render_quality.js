@@ -63,18 +63,45 @@ export class RenderQuality {
   }
 }
 
-export function isDrawnInSoftware() {
-  const context = document.createElement("canvas").getContext("webgl2");
-  if (!context) return false;
-  const names = context.getExtension("WEBGL_debug_renderer_info");
-  const name = names ? context.getParameter(names.UNMASKED_RENDERER_WEBGL) : "";
-  context.getExtension("WEBGL_lose_context")?.loseContext();
-  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+// Whether what was drawn is done. Who draws on before that has the script wait for it.
+export class DrawingFence {
+  constructor(renderer) {
+    this.gl = renderer.getContext();
+    this.sync = null;
+  }
+
+  // Begins to wait for all that was drawn so far.
+  raise() {
+    if (this.sync) this.gl.deleteSync(this.sync);
+    this.sync = this.gl.fenceSync(this.gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    this.gl.flush();
+  }
+
+  get isDown() {
+    const { gl, sync } = this;
+    if (!sync || gl.isContextLost()) return true;
+    return gl.getSyncParameter(sync, gl.SYNC_STATUS) === gl.SIGNALED;
+  }
 }
 
-export function newRenderer(software) {
-  const renderer = new THREE.WebGLRenderer({ antialias: !software, powerPreference: "high-performance" });
+// A renderer, and whether it draws in software; it takes one context, since another one takes time.
+export function newRenderer() {
+  const canvas = document.createElement("canvas");
+  const context = canvas.getContext("webgl2", { alpha: true, antialias: false });
+  const software = context !== null && isSoftware(context);
+  const options = software ? { canvas, context } : { antialias: true, powerPreference: "high-performance" };
+  if (context && !software) context.getExtension("WEBGL_lose_context")?.loseContext();
+  const renderer = new THREE.WebGLRenderer(options);
+  // What is asked of the drawing process in the midst of a frame has the script wait for all of it.
+  renderer.debug.checkShaderErrors = false;
+  renderer.extensions.has("EXT_texture_filter_anisotropic");
   renderer.shadowMap.enabled = true;
   renderer.shadowMap.type = THREE.PCFShadowMap;
-  return renderer;
+  return { renderer, software };
+}
+
+function isSoftware(context) {
+  const names = context.getExtension("WEBGL_debug_renderer_info");
+  const name = names ? context.getParameter(names.UNMASKED_RENDERER_WEBGL) : "";
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
 }

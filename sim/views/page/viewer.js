@@ -4,7 +4,7 @@ import * as THREE from "./vendor/three.module.min.js";
 import { meshesOf } from "./body_shapes.js";
 import { ForceArrow, contactRing, ghostOf } from "./force_markers.js";
 import { OrbitCamera } from "./orbit_camera.js";
-import { RenderQuality, isDrawnInSoftware, newRenderer } from "./render_quality.js";
+import { DrawingFence, RenderQuality, newRenderer } from "./render_quality.js";
 
 const SETTLES = 250; // after which what does not move is drawn finely [ms]
 const THEMES = {
@@ -17,8 +17,8 @@ export class Viewer {
   constructor(holder, scene) {
     this.holder = holder;
     this.document = scene;
-    this.software = isDrawnInSoftware();
-    this.renderer = newRenderer(this.software);
+    const { renderer, software } = newRenderer();
+    this.renderer = renderer;
     this.canvas = this.renderer.domElement;
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute("role", "img");
@@ -27,7 +27,7 @@ export class Viewer {
     this.scene = new THREE.Scene();
     this.orbit = new OrbitCamera(this.canvas, () => this.invalidate());
     this.#light();
-    this.quality = new RenderQuality(this.renderer, this.sun, { software: this.software });
+    this.quality = new RenderQuality(this.renderer, this.sun, { software });
     const { bones, meshes } = meshesOf(scene.bodies);
     this.bodies = bones;
     this.scene.add(...bones, ...meshes);
@@ -41,7 +41,22 @@ export class Viewer {
     this.scriptTime = 0; // of the last frame [ms]
     this.frames = 0;
     this.size = [1, 1];
+    this.fence = new DrawingFence(this.renderer);
     this.#follow();
+    this.#compile();
+  }
+
+  // Nothing moves before its programs are there, so that no frame has to wait for them.
+  async #compile() {
+    const marks = [new ForceArrow().group, contactRing({ place: [0, 0, 0], normal: [0, 0, 1] })];
+    this.scene.add(...marks);
+    this.quality.apply(false); // later it would wait for the programs
+    await this.renderer.compileAsync(this.scene, this.orbit.camera);
+    this.scene.remove(...marks);
+    if (this.ended) return;
+    this.#draw(); // takes the programs of shadows with it
+    this.compiled = true;
+    this.invalidate();
   }
 
   // -- what is shown ------------------------------------------------------------------------------
@@ -139,13 +154,17 @@ export class Viewer {
   // -- frames -------------------------------------------------------------------------------------
 
   invalidate() {
-    if (this.waiting || this.ended) return;
+    if (this.waiting || this.ended || !this.compiled) return;
     this.waiting = requestAnimationFrame((now) => this.#frame(now));
   }
 
   #frame(now) {
     const began = performance.now();
     this.waiting = null;
+    if (!this.fence.isDown) {
+      this.invalidate();
+      return;
+    }
     clearTimeout(this.settling);
     const moves = this.onframe ? this.onframe(now) : false;
     const step = this.last ? Math.min((now - this.last) / 1e3, 0.1) : 0;
@@ -154,7 +173,7 @@ export class Viewer {
     this.last = now;
     const glides = this.orbit.update(step);
     this.quality.apply(false);
-    this.renderer.render(this.scene, this.orbit.camera);
+    this.#draw();
     this.ondrawn?.();
     this.frames++;
     this.scriptTime = performance.now() - began;
@@ -164,10 +183,19 @@ export class Viewer {
 
   // Draws what does not move once more, finely.
   #settle() {
+    if (!this.fence.isDown) {
+      this.settling = setTimeout(() => this.#settle(), SETTLES);
+      return;
+    }
     this.last = null;
     this.quality.apply(true);
-    this.renderer.render(this.scene, this.orbit.camera);
+    this.#draw();
     this.holder.dataset.settled = String(this.frames);
+  }
+
+  #draw() {
+    this.renderer.render(this.scene, this.orbit.camera);
+    this.fence.raise();
   }
 
   dispose() {

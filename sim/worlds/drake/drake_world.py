@@ -29,6 +29,7 @@ from sim.worlds.drake.lid_mechanics import Lids
 from sim.worlds.drake.liquid_transfer import Liquid
 from sim.worlds.drake.world_variation import ShiftingContents, VaryingFriction
 from sim.worlds.ports import Sample, WorldRecord
+from sim.worlds.wall_clock import WallClock
 
 if TYPE_CHECKING:
     from pydrake.multibody.plant import MultibodyPlant
@@ -54,6 +55,7 @@ class DrakeWorld:
         seed: of everything random.
         robot: the port of its robot, which knows no truth.
         sample: the world as it is now.
+        clock: holds each step back to real time while it runs; see `WallClock`.
         simulator: of the diagram; for measuring its cost, not for control.
     """
 
@@ -96,6 +98,7 @@ class DrakeWorld:
             gain_error=scene.torque_sensor.gain_error,
         )
         self._period = self.robot.period
+        self.clock = WallClock()
         self._steps = 0
         self._records: weakref.WeakSet[WorldRecord] = weakref.WeakSet()
         self._watch = ContactWatch(
@@ -146,6 +149,7 @@ class DrakeWorld:
         self._steps += 1
         self._prepare()
         self.simulator.AdvanceTo(self.time, interruptible=False)
+        self.clock.wait(self._period)
         impulse = self._efforts()
         self._mean_torques, self._impulse = (impulse - self._impulse) / self._period, impulse
         self._observe()
