@@ -27,9 +27,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from benchmarks.goals.worlds import as_believed
 from benchmarks.record import Kept, carried_out
 from nlcontrol import Controller, Registry
+from nlcontrol.batches.drawn_scenes import truth_as_believed
 from nlcontrol.checks.trace_measures import tilt_at_end
 from nlcontrol.checks.verdicts import PLANNED_ENDS, Check
 from nlcontrol.learning.lessons import change_contents
@@ -152,7 +152,7 @@ def true(model: ObjectModel, rng: np.random.Generator) -> Truth:
         shell = change_contents(model, -container.contents)
         model = change_contents(shell.model_copy(update={"mass": mass * shell.mass}), volume)
     return Truth.model_validate(
-        dict(as_believed(model))
+        dict(truth_as_believed(model))
         | {
             "friction_table": friction * model.friction,
             "friction_finger": finger * model.finger_friction,

@@ -16,8 +16,8 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from benchmarks.goals.worlds import scene
 from benchmarks.lidbench import LidBench
+from nlcontrol.batches.drawn_scenes import scene_of
 from nlcontrol.worker_processes import worker_processes
 from objectmodels import CylinderModel
 from objectmodels.containers import lid_forces
@@ -141,7 +141,7 @@ def run(case: Case) -> Outcome:
         pose=Pose(x_m=0.5, y_m=0.0, yaw_deg=case.yaw),
         truth=case.truth,
     )
-    bench = LidBench(scene("lids", [item], Vision()))
+    bench = LidBench(scene_of("lids", [item], Vision()))
     model, lid = believed(case.truth), case.truth.lid
     if isinstance(lid, FlipLid):
         return _flipped(bench, model, lid)

@@ -26,7 +26,6 @@ import numpy as np
 
 from benchmarks.drake_strokes import DrakeBench
 from benchmarks.engines import WITHOUT_MUJOCO
-from benchmarks.goals.worlds import as_believed, scene
 from benchmarks.strokes import (
     Array,
     Bench,
@@ -38,6 +37,7 @@ from benchmarks.strokes import (
     upright,
 )
 from nlcontrol import Controller, Registry
+from nlcontrol.batches.drawn_scenes import scene_of, truth_as_believed
 from planner.types.actions import Push
 from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer, ReachEffort
@@ -116,9 +116,9 @@ class Everywhere(ArmHandReach):
 
 def world() -> Scene:
     """The box alone, as believed, under a perfect camera."""
-    truth = as_believed(Registry.built_in().get(OBJECT))
+    truth = truth_as_believed(Registry.built_in().get(OBJECT))
     item = SceneObject(name=OBJECT, model=OBJECT, pose=START, truth=truth)
-    return scene("one box", [item], Vision(position_noise_m=0.0, angle_noise_deg=0.0))
+    return scene_of("one box", [item], Vision(position_noise_m=0.0, angle_noise_deg=0.0))
 
 
 def engines() -> dict[str, Callable[[Scene], Bench]]:

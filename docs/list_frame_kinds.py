@@ -15,7 +15,7 @@ from typing import Any
 from grammar import parse
 from grammar.frames.constraints import CONSTRAINTS
 from grammar.frames.goals import GOALS
-from nlcontrol.results.json_schema import schema
+from nlcontrol.json_schema import schema
 
 GUIDE = Path(__file__).resolve().parent / "frames.md"
 OPENING = "## Kinds\n"

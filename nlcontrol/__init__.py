@@ -21,6 +21,8 @@ serve_former_names()
 
 if TYPE_CHECKING:
     from grammar import Command, Frame, ParseError, parse
+    from nlcontrol.batches.batch import batch
+    from nlcontrol.batches.batch_row import BatchRow, DrawnScene
     from nlcontrol.checks.verdicts import Check
     from nlcontrol.errors import ControlError, ErrorInfo
     from nlcontrol.questions.answer import Answer
@@ -59,6 +61,7 @@ __version__ = "0.1.0"
 _HOMES = {
     "Affordance": "planner.affordances",
     "Answer": "nlcontrol.questions.answer",
+    "BatchRow": "nlcontrol.batches.batch_row",
     "BoxModel": "objectmodels",
     "Check": "nlcontrol.checks.verdicts",
     "Client": "nlcontrol.service.client.remote_session",
@@ -69,6 +72,7 @@ _HOMES = {
     "CylinderModel": "objectmodels",
     "DEFAULTS": "planner.types.defaults",
     "Defaults": "planner.types.defaults",
+    "DrawnScene": "nlcontrol.batches.batch_row",
     "ErrorInfo": "nlcontrol.errors",
     "Event": "nlcontrol.session.events",
     "Executor": "nlcontrol.session.executor",
@@ -94,6 +98,7 @@ _HOMES = {
     "StopToken": "sim.supervision",
     "Thresholds": "objectmodels.mechanics.push_outcomes",
     "Trace": "sim.traces.trace",
+    "batch": "nlcontrol.batches.batch",
     "fit": "objectmodels.identification",
     "load_scene": "sim.truth.scene_file",
     "parse": "grammar",
@@ -106,6 +111,7 @@ __all__ = [
     "DEFAULTS",
     "Affordance",
     "Answer",
+    "BatchRow",
     "BoxModel",
     "Check",
     "Client",
@@ -115,6 +121,7 @@ __all__ = [
     "Conversation",
     "CylinderModel",
     "Defaults",
+    "DrawnScene",
     "ErrorInfo",
     "Event",
     "Executor",
@@ -141,6 +148,7 @@ __all__ = [
     "Thresholds",
     "Trace",
     "__version__",
+    "batch",
     "fit",
     "load_scene",
     "parse",

@@ -83,6 +83,8 @@ CODES: dict[str, Status] = {
     "no_pictures": Status(INTERNAL, 501),
     "scene_and_registry_differ": _CALLER,
     "worker_lost": Status(INTERNAL, 500),
+    "bad_row": _CALLER,
+    "versions_differ": Status(INTERNAL, 500),
     # The service: its sessions and its queues.
     "unknown_session": Status(USAGE, 404),
     "session_lost": Status(USAGE, 410),

@@ -41,7 +41,9 @@ def worker_processes(
 
 
 def _begin(initializer: Callable[[], object] | None) -> None:
-    """Ends this process with its parent, and with nothing else."""
+    """Ends this process with its parent, and with nothing else; libraries start no threads."""
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+        os.environ.setdefault(name, "1")
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     end_with_parent()
     if initializer is not None:

@@ -22,8 +22,9 @@ from benchmarks.goals.cases import Done, run
 from benchmarks.goals.confirm import confirmed
 from benchmarks.goals.sentences import KINDS, kind_of, pairs, said, target_of
 from benchmarks.goals.tables import report
-from benchmarks.goals.worlds import Job, pushable
+from benchmarks.goals.worlds import Job
 from benchmarks.record import carried_out
+from nlcontrol.batches.drawn_scenes import pushable_models
 from nlcontrol.worker_processes import worker_processes
 
 _MOST = 100_000  # numbers that are looked through for cases that are chosen
@@ -60,7 +61,7 @@ def _kinds(text: str) -> list[str]:
 
 
 def _objects(text: str) -> list[str]:
-    names = [model.name for model in pushable()]
+    names = [model.name for model in pushable_models()]
     if set(_listed(text)) - set(names):
         raise argparse.ArgumentTypeError(f"objects are {', '.join(names)}")
     return _listed(text)

@@ -32,9 +32,10 @@ from benchmarks.goals.cases import Done, Watched
 from benchmarks.goals.postures import reachable
 from benchmarks.goals.search import Asked, Found, repeated, search, seen
 from benchmarks.goals.sentences import said
-from benchmarks.goals.worlds import Generator, Job, as_believed, believed
+from benchmarks.goals.worlds import Job, believed
 from benchmarks.record import Kept, carried_out
 from benchmarks.strokes import Array, heading_of, upright
+from nlcontrol.batches.drawn_scenes import Generator, truth_as_believed
 from nlcontrol.checks.frame_checks import require_checkable
 from nlcontrol.errors import ControlError
 from objectmodels import ObjectModel
@@ -234,7 +235,7 @@ def _drawn(model: ObjectModel, rng: Generator) -> Array:
 def _with(scene: Scene, name: str, model: ObjectModel, off: Array) -> Scene:
     """The scene with an object that differs by so much from what is believed."""
     mass, friction, finger = np.maximum(1.0 + off[:3] / model.means[:3], _LEAST).tolist()
-    truth = as_believed(model)
+    truth = truth_as_believed(model)
     changed = truth.model_copy(
         update={
             "mass_kg": truth.mass_kg * mass,

@@ -20,8 +20,9 @@ from functools import cache
 from typing import Literal, get_args
 
 from benchmarks.goals.sense import sensible, tips
-from benchmarks.goals.worlds import Generator, Job, believed, drawn, generator, pushable, standing
+from benchmarks.goals.worlds import Job, believed, drawn, generator, standing
 from nlcontrol import Controller
+from nlcontrol.batches.drawn_scenes import Generator, pushable_models
 from nlcontrol.errors import ControlError
 from objectmodels import CylinderModel, ObjectModel
 from planner.types.world_state import WorldState
@@ -68,7 +69,9 @@ class Sentence:
 @cache
 def pairs() -> tuple[tuple[ObjectModel, Kind], ...]:
     """Each object that may stand alone, with each goal that fits it."""
-    return tuple((model, kind) for model in pushable() for kind in EXACT if _fits(kind, model))
+    return tuple(
+        (model, kind) for model in pushable_models() for kind in EXACT if _fits(kind, model)
+    )
 
 
 def kind_of(job: Job) -> Kind:
@@ -87,7 +90,7 @@ def said(job: Job) -> tuple[Scene, Sentence]:
     goals = _ALONE if job.alone else _GOALS
     blind = not job.alone and bool(rng.random() >= SENSIBLE)
     scene = drawn(job, rng, _among(job, kind, blind))
-    models = {model.name: model for model in pushable()}
+    models = {model.name: model for model in pushable_models()}
     target, *others = (item.name for item in scene.objects)
     words = _Words(models[target], others, rng)
     text = goals[kind](words)
@@ -105,7 +108,7 @@ def _among(job: Job, kind: Kind, blind: bool) -> list[ObjectModel]:
     """Models, one of which is that of the target."""
     if job.alone:
         return [pairs()[job.number % len(pairs())][0]]
-    return [model for model in pushable() if blind or _fits(kind, model)]
+    return [model for model in pushable_models() if blind or _fits(kind, model)]
 
 
 def _sensible(text: str, robot: Controller) -> bool:

@@ -1,11 +1,7 @@
-"""Worlds drawn by seed: which objects stand where, and how they really are.
+"""Worlds drawn by seed, and what the robot believes there.
 
-Each world holds one to six of the registry's objects that the hand can push. Their true parameters
-lie evenly within bounds around what the registry believes (`MASS`, `FRICTION`, …). They stand
-anywhere in `STANDING`, turned by any angle, at least `GAP` apart, so that a hand gets between them;
-one for which no place is found is left out. The first object is the one that will be spoken of: it
-stands in `REACHED`. Of the others some are fragile. In the worlds of some cases it stands alone. A
-world depends on its seed and number alone.
+A world is drawn as `nlcontrol.batches.drawn_scenes` says, and depends on its seed and number alone.
+In the worlds of some cases the object that is spoken of stands alone.
 """
 
 from __future__ import annotations
@@ -17,38 +13,22 @@ from typing import NamedTuple
 
 import numpy as np
 
-from objectmodels import BoxModel, CylinderModel, ObjectModel, PrismModel, Registry
-from planner.geometry.footprints import footprint, overlaps
+from nlcontrol.batches.drawn_scenes import (
+    CENTRE_OF_MASS,
+    FINGER_FRICTION,
+    FRICTION,
+    MASS,
+    Generator,
+    draw_scene_with,
+    pushable_models,
+)
+from objectmodels import ObjectModel, Registry
 from planner.types.world_state import PlanarPose, SeenObject
-from sim.cell.cell_description import RobotMount, Vision
-from sim.motion.robot_reach import lowest_contact
-from sim.standard_robot import HAND
-from sim.truth.object_truth import Truth
-from sim.truth.scene_file import Pose, Scene, SceneObject, built_in_scenes, load_scene
+from sim.cell.cell_description import Vision
+from sim.truth.scene_file import Scene
 
-Generator = np.random.Generator
-
-MASS, FRICTION, FINGER_FRICTION = 0.20, 0.20, 0.15
-"""Largest relative difference of truth and belief."""
-CENTRE_OF_MASS = 0.003
-"""Largest difference of truth and belief along each axis of B [m]."""
-MOST = 6
-"""Objects in a world."""
-STANDING = ((0.40, 0.70), (-0.35, 0.35))
-"""Where objects stand: least and largest x and y [m]."""
-REACHED = ((0.42, 0.68), (-0.28, 0.28))
-"""Where the object stands that is spoken of: the arm gets around it [m]."""
-GAP = 0.08
-"""Least room between two objects: a hand is some 10 cm deep, its fingers are slimmer [m]."""
-FRAGILE = 0.25
-"""Share of the objects not spoken of that are fragile."""
 BIAS = Vision(position_bias_m=0.003, angle_bias_deg=1.5)
 """The default camera with constant errors on top."""
-
-_TRIES = 200  # places that are tried for an object before it is left out
-_GRIP = 0.01  # an object must be so much higher than the lowest contact [m]
-_HANDLED = frozenset({"ice tea", "ice tea cup", "jar"})
-_COLOUR = (0.6, 0.6, 0.6)  # of what stands in no built-in scene
 
 
 class Job(NamedTuple):
@@ -66,17 +46,6 @@ class Job(NamedTuple):
     bias: bool = False
     oblique: float = 45.0
     alone: bool = False
-
-
-@cache
-def pushable() -> tuple[ObjectModel, ...]:
-    """Built-in models that are high enough for a fingertip.
-
-    Those that are there to be opened and poured are left out, so that figures of pushing stay
-    comparable.
-    """
-    models = (model for model in Registry.built_in() if model.name not in _HANDLED)
-    return tuple(model for model in models if model.top > lowest_contact(HAND) + _GRIP)
 
 
 @cache
@@ -112,29 +81,19 @@ def drawn(job: Job, rng: Generator, among: Sequence[ObjectModel]) -> Scene:
         rng: its generator.
         among: models, one of which is that of the first object.
     """
-    first = among[int(rng.integers(len(among)))]
-    others = [model for model in pushable() if model is not first]
-    count = 0 if job.alone else int(rng.integers(MOST))
-    chosen = [others[index] for index in rng.permutation(len(others))[:count].tolist()]
-    objects: list[SceneObject] = []
-    standing: list[SeenObject] = []
-    for model in (first, *chosen):
-        spans = STANDING if standing else REACHED
-        truth, fragile = true(model, rng), bool(standing) and bool(rng.random() < FRAGILE)
-        pose = _place(model, spans, standing, rng, job.oblique)
-        if pose is None:
-            continue
-        standing.append(SeenObject(model.name, pose, model))
-        where = Pose(x_m=pose.x, y_m=pose.y, yaw_deg=float(np.degrees(pose.yaw)))
-        objects.append(
-            SceneObject(name=model.name, model=model.name, pose=where, truth=truth, fragile=fragile)
-        )
-    return scene(f"{job.seed}-{job.number}", objects, BIAS if job.bias else Vision())
+    return draw_scene_with(
+        f"{job.seed}-{job.number}",
+        rng,
+        among,
+        alone=job.alone,
+        oblique=job.oblique,
+        vision=BIAS if job.bias else None,
+    )
 
 
 def standing(scene: Scene) -> dict[str, SeenObject]:
     """The objects of a world by name, as they stand, but with the models that are believed."""
-    models = {model.name: model for model in pushable()}
+    models = {model.name: model for model in pushable_models()}
     return {
         item.name: SeenObject(
             item.name,
@@ -144,84 +103,3 @@ def standing(scene: Scene) -> dict[str, SeenObject]:
         )
         for item in scene.objects
     }
-
-
-def scene(name: str, objects: list[SceneObject], vision: Vision) -> Scene:
-    """A scene with the default scene's robot."""
-    return Scene(version=1, name=name, robot=_robot(), vision=vision, objects=tuple(objects))
-
-
-@cache
-def _robot() -> RobotMount:
-    return load_scene("kitchen").robot
-
-
-def _place(
-    model: ObjectModel,
-    spans: tuple[tuple[float, float], ...],
-    standing: Sequence[SeenObject],
-    rng: Generator,
-    oblique: float,
-) -> PlanarPose | None:
-    """A free place for one more object; None if none is found."""
-    for _ in range(_TRIES):
-        x, y = (float(rng.uniform(*span)) for span in spans)
-        quarters = int(rng.integers(4))
-        yaw = np.radians(90.0 * quarters + oblique * float(rng.uniform(-1.0, 1.0)))
-        pose = PlanarPose(x, y, float(np.arctan2(np.sin(yaw), np.cos(yaw))))
-        covered = footprint(SeenObject(model.name, pose, model))
-        if not any(overlaps(covered, footprint(other), GAP) for other in standing):
-            return pose
-    return None
-
-
-def true(model: ObjectModel, rng: Generator) -> Truth:
-    """How an object of a model really is, within the bounds."""
-    mass, friction, finger, *shift = rng.uniform(-1.0, 1.0, 6).tolist()
-    exact = as_believed(model)
-    changed = exact.model_copy(
-        update={
-            "mass_kg": model.mass * (1.0 + MASS * mass),
-            "friction_table": model.friction * (1.0 + FRICTION * friction),
-            "friction_finger": model.finger_friction * (1.0 + FINGER_FRICTION * finger),
-        }
-    )
-    return changed.with_shift([CENTRE_OF_MASS * s for s in shift])
-
-
-def as_believed(model: ObjectModel) -> Truth:
-    """An object that is exactly as the registry believes.
-
-    Raises:
-        TypeError: the model is of a kind that the simulation has no shape for.
-    """
-    shape: dict[str, object]
-    match model:
-        case BoxModel():
-            shape = {"size_m": model.size}
-        case CylinderModel():
-            shape = {
-                "radius_m": model.radius,
-                "height_m": model.height,
-                "base_radius_m": model.base_radius,
-            }
-        case PrismModel():
-            shape = {"corners_m": model.corners, "height_m": model.height}
-        case _:
-            raise TypeError(f"{model.name} is no box, cylinder or prism")
-    return Truth.model_validate(
-        shape
-        | {
-            "mass_kg": model.mass,
-            "friction_table": model.friction,
-            "friction_finger": model.finger_friction,
-            "centre_of_mass_m": tuple(model.com),
-            "colour": _colours().get(model.name, _COLOUR),
-        }
-    )
-
-
-@cache
-def _colours() -> dict[str, tuple[float, float, float]]:
-    scenes = (load_scene(name) for name in built_in_scenes())
-    return {item.model: item.truth.colour for each in scenes for item in each.objects}

@@ -33,6 +33,7 @@ _EXIT_CODES = (
 
 _COMMANDS = {
     "affordances": "predict_command:affordances",
+    "batch": "batch_command:group",
     "defaults": "schema_commands:defaults",
     "doctor": "doctor_command:command",
     "explore": "explore_command:command",

@@ -39,6 +39,7 @@ LIMITS: Mapping[str, Limit] = MappingProxyType(
         "history_file": Limit("history of the shell", 0, 10_000_000, "bytes"),
         "token_file": Limit("file of a token", 0, 10_000, "bytes"),
         "frames_file": Limit("file of frames", 0, 1_000_000, "bytes"),
+        "batch_row": Limit("row of a batch", 0, 1_000_000, "bytes"),
         "lexicon_file": Limit("file of words of a plug-in", 0, 1_000_000, "bytes"),
         "yaml_nodes": Limit("values in a YAML file, aliases written out", 0, 20_000, ""),
         "yaml_depth": Limit("lists and mappings inside each other", 0, 20, ""),

@@ -8,7 +8,7 @@ from typing import Any, get_args
 
 from grammar.frames import command as g
 from nlcontrol.json_document import SCHEMA_VERSION
-from nlcontrol.results.json_schema import schema
+from nlcontrol.json_schema import schema
 from planner.types.defaults import settings
 
 

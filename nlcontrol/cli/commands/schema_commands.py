@@ -31,7 +31,7 @@ def defaults(scene: str, settings: Settings, as_json: bool) -> int:
 @click.command("schema")
 def schema() -> int:
     """Print the JSON schema of what the commands answer with --json."""
-    from nlcontrol.results import json_schema
+    from nlcontrol import json_schema
 
     print_json(json_schema.schema())
     return OK

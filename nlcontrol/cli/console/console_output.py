@@ -160,10 +160,15 @@ class Progress:
         if self._bar is not None:
             self._bar.stop()
 
-    def __call__(self, done: int, total: int) -> None:
-        """Take one report: how many of how many are done."""
+    def __call__(self, done: int, total: int | None, note: str = "") -> None:
+        """Take one report: how many of how many are done, and what else is worth to know."""
         if self._bar is not None:
-            self._bar.update(self._task, completed=done, total=total)
-        elif 10 * done // total > self._tenths:
-            self._tenths = 10 * done // total
-            click.echo(f"{done} of {total} {self._what}", err=True)
+            told = f"{self._what}, {note}" if note else self._what
+            self._bar.update(self._task, completed=done, total=total, description=told)
+            return
+        # Where nobody knows how many there are, a line for each thousand.
+        tenths = done // 1000 if total is None else 10 * done // total
+        if tenths > self._tenths:
+            self._tenths = tenths
+            told = " ".join(filter(None, (f"{done} of {total or '?'} {self._what}", note)))
+            click.echo(told, err=True)

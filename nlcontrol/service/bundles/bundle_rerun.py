@@ -8,6 +8,7 @@ from itertools import chain
 from typing import TYPE_CHECKING
 
 from nlcontrol.errors import ErrorInfo, error
+from nlcontrol.installed_versions import installed_versions, platform_name
 from nlcontrol.json_document import Document
 from nlcontrol.service.bundles.run_comparison import (
     Difference,
@@ -15,7 +16,6 @@ from nlcontrol.service.bundles.run_comparison import (
     trace_differences,
     version_differences,
 )
-from nlcontrol.service.bundles.run_request import installed_versions, platform_name
 from nlcontrol.session.recipe_rebuilding import repeat_recipe
 from objectmodels.errors import printable
 

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import importlib.metadata
-import platform
-import sys
 from typing import TYPE_CHECKING, Literal
 
 from nlcontrol.errors import ControlError
+from nlcontrol.installed_versions import installed_versions, platform_name
 from nlcontrol.json_document import Document
 from nlcontrol.session.recipe import Recipe
 
@@ -40,18 +38,6 @@ class RunRequest(Document):
     platform: str
     recipe: Recipe | None
     why_not: str | None = None
-
-
-def installed_versions() -> dict[str, str]:
-    """Versions of nlcontrol, of Python and of the libraries that decide on numbers."""
-    python = f"{sys.implementation.name} {platform.python_version()}"
-    packages = ("nlcontrol", "drake", "numpy", "scipy")
-    return {"python": python} | {name: importlib.metadata.version(name) for name in packages}
-
-
-def platform_name() -> str:
-    """System, processor and C library, as far as they decide on numbers."""
-    return " ".join(filter(None, (platform.system(), platform.machine(), *platform.libc_ver())))
 
 
 def run_request(controller: Controller, result: Result, digest: str | None = None) -> RunRequest:

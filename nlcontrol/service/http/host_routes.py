@@ -114,7 +114,7 @@ def health(service: Service) -> Response:
 @ROUTER.get("/schema", operation_id="json_schema", response_model=dict[str, Any])
 def schema() -> Response:
     """Sends the JSON schema of the documents, as `nlcontrol schema` prints it."""
-    from nlcontrol.results import json_schema
+    from nlcontrol import json_schema
 
     return Response(document_text(json_schema.schema(), None), media_type="application/json")
 

@@ -9,7 +9,7 @@ from fastapi.openapi.utils import get_openapi
 from fastapi.routing import APIRoute
 from pydantic.json_schema import models_json_schema
 
-from nlcontrol.results.json_schema import DescribedSchema
+from nlcontrol.json_schema import DescribedSchema
 from nlcontrol.service.http.problem_documents import Problem
 from objectmodels.files.validation_faults import classes_in
 

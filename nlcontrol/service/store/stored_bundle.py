@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from nlcontrol.errors import error
+from nlcontrol.installed_versions import installed_versions, platform_name
 from nlcontrol.service.bundles.run_bundle import write_bundle
-from nlcontrol.service.bundles.run_request import RunRequest, installed_versions, platform_name
+from nlcontrol.service.bundles.run_request import RunRequest
 
 if TYPE_CHECKING:
     from nlcontrol.service.documents import RunInfo

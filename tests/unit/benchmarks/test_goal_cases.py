@@ -9,7 +9,10 @@ import pytest
 
 from benchmarks.goals.cases import Done, run
 from benchmarks.goals.sentences import EXACT, KINDS, kind_of, pairs, said, target_of
-from benchmarks.goals.worlds import (
+from benchmarks.goals.worlds import Job, standing
+from grammar.frames import command as g
+from nlcontrol import Controller, Registry
+from nlcontrol.batches.drawn_scenes import (
     CENTRE_OF_MASS,
     FINGER_FRICTION,
     FRICTION,
@@ -18,12 +21,8 @@ from benchmarks.goals.worlds import (
     MOST,
     REACHED,
     STANDING,
-    Job,
-    pushable,
-    standing,
+    pushable_models,
 )
-from grammar.frames import command as g
-from nlcontrol import Controller, Registry
 from planner.geometry.footprints import footprint, overlaps
 
 CASES = 3 * len(KINDS)
@@ -107,7 +106,7 @@ def test_alone_each_object_takes_its_turn_with_each_goal() -> None:
     cases = [Job(2, number, alone=True) for number in range(len(pairs()))]
     asked = {(target_of(job), kind_of(job)) for job in cases}
     assert len(asked) == len(cases)
-    assert {target for target, _ in asked} == {model.name for model in pushable()}
+    assert {target for target, _ in asked} == {model.name for model in pushable_models()}
     assert {kind for _, kind in asked} == set(EXACT)
     # What is round is not turned, and what only slides is neither toppled nor tilted.
     assert {kind for target, kind in asked if target == "mug"} == {"displace", "place"}
@@ -154,7 +153,7 @@ def test_a_case_is_the_same_bit_for_bit_in_any_process() -> None:
 
 
 def test_what_is_too_flat_or_there_to_be_handled_is_left_out() -> None:
-    left_out = set(Registry.built_in().names()) - {model.name for model in pushable()}
+    left_out = set(Registry.built_in().names()) - {model.name for model in pushable_models()}
     assert left_out == {"book", "ice tea", "ice tea cup", "jar"}
 
 

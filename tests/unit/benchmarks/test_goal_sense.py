@@ -5,8 +5,9 @@ from __future__ import annotations
 import pytest
 
 from benchmarks.goals.sense import sensible, tips
-from benchmarks.goals.worlds import as_believed, scene, standing
+from benchmarks.goals.worlds import standing
 from nlcontrol import Controller, Registry
+from nlcontrol.batches.drawn_scenes import scene_of, truth_as_believed
 from planner.types.world_state import WorldState
 from sim.cell.cell_description import Vision
 from sim.simulated_executor import simulation
@@ -25,12 +26,12 @@ def makes_sense(text: str, table: dict[str, tuple[float, float]] = STANDING) -> 
             name=name,
             model=name,
             pose=Pose(x_m=x, y_m=y),
-            truth=as_believed(REGISTRY.get(name)),
+            truth=truth_as_believed(REGISTRY.get(name)),
             fragile=name == "mug",
         )
         for name, (x, y) in table.items()
     ]
-    robot = Controller(scene("by hand", objects, Vision()), registry=REGISTRY)
+    robot = Controller(scene_of("by hand", objects, Vision()), registry=REGISTRY)
     state = WorldState(standing(simulation(robot.executor).scene), robot.table)
     return sensible(robot.resolve(robot.parse(text)).frames, state)
 

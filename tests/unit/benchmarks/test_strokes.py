@@ -8,10 +8,10 @@ import pytest
 from benchmarks.drake_strokes import DrakeBench
 from benchmarks.goals.postures import _orientations, _postures, reachable
 from benchmarks.goals.search import Asked, Found, missed, repeated, search
-from benchmarks.goals.worlds import as_believed
 from benchmarks.rollouts import GOALS, OBJECT, world
 from benchmarks.strokes import BEFORE, Stroke, at, heading_of, upright
 from nlcontrol import Controller, Registry
+from nlcontrol.batches.drawn_scenes import truth_as_believed
 from objectmodels.geometry.side_faces import Face
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.standard_robot import HAND
@@ -123,7 +123,7 @@ def test_goals_know_when_they_are_reached() -> None:
 
 def test_what_is_believed_has_the_shape_of_the_model() -> None:
     for model in Registry.built_in():
-        truth = as_believed(model)
+        truth = truth_as_believed(model)
         assert truth.height == model.top
         assert truth.mass_kg == model.mass
         assert truth.height > HAND.tip_radius
@@ -135,7 +135,7 @@ def test_a_stroke_keeps_the_object_away_from_the_others(gap: float, free: bool) 
     (box,) = alone.objects
     ahead = box.pose.x_m + MODEL.outline[:, 0].max() + gap - mug.outline[:, 0].min()
     pose = box.pose.model_copy(update={"x_m": ahead})
-    other = SceneObject(name="mug", model="mug", pose=pose, truth=as_believed(mug))
+    other = SceneObject(name="mug", model="mug", pose=pose, truth=truth_as_believed(mug))
     both = alone.model_copy(update={"objects": (box, other)})
     controller = Controller(both, registry=Registry.built_in())
     (frame,) = controller.resolve(controller.parse(f"push the {OBJECT} 5 cm away")).frames

@@ -1,0 +1,191 @@
+"""Scenes drawn by seed: which objects stand where, and how they really are.
+
+Each scene holds one to six of the registry's objects that the hand can push. Their true parameters
+lie evenly within bounds around what the built-in models say (`MASS`, `FRICTION`, …). They stand
+anywhere in `STANDING`, turned by any angle, at least `GAP` apart, so that a hand gets between them;
+one for which no place is found is left out. The first object is the one that will be spoken of: it
+stands in `REACHED`. Of the others some are fragile.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+
+import numpy as np
+
+from nlcontrol.batches.batch_row import DrawnScene
+from objectmodels import BoxModel, CylinderModel, ObjectModel, PrismModel, Registry
+from planner.geometry.footprints import footprint, overlaps
+from planner.types.world_state import PlanarPose, SeenObject
+from sim.cell.cell_description import RobotMount, Vision
+from sim.motion.robot_reach import lowest_contact
+from sim.standard_robot import HAND
+from sim.truth.object_truth import Truth
+from sim.truth.scene_file import Pose, Scene, SceneObject, built_in_scenes, load_scene
+
+Generator = np.random.Generator
+
+MASS, FRICTION, FINGER_FRICTION = 0.20, 0.20, 0.15
+"""Largest relative difference of truth and model."""
+CENTRE_OF_MASS = 0.003
+"""Largest difference of truth and model along each axis of B [m]."""
+MOST = 6
+"""Objects in a scene."""
+STANDING = ((0.40, 0.70), (-0.35, 0.35))
+"""Where objects stand: least and largest x and y [m]."""
+REACHED = ((0.42, 0.68), (-0.28, 0.28))
+"""Where the object stands that is spoken of: the arm gets around it [m]."""
+GAP = 0.08
+"""Least room between two objects: a hand is some 10 cm deep, its fingers are slimmer [m]."""
+FRAGILE = 0.25
+"""Share of the objects not spoken of that are fragile."""
+
+_TRIES = 200  # places that are tried for an object before it is left out
+_GRIP = 0.01  # an object must be so much higher than the lowest contact [m]
+_HANDLED = frozenset({"ice tea", "ice tea cup", "jar"})
+_COLOUR = (0.6, 0.6, 0.6)  # of what stands in no built-in scene
+
+
+def draw_scene(recipe: DrawnScene) -> Scene:
+    """Draws the scene of a recipe, which depends on the recipe alone.
+
+    Raises:
+        ModelError: `unknown_object`.
+    """
+    among = pushable_models()
+    if recipe.object is not None:
+        among = (Registry.built_in().find_one(recipe.object),)
+    rng = np.random.default_rng(recipe.seed)
+    name = f"{recipe.draw}-{recipe.seed}"
+    return draw_scene_with(name, rng, among, alone=recipe.draw == "alone")
+
+
+def draw_scene_with(
+    name: str,
+    rng: Generator,
+    among: Sequence[ObjectModel],
+    *,
+    alone: bool,
+    oblique: float = 45.0,
+    vision: Vision | None = None,
+) -> Scene:
+    """Draws a scene from a generator.
+
+    Args:
+        name: of the scene.
+        rng: the generator.
+        among: models, one of which is that of the first object.
+        alone: whether that is the only one.
+        oblique: largest angle between a face and the robot's directions [degrees].
+        vision: the camera; the default one if not given.
+    """
+    first = among[int(rng.integers(len(among)))]
+    others = [model for model in pushable_models() if model.name != first.name]
+    count = 0 if alone else int(rng.integers(MOST))
+    chosen = [others[index] for index in rng.permutation(len(others))[:count].tolist()]
+    objects: list[SceneObject] = []
+    standing: list[SeenObject] = []
+    for model in (first, *chosen):
+        spans = STANDING if standing else REACHED
+        truth, fragile = _draw_truth(model, rng), bool(standing) and bool(rng.random() < FRAGILE)
+        pose = _free_place(model, spans, standing, rng, oblique)
+        if pose is None:
+            continue
+        standing.append(SeenObject(model.name, pose, model))
+        where = Pose(x_m=pose.x, y_m=pose.y, yaw_deg=float(np.degrees(pose.yaw)))
+        objects.append(
+            SceneObject(name=model.name, model=model.name, pose=where, truth=truth, fragile=fragile)
+        )
+    return scene_of(name, objects, vision or Vision())
+
+
+@cache
+def pushable_models() -> tuple[ObjectModel, ...]:
+    """Built-in models that are high enough for a fingertip.
+
+    Those that are there to be opened and poured are left out, so that figures of pushing stay
+    comparable.
+    """
+    models = (model for model in Registry.built_in() if model.name not in _HANDLED)
+    return tuple(model for model in models if model.top > lowest_contact(HAND) + _GRIP)
+
+
+def scene_of(name: str, objects: Sequence[SceneObject], vision: Vision) -> Scene:
+    """A scene with the default scene's robot."""
+    return Scene(version=1, name=name, robot=_robot_mount(), vision=vision, objects=tuple(objects))
+
+
+@cache
+def _robot_mount() -> RobotMount:
+    return load_scene("kitchen").robot
+
+
+def _free_place(
+    model: ObjectModel,
+    spans: tuple[tuple[float, float], ...],
+    standing: Sequence[SeenObject],
+    rng: Generator,
+    oblique: float,
+) -> PlanarPose | None:
+    """A free place for one more object; None if none is found."""
+    for _ in range(_TRIES):
+        x, y = (float(rng.uniform(*span)) for span in spans)
+        quarters = int(rng.integers(4))
+        yaw = np.radians(90.0 * quarters + oblique * float(rng.uniform(-1.0, 1.0)))
+        pose = PlanarPose(x, y, float(np.arctan2(np.sin(yaw), np.cos(yaw))))
+        covered = footprint(SeenObject(model.name, pose, model))
+        if not any(overlaps(covered, footprint(other), GAP) for other in standing):
+            return pose
+    return None
+
+
+def _draw_truth(model: ObjectModel, rng: Generator) -> Truth:
+    """Draws how an object of a model really is, within the bounds."""
+    mass, friction, finger, *shift = rng.uniform(-1.0, 1.0, 6).tolist()
+    changed = truth_as_believed(model).model_copy(
+        update={
+            "mass_kg": model.mass * (1.0 + MASS * mass),
+            "friction_table": model.friction * (1.0 + FRICTION * friction),
+            "friction_finger": model.finger_friction * (1.0 + FINGER_FRICTION * finger),
+        }
+    )
+    return changed.with_shift([CENTRE_OF_MASS * s for s in shift])
+
+
+def truth_as_believed(model: ObjectModel) -> Truth:
+    """An object that is exactly as its model says.
+
+    Raises:
+        TypeError: the model is of a kind that the simulation has no shape for.
+    """
+    shape: dict[str, object]
+    match model:
+        case BoxModel():
+            shape = {"size_m": model.size}
+        case CylinderModel():
+            shape = {
+                "radius_m": model.radius,
+                "height_m": model.height,
+                "base_radius_m": model.base_radius,
+            }
+        case PrismModel():
+            shape = {"corners_m": model.corners, "height_m": model.height}
+        case _:
+            raise TypeError(f"{model.name} is no box, cylinder or prism")
+    return Truth.model_validate(
+        shape
+        | {
+            "mass_kg": model.mass,
+            "friction_table": model.friction,
+            "friction_finger": model.finger_friction,
+            "centre_of_mass_m": tuple(model.com),
+            "colour": _colours().get(model.name, _COLOUR),
+        }
+    )
+
+
+@cache
+def _colours() -> dict[str, tuple[float, float, float]]:
+    scenes = (load_scene(name) for name in built_in_scenes())
+    return {item.model: item.truth.colour for each in scenes for item in each.objects}

@@ -1,0 +1,82 @@
+"""Many tasks: in order, within bounds, and whole though processes end in the midst of it."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Iterator
+from concurrent.futures import BrokenExecutor, ThreadPoolExecutor
+
+import pytest
+
+from nlcontrol.parallel_tasks import AHEAD, finished_tasks, run_all
+
+GUILTY = 5
+
+
+def square(x: int) -> int:
+    return x * x
+
+
+def square_or_end(x: int) -> int:
+    if x == GUILTY:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return x * x
+
+
+def end(x: int) -> None:
+    os._exit(x)
+
+
+def square_slowly_at_first(x: int) -> int:
+    time.sleep(0.05 if x == 0 else 0.0)
+    return x * x
+
+
+def test_results_are_in_the_order_of_the_tasks() -> None:
+    with ThreadPoolExecutor(4) as executor:
+        found = list(run_all(square_slowly_at_first, range(100), executor=executor, workers=4))
+        assert found == [x * x for x in range(100)]
+        assert executor.submit(int).result() == 0  # it is the caller's, and still open
+
+
+def test_tasks_are_taken_as_they_are_needed() -> None:
+    taken = 0
+
+    def tasks() -> Iterator[int]:
+        nonlocal taken
+        for task in range(1000):
+            taken = task
+            yield task
+
+    with ThreadPoolExecutor(2) as executor:
+        results = run_all(square, tasks(), executor=executor, workers=2)
+        for given, _ in enumerate(results, start=1):
+            assert taken <= given + 2 * AHEAD
+
+
+def test_only_the_task_that_ends_its_process_twice_is_lost() -> None:
+    finished = list(finished_tasks(square_or_end, range(12), workers=1))
+    lost = [x for x, future in enumerate(finished) if future.exception() is not None]
+    assert lost == [GUILTY]
+    assert isinstance(finished[GUILTY].exception(), BrokenExecutor)
+    assert [f.result() for x, f in enumerate(finished) if x != GUILTY] == [
+        x * x for x in range(12) if x != GUILTY
+    ]
+
+
+def test_processes_that_cannot_begin_end_the_run() -> None:
+    with pytest.raises(BrokenExecutor):
+        list(run_all(end, [1] * 10, workers=1))
+
+
+def test_an_error_of_a_task_comes_home() -> None:
+    with pytest.raises(ValueError, match="math domain"):
+        list(run_all(_root, [4, -1], workers=1))
+
+
+def _root(x: int) -> float:
+    import math
+
+    return math.sqrt(x)
