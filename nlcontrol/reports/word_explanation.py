@@ -56,6 +56,16 @@ def word_explanation(result: Result) -> tuple[Row, ...]:
     return (*rows, *_filler(result, rows))
 
 
+def reading_explanation(command: g.Command) -> tuple[Row, ...]:
+    """The rows of a sentence that was read and not yet planned: the parts that its words set."""
+    rows = [
+        row(clause, command.text, Value("", ""), frame=index)
+        for index, frame in enumerate(command.frames)
+        for clause in frame_clauses(frame, _head(frame))
+    ]
+    return (*rows, *_filler(command, rows))
+
+
 def _of_frame(frame: g.Frame, step: Step | None, result: Result) -> tuple[Row, ...]:
     if step is not None and step.plan is not None and step.basis is not None:
         if not step.plan.pushes:
@@ -237,7 +247,7 @@ def _spans(part: BaseModel) -> tuple[g.Span, ...]:
     return tuple(span for each in parts_within(part) for span in getattr(each, "spans", ()))
 
 
-def _filler(result: Result, rows: list[Row]) -> Iterator[Row]:
+def _filler(result: Result | g.Command, rows: list[Row]) -> Iterator[Row]:
     """The words of the sentence that no part of a frame stands for, in one row."""
     covered = {i for frame in result.frames for a, b in _spans(frame) for i in range(a, b)}
     covered |= {i for each in rows for a, b in each.spans for i in range(a, b)}

@@ -11,6 +11,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from grammar.frames.command import Frame
 from nlcontrol.errors import ErrorInfo
 from nlcontrol.json_document import Document, DocumentPart
 from nlcontrol.results.result import Result
@@ -18,6 +19,7 @@ from nlcontrol.session.events import Event
 from objectmodels.files.limits import LIMITS
 from objectmodels.files.value_types import Coordinate, Name, length_of
 from planner.affordances import Affordance
+from planner.explanation.rows import Row
 from planner.types.marks import Mark
 from sim.views.run_story import ContactMark, Ghost
 
@@ -166,6 +168,26 @@ class Drawing(DocumentPart):
     ghosts: tuple[Ghost, ...] = ()
     contacts: tuple[ContactMark, ...] = ()
     marks: tuple[Mark, ...] = ()
+
+
+class Understanding(Document):
+    """Frames of a sentence, or why nothing was understood.
+
+    Attributes:
+        ok: it was understood.
+        text: the sentence as given.
+        frames: what is to be done, one after the other.
+        paraphrase: the frames in plain words, which are read as the same frames.
+        error: why it was not understood.
+        explanation: which words set which part of a frame; parameters follow with a plan.
+    """
+
+    ok: bool
+    text: str
+    frames: tuple[Frame, ...] = ()
+    paraphrase: str | None = None
+    error: ErrorInfo | None = None
+    explanation: tuple[Row, ...] = ()
 
 
 class Offer(Document):

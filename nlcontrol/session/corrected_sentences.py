@@ -78,6 +78,13 @@ def corrected_sentences(parse: Parse, result: Result) -> tuple[str, ...]:
     return tuple(sentences)[:MOST]
 
 
+def error_with_corrections(info: ErrorInfo, text: str, parse: Parse) -> ErrorInfo:
+    """The error of a sentence that could not be read, with sentences that can."""
+    found = _from_words(parse, info, text, is_read=False) if len(info.suggestions) <= MOST else ()
+    sentences = dict.fromkeys(_in_words(parse, found))
+    return info.model_copy(update={"say": tuple(sentences)[:MOST]})
+
+
 def _in_words(parse: Parse, found: Iterable[tuple[Frame, ...]]) -> Iterator[str]:
     """The frames that the language has words for, said so that they are read again."""
     for frames in found:

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any, Literal, Self, TypeVar
 
 from pydantic import BaseModel
 
-from grammar.frames.command import Command, Frame
-from nlcontrol.errors import ControlError, ErrorInfo
-from nlcontrol.json_document import Document
+from grammar.frames.command import Command
+from nlcontrol.errors import ControlError
 from nlcontrol.questions.push_prediction import PushPrediction
 from nlcontrol.results.result import Result
 from nlcontrol.service.client.remote_run import RemoteRun
@@ -23,6 +22,7 @@ from nlcontrol.service.documents import (
     SessionInfo,
     SessionSpec,
     TableView,
+    Understanding,
 )
 
 if TYPE_CHECKING:
@@ -36,15 +36,6 @@ if TYPE_CHECKING:
     from nlcontrol.session.frame_documents import Frames
 
 D = TypeVar("D", bound=BaseModel)
-
-
-class _Understanding(Document):
-    """The answer to `parse`: frames, or the error that says why there are none."""
-
-    text: str
-    frames: tuple[Frame, ...] = ()
-    paraphrase: str | None = None
-    error: ErrorInfo | None = None
 
 
 class Client:
@@ -93,7 +84,7 @@ class Client:
 
     def parse(self, said: str | Frames) -> Command:
         """The frames of a sentence; raises a `ControlError` if it is not understood."""
-        understood = self._document(_Understanding, "parse", _said_fields(said))
+        understood = self._document(Understanding, "parse", _said_fields(said))
         if understood.error is not None:
             raise ControlError(understood.error)
         return Command(

@@ -7,7 +7,7 @@ from starlette.responses import Response
 
 from nlcontrol.questions.push_prediction import PushPrediction
 from nlcontrol.results.result import Result
-from nlcontrol.service.documents import Affordances, FaceMap, Offer
+from nlcontrol.service.documents import Affordances, FaceMap, Offer, Understanding
 from nlcontrol.service.http.openapi_document import PROBLEMS
 from nlcontrol.service.http.request_bodies import (
     TableMapBody,
@@ -17,9 +17,7 @@ from nlcontrol.service.http.request_bodies import (
 )
 from nlcontrol.service.http.service_access import (
     Service,
-    Understanding,
     answer_of,
-    parse_answer,
     require_bounded_sentence,
 )
 
@@ -30,7 +28,7 @@ ROUTER = APIRouter(prefix="/v1", tags=["planning"], responses=PROBLEMS)
 async def parse(body: TableSaidBody, service: Service) -> Response:
     """Reads a sentence: its frames, or why it is not understood."""
     require_bounded_sentence(body, service.settings)
-    return await parse_answer(service.call_planner("parse", body.table, **body.arguments), body)
+    return await answer_of(service.call_planner("parse", body.table, **body.arguments))
 
 
 @ROUTER.post("/plan", operation_id="plan", response_model=Offer)

@@ -68,7 +68,22 @@ class SaidBody(RequestBody):
         return {"said": self.frames if self.text is None else self.text}
 
 
-class AskBody(SaidBody):
+class ExplainedBody(SaidBody):
+    """A sentence to be planned, or frames in its place.
+
+    Attributes:
+        explain: a result says which words became which parameters.
+    """
+
+    explain: bool = False
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """Arguments of a session's method, as JSON has them."""
+        return {**super().arguments, **({"explain": True} if self.explain else {})}
+
+
+class AskBody(ExplainedBody):
     """A question.
 
     Attributes:
@@ -162,7 +177,7 @@ class TableBody(RequestBody):
     table: TableSpec = TableSpec()
 
 
-class TableSaidBody(SaidBody, TableBody):
+class TableSaidBody(ExplainedBody, TableBody):
     """A sentence or frames, and the table that it is about."""
 
 

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 from fastapi import Depends, Request
 from starlette.responses import Response
 
-from grammar.frames.command import Frame
-from nlcontrol.errors import NOT_UNDERSTOOD, ControlError, ErrorInfo, error
+from nlcontrol.errors import error
 from nlcontrol.json_document import Document, document_text
 from nlcontrol.service.documents import SessionInfo
 from nlcontrol.service.planning_service import PlanningService
@@ -33,24 +32,6 @@ Service = Annotated[PlanningService, Depends(planning_service)]
 """Of a route: the service behind it."""
 
 
-class Understanding(Document):
-    """Frames of a sentence, or why nothing was understood.
-
-    Attributes:
-        ok: it was understood.
-        text: the sentence as given.
-        frames: what is to be done, one after the other.
-        paraphrase: the frames in plain words, which are read as the same frames.
-        error: why it was not understood.
-    """
-
-    ok: bool
-    text: str
-    frames: tuple[Frame, ...] = ()
-    paraphrase: str | None = None
-    error: ErrorInfo | None = None
-
-
 class SessionList(Document):
     """Sessions.
 
@@ -64,20 +45,6 @@ class SessionList(Document):
 async def answer_of(future: Future[bytes]) -> Response:
     """The answer of a worker, which is JSON already."""
     return Response(await asyncio.wrap_future(future), media_type="application/json")
-
-
-async def parse_answer(future: Future[bytes], body: SaidBody) -> Response:
-    """The answer of a worker that has read a sentence; it is one too if nothing was understood.
-
-    Raises:
-        ControlError: anything else went wrong.
-    """
-    try:
-        return await answer_of(future)
-    except ControlError as raised:
-        if raised.info.status.exit != NOT_UNDERSTOOD:
-            raise
-        return document_response(Understanding(ok=False, text=body.text or "", error=raised.info))
 
 
 def document_response(document: BaseModel, status: int = 200) -> Response:

@@ -15,11 +15,13 @@ from nlcontrol.service.documents import (
     RunInfo,
     SessionInfo,
     TableView,
+    Understanding,
 )
 from nlcontrol.service.http.event_streams import STREAM_CONTENT, stream_poses
 from nlcontrol.service.http.openapi_document import PROBLEMS
 from nlcontrol.service.http.request_bodies import (
     AskBody,
+    ExplainedBody,
     IdempotencyKey,
     LookBody,
     MapBody,
@@ -33,10 +35,8 @@ from nlcontrol.service.http.request_bodies import (
 from nlcontrol.service.http.service_access import (
     Service,
     SessionList,
-    Understanding,
     answer_of,
     document_response,
-    parse_answer,
     require_bounded_sentence,
 )
 from nlcontrol.service.live_documents import SceneGeometry
@@ -83,7 +83,7 @@ async def look(session_id: SessionId, service: Service, body: LookBody | None = 
 async def parse(session_id: SessionId, body: SaidBody, service: Service) -> Response:
     """Reads a sentence: its frames, or why it is not understood."""
     require_bounded_sentence(body, service.settings)
-    return await parse_answer(service.call_session(session_id, "parse", **body.arguments), body)
+    return await answer_of(service.call_session(session_id, "parse", **body.arguments))
 
 
 @ROUTER.post("/{session_id}/ask", operation_id="session_ask", response_model=Result)
@@ -114,7 +114,7 @@ async def affordances(session_id: SessionId, body: ObjectBody, service: Service)
 
 
 @ROUTER.post("/{session_id}/plans", operation_id="session_plan", response_model=Offer)
-async def plan(session_id: SessionId, body: SaidBody, service: Service) -> Response:
+async def plan(session_id: SessionId, body: ExplainedBody, service: Service) -> Response:
     """Plans a sentence; the offer bears the plan id with which it is executed."""
     require_bounded_sentence(body, service.settings)
     return await answer_of(service.call_session(session_id, "plan", **body.arguments))

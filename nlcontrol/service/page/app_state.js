@@ -14,6 +14,7 @@ const FIRST = {
   run: null, // RunInfo
   events: [], // of the run, NumberedEvent each
   pose: null, // last live frame
+  asking: false, // true while a sentence is planned
   result: null, // Result of the run that has ended
   mode: "approve", // or "at_once"
   problem: null, // the last problem document

@@ -4,18 +4,26 @@ import { isGivenUp } from "./service_api.js";
 
 const KEY = "nlcontrol session";
 
-// Takes up the session of this tab, or opens one for the scene and seed of the state.
-export async function takeUpSession(state, api) {
-  const known = sessionStorage.getItem(KEY);
-  if (known) {
-    try {
-      const session = await api.session(known);
-      if (session.state !== "lost") return await enter(state, api, session);
-    } catch (problem) {
-      if (problem.code !== "unknown_session") throw problem;
-    }
+// Takes up the session of this tab, unless a link asks for another table; else opens one.
+export async function takeUpSession(state, api, link) {
+  const wanted = { scene: state.get("scene"), seed: state.get("seed"), ...link };
+  const session = await knownSession(api);
+  const { scene, seed } = session?.spec ?? {};
+  const fits = (link.scene ?? scene) === scene && (link.seed ?? seed) === seed;
+  if (session && fits) await enter(state, api, session);
+  else await openSession(state, api, wanted.scene, wanted.seed);
+}
+
+async function knownSession(api) {
+  const id = sessionStorage.getItem(KEY);
+  if (!id) return null;
+  try {
+    const session = await api.session(id);
+    return session.state === "lost" ? null : session;
+  } catch (problem) {
+    if (problem.code !== "unknown_session") throw problem;
+    return null;
   }
-  return openSession(state, api, state.get("scene"), state.get("seed"));
 }
 
 // Opens another session, and leaves the one before.
@@ -31,7 +39,7 @@ export async function openSession(state, api, scene, seed) {
 }
 
 async function enter(state, api, session) {
-  api.sessionId = session.session_id;
+  api.enter(session);
   sessionStorage.setItem(KEY, session.session_id);
   const { scene, seed, approval } = session.spec;
   const mode = approval === "plan" ? "approve" : state.get("mode");

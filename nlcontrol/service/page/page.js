@@ -8,7 +8,12 @@ import { predictionPanel } from "./prediction/prediction_panel.js";
 import { followLivePoses } from "./run/live_poses.js";
 import { runPanel } from "./run/run_panel.js";
 import { timelinePanel } from "./run/timeline_panel.js";
+import { answerPanel } from "./sentence/answer_panel.js";
+import { examplesPanel } from "./sentence/examples.js";
 import { sentencePanel } from "./sentence/sentence_panel.js";
+import { planSentence } from "./sentence/sentence_reading.js";
+import { tablePicker } from "./sentence/table_picker.js";
+import { understandingPanel } from "./sentence/understanding_panel.js";
 import { ServiceApi, isGivenUp } from "./service_api.js";
 import { TableSpace } from "./table_space.js";
 
@@ -32,13 +37,21 @@ function tellProblem(state) {
   $("problem").textContent = problem ? [detail ?? String(problem), ...suggestions].join(" – ") : "";
 }
 
+// What a link asks for: a sentence to be planned, a scene and a seed.
+function linkedTable() {
+  const { seed, ...words } = Object.fromEntries(new URLSearchParams(location.search));
+  const found = { say: words.say, scene: words.scene, seed: seed === undefined ? seed : Number(seed) };
+  return Object.fromEntries(Object.entries(found).filter(([, value]) => value !== undefined));
+}
+
 async function start() {
   const state = new AppState();
   const api = new ServiceApi();
   const view = new TableSpace($("view"));
-  $("top").append(sentencePanel(state, api));
+  $("top").append(tablePicker(state, api), sentencePanel(state, api));
   $("below").append(timelinePanel(state, api, view));
   $("story").append(
+    examplesPanel(state, api), understandingPanel(state, api), answerPanel(state),
     predictionPanel(state, api, view), runPanel(state, api, view),
     historyPanel(state, api, view), libraryPanel(state, api, view),
   );
@@ -49,7 +62,9 @@ async function start() {
   try {
     const [{ scenes }, { objects }] = await Promise.all([api.scenes(), api.objects()]);
     state.set({ scenes, objects });
-    await takeUpSession(state, api);
+    const { say, ...table } = linkedTable();
+    await takeUpSession(state, api, table);
+    if (say && !state.get("run")) await planSentence(state, api, say);
   } catch (problem) {
     state.set({ problem });
   }

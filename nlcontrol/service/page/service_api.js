@@ -7,6 +7,7 @@ export const EVENT_KINDS = [
 
 export class ServiceApi {
   sessionId = null; // in which sentences are said
+  table = {}; // scene and seed of that session
   #underWay = new Map(); // what gives up a call, by its kind
 
   // -- the host -----------------------------------------------------------------------------------
@@ -18,10 +19,12 @@ export class ServiceApi {
 
   // -- a session ----------------------------------------------------------------------------------
 
-  async openSession(spec) {
-    const info = await this.#call("session", "POST", "/sessions", spec);
-    this.sessionId = info.session_id;
-    return info;
+  openSession = (spec) => this.#call("session", "POST", "/sessions", spec);
+
+  // Says further sentences in a session.
+  enter({ session_id: id, spec: { scene, seed } }) {
+    this.sessionId = id;
+    this.table = { scene, seed };
   }
 
   session = (id = this.sessionId) => this.#call("session", "GET", `/sessions/${id}`);
@@ -29,9 +32,10 @@ export class ServiceApi {
   geometry = () => this.#call("geometry", "GET", this.#path("geometry"));
   look = () => this.#call("look", "POST", this.#path("look"));
   reset = () => this.#call("reset", "POST", this.#path("reset"));
-  parse = (text) => this.#call("parse", "POST", this.#path("parse"), { text });
-  ask = (text) => this.#call("ask", "POST", this.#path("ask"), { text });
-  plan = (text) => this.#call("plan", "POST", this.#path("plans"), { text });
+  ask = (text) => this.#call("ask", "POST", this.#path("ask"), { text, explain: true });
+  plan = (text) => this.#call("plan", "POST", this.#path("plans"), { text, explain: true });
+  // Reading needs the names of the table alone, and need not wait for what the session does.
+  parse = (text) => this.#call("parse", "POST", "/parse", { text, table: this.table });
   predict = (push) => this.#call("predict", "POST", this.#path("predict"), push);
   map = (face) => this.#call("map", "POST", this.#path("map"), face);
   affordances = (object) => this.#call("affordances", "POST", this.#path("affordances"), { object });

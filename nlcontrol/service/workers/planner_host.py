@@ -45,11 +45,7 @@ class PlannerHost:
             self._executors[table] = session.controller.executor
             while len(self._executors) > MOST_TABLES:
                 self._executors.popitem(last=False)
-        if method == "plan":  # its id would be good for nothing: this session ends here
-            offer = session.plan(**rest)
-            offer = offer.model_copy(update={"plan_id": None, "expires_in": None})
-            return offer.model_dump_json().encode()
-        return session_answer(session, method, rest)
+        return session_answer(session, method, rest, ends=True)
 
 
 def warm_up() -> None:

@@ -48,10 +48,29 @@ def test_nothing_is_remembered_from_one_call_to_the_next(pool: PlannerPool) -> N
     assert again["result"]["error"]["code"] == "nothing_before"
 
 
+def test_a_sentence_is_read_to_its_parts_or_to_sentences_that_can_be_read(
+    pool: PlannerPool,
+) -> None:
+    read = json.loads(pool.call("parse", TableSpec(), said=PUSH).result())
+    parts = {row["part"] for row in read["explanation"] if row["spans"]}
+    assert parts >= {"controller", "object model", "wanted outcome"}
+    unread = json.loads(pool.call("parse", TableSpec(), said="psuh the mug away").result())
+    assert not unread["ok"]
+    assert unread["error"]["span"] == [0, 4]
+    assert unread["error"]["say"] == ["push the mug away"]
+
+
+def test_a_plan_explains_its_words_if_asked(pool: PlannerPool) -> None:
+    told = json.loads(pool.call("plan", TableSpec(), said=PUSH, explain=True).result())["result"]
+    values = {row["parameter"] for row in told["explanation"]}
+    assert "force limit" in values
+    assert plan(pool)["result"]["explanation"] is None
+
+
 def test_what_a_session_raises_reaches_the_caller(pool: PlannerPool) -> None:
     with pytest.raises(ControlError) as raised:
-        pool.call("parse", TableSpec(), said="colourless green ideas").result()
-    assert raised.value.info.span is not None
+        pool.call("affordances", TableSpec(), name="grand piano").result()
+    assert raised.value.code == "unknown_object"
     with pytest.raises(ControlError) as raised:
         pool.call("execute", TableSpec(), plan_id="").result()
     assert raised.value.code == "internal"

@@ -1,0 +1,55 @@
+// What was understood: the sentence in its colours, what each part became, or what stands in the way.
+
+import { element, section } from "../elements.js";
+import { saySentence } from "./sentence_reading.js";
+import { lightedWords } from "./word_lights.js";
+
+export function understandingPanel(state, api) {
+  const words = element("p", { class: "sentence" });
+  const meant = element("p", { class: "asked" });
+  const problem = element("div", { role: "status" });
+  const rows = element("tbody");
+  const table = element("table", {}, rows);
+  const panel = section("Understood", { id: "understood" }, words, meant, problem, table);
+  state.on(["understanding"], () => {
+    const read = state.get("understanding");
+    panel.hidden = !read;
+    if (!read) return;
+    const error = read.unfinished ? null : read.error;
+    words.replaceChildren(...lightedWords(read.text, read.explanation, error));
+    const same = !read.paraphrase || read.paraphrase.toLowerCase() === read.text.trim().toLowerCase();
+    meant.textContent = same ? "" : `understood: ${read.paraphrase}`;
+    problem.replaceChildren(...(error ? problemContent(state, api, error) : []));
+    rows.replaceChildren(...tableRows(read.explanation));
+    table.hidden = !rows.children.length;
+  });
+  return panel;
+}
+
+// What stands in the way, and what can be said instead.
+function problemContent(state, api, { message, suggestions, say }) {
+  const told = [element("p", { class: "problem" }, sentenceCase(message))];
+  const sentences = say.map((text) =>
+    element("li", {}, element("button", { type: "button", onclick: () => saySentence(state, api, text) }, text)));
+  if (sentences.length) told.push(element("p", {}, "Say instead:"), element("ul", { class: "choices" }, ...sentences));
+  else told.push(...suggestions.map((text) => element("p", { class: "asked" }, sentenceCase(text))));
+  return told;
+}
+
+function sentenceCase(text) {
+  return `${text.slice(0, 1).toUpperCase()}${text.slice(1)}`;
+}
+
+// One row for each parameter; the words and the part stand at the first of theirs.
+function tableRows(explanation) {
+  let before = "";
+  return explanation.filter((row) => row.part !== "filler").map((row) => {
+    const key = `${row.frame} ${row.part} ${row.field}`;
+    const words = element("td", { "data-part": row.part });
+    if (key !== before) words.append(row.words || "(not said)");
+    before = key;
+    const became = row.parameter || row.field;
+    return element("tr", { "data-problem": row.problem || null },
+      words, element("td", {}, became), element("td", {}, row.value));
+  });
+}
