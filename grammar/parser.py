@@ -15,6 +15,7 @@ from grammar.paraphrasing.command_wording import paraphrase
 from grammar.phrases.lalr_parser import LalrParser, Tree, UnexpectedTokenError, parse_table
 from grammar.phrases.tree_transform import parts_of
 from grammar.syntax_diagnosis import diagnose
+from grammar.words.asides import Asides
 from grammar.words.lexicon import Lexicon
 from grammar.words.lexicon_plugins import installed_lexicon
 from grammar.words.normalisation import Normalised, normalise
@@ -30,7 +31,9 @@ class Parser:
 
     def __init__(self, lexicon: Lexicon) -> None:
         self.lexicon = lexicon
-        self._lalr = LalrParser(parse_table(), PhraseLexer(lexicon))
+        lexer = PhraseLexer(lexicon)
+        self._asides = Asides(lexicon, lexer.phrases)
+        self._lalr = LalrParser(parse_table(), lexer)
 
     def parse(self, text: str) -> Command:
         """Reads one or several English commands, a question, or a remark on what was done.
@@ -41,10 +44,11 @@ class Parser:
         Raises:
             ParseError: if the sentence, or a part of it, is not understood.
         """
-        sentence = normalise(text, self.lexicon.contractions)
+        sentence = self._asides.left_out(normalise(text, self.lexicon.contractions))
         parts = parts_of(self._parse_tree(sentence), self.lexicon, sentence)
         frames = frames_of(parts, self.lexicon, sentence)
-        return Command(text=text, frames=frames, paraphrase=paraphrase(frames, self.lexicon))
+        words = paraphrase(frames, self.lexicon)
+        return Command(text=text, frames=frames, paraphrase=words, asides=sentence.asides)
 
     def _parse_tree(self, sentence: Normalised) -> Tree:
         try:

@@ -39,11 +39,11 @@ def clauses_of(parts: Sequence[ph.Part], sentence: Normalised) -> list[Parts]:
         elif isinstance(part, ph.Next) and part.word == "then" and _without_joints(clauses[-1]):
             clauses.append([])
         clauses[-1].append(part)
-    return [_without_joints(clause) for clause in clauses]
+    return [_without_joints(clause, ph.Separator) for clause in clauses]
 
 
-def _without_joints(clause: Parts) -> Parts:
-    return [part for part in clause if not isinstance(part, _JOINTS)]
+def _without_joints(clause: Parts, *kinds: type[ph.Part]) -> Parts:
+    return [part for part in clause if not isinstance(part, kinds or _JOINTS)]
 
 
 def _take_opening(clause: Parts, verb: ph.Part, sentence: Normalised) -> Parts:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from grammar.clauses.action_reader import ActionReader
@@ -40,12 +41,20 @@ def frames_of(
     """
     frames: list[g.Frame] = []
     previous: Parts = []
-    for said in clauses_of(parts, sentence):
+    for said in _in_order(clauses_of(parts, sentence)):
         headed = any(isinstance(p, ph.Verb | ph.Explore | ph.Remark) for p in said)
         clause = said if headed or not frames else _complete_clause(said, previous, sentence)
         frames += _ClauseReader(clause, lexicon, sentence).read_frames()
         previous = clause
     return tuple(frames)
+
+
+def _in_order(clauses: list[Parts]) -> list[Parts]:
+    """The clauses as they are done: "before you lift it, push it" pushes first."""
+    first = clauses[0]
+    if len(clauses) > 1 and isinstance(first[0], ph.Next) and first[0].word == "before":
+        clauses = [clauses[1], first, *clauses[2:]]
+    return [[part for part in clause if not isinstance(part, ph.Next)] for clause in clauses]
 
 
 def _complete_clause(clause: Parts, previous: Parts, sentence: Normalised) -> Parts:
@@ -58,12 +67,30 @@ def _complete_clause(clause: Parts, previous: Parts, sentence: Normalised) -> Pa
     return [*verb, *thing, *clause]
 
 
+def _with_meant_verb(parts: Sequence[ph.Part], lexicon: Lexicon) -> Parts:
+    """Takes "give it a push" for "push it", "I want it further left" for "move it further left"."""
+    strokes = [part for part in parts if isinstance(part, ph.Stroke)]
+    wishes = [part for part in parts if isinstance(part, ph.Wish)]
+    rest = [part for part in parts if not isinstance(part, ph.Stroke | ph.Wish)]
+    verb = next((part for part in rest if isinstance(part, ph.Verb)), None)
+    given = verb is not None and lexicon.verbs.get(verb.word) == lexicon.verbs["give"]
+    if verb is not None and given and len(strokes) == 1:
+        word = strokes[0].verb
+        return [replace(verb, word=word) if part is verb else part for part in rest]
+    if strokes or not wishes or verb is not None:
+        return [part for part in parts if not isinstance(part, ph.Wish)]
+    if any(isinstance(part, _GOES_ON) for part in rest):
+        return [ph.Verb(wishes[0].span, "move", passive=True), *rest]
+    return [ph.Remark(wishes[0].span, "correct"), *rest]
+
+
 class _ClauseReader:
     """Reads one clause."""
 
     def __init__(self, parts: Sequence[ph.Part], lexicon: Lexicon, sentence: Normalised) -> None:
         self._lexicon = lexicon
         self._sentence = sentence
+        parts = _with_meant_verb(parts, lexicon)
         self._parts = attach_descriptions(
             attach_objects(parts, lexicon, sentence), lexicon, sentence
         )

@@ -126,8 +126,11 @@ class Command(Part):
         text: the sentence as given; of frames that came without one, the paraphrase.
         frames: what is to be done, one after the other.
         paraphrase: the frames in plain words, which are read as the same frames.
+        asides: words of the text that change nothing: politeness, fillers, reasons, and what was
+            taken back.
     """
 
     text: str
     frames: tuple[Frame, ...]
     paraphrase: str
+    asides: Spans = ()

@@ -68,6 +68,16 @@ class Verb(Part):
     completed: g.Span | None = None
 
 
+class Wish(Part):
+    """I want: what follows is how things should be."""
+
+
+class Stroke(Part):
+    """A push, as what is given: the verb that it stands for."""
+
+    verb: str
+
+
 class Thing(Part):
     """A named object, or "it"; `span` is the name's, without the article."""
 

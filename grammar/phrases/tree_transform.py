@@ -7,6 +7,7 @@ from typing import Any, cast
 
 from grammar.errors import ParseError
 from grammar.frames import command as g
+from grammar.frames.constraints import new_constraint
 from grammar.phrases import phrase_parts as ph
 from grammar.phrases.lalr_parser import Tree
 from grammar.phrases.manner_phrases import Manners
@@ -90,6 +91,28 @@ class Parts(Manners, Outcomes, Questions):
         ends = [c for c in children if isinstance(c, Token)]
         first, last = self.span_of(ends[:1]), self.span_of(ends[-1:])
         return [ph.Verb(first, _CAUSED[event], completed=last), *things_in(children)]
+
+    def done_part(self, children: Children) -> list[ph.Part]:
+        """The box should be pushed; of a list, each of them."""
+        token = tokens_in(children, "VERB_ED")[0]
+        word = self.lexicon.verb_words["VERB_ED"][str(token)]
+        verb = ph.Verb(self.span_of([token]), word, passive=True)
+        return [children[0], verb, *parts_in(children[1:])]
+
+    def wish_part(self, children: Children) -> list[ph.Part]:
+        """I want the box pushed; I want the box further left."""
+        if tokens_in(children, "VERB_ED"):
+            return self.done_part(children[1:])
+        return [ph.Wish(self.span_of(children[:1])), *parts_in(children)]
+
+    def stroke_part(self, children: Children) -> list[ph.Part]:
+        """A push; a gentle push."""
+        span = self.span_of(children)
+        verb, _, how = self.value_of(children, "STROKE").partition(" ")
+        stroke = ph.Stroke(span, verb)
+        if how == "little":
+            return [stroke, ph.Amount(span, how)]
+        return [stroke, *([ph.Constraint(span, new_constraint(how, spans=(span,)))] if how else [])]
 
     def particle_part(self, children: Children) -> list[ph.Part]:
         """Over, up, down."""

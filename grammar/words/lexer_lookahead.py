@@ -112,6 +112,9 @@ class Lookahead:
             "OR": self._in_a_list,
             "RELATION": self._before_a_thing,
             "SOME_OF": self._some_of_a_liquid,
+            "STROKE": lambda phrase, text, end, _: (
+                self._last_goal(text, end - len(phrase)) == "hand_over"
+            ),
             "TOWARD": self._not_to_make,
             "TO_DO": lambda _phrase, text, end, _last: self._any("EVENT_INFINITIVE", text, end + 1),
             "UNDO": self._not_back_on,

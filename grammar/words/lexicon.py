@@ -78,6 +78,7 @@ class Lexicon:
         later_words: words that begin phrases which are not read.
         vague: words of no clear meaning → what to say instead.
         contractions: contracted word → spelled out.
+        asides: where words stand that change nothing → templates of them.
         labels: terminal → how a message names it.
     """
 
@@ -94,6 +95,7 @@ class Lexicon:
     later_words: frozenset[str]
     vague: Mapping[str, tuple[str, ...]]
     contractions: Mapping[str, str]
+    asides: Mapping[str, tuple[str, ...]]
     labels: Mapping[str, str]
 
     @classmethod
@@ -122,11 +124,14 @@ class Lexicon:
             parts=frozenset(data["parts"]),
             lids=frozenset(data["lids"]),
             names=frozenset(),
-            numbers=NumberWords.from_data(data["numbers"]),
+            numbers=NumberWords.from_data(
+                data["numbers"], _expand_phrases("numbers", data["numbers"]["phrases"])
+            ),
             later_verbs=frozenset(data["later_verbs"]),
             later_words=frozenset(data["later_words"]),
             vague={word: tuple(instead) for word, instead in data["vague"].items()},
             contractions=data["contractions"],
+            asides={place: tuple(templates) for place, templates in data["asides"].items()},
             labels=data["labels"],
         )
 
@@ -265,7 +270,8 @@ class Lexicon:
     @cached_property
     def reserved_words(self) -> frozenset[str]:
         """Words that mean something by themselves; they end a name."""
-        single = {p for known in self.terminals.values() for p in known if " " not in p}
+        phrases = (*self.terminals.values(), self.asides["fillers"])
+        single = {p for known in phrases for p in known if " " not in p}
         return frozenset(
             single | self.later_words | self.vague.keys() | self.numbers.first_words
             | self.verb_words["VERB"].keys()

@@ -46,12 +46,14 @@ class Normalised:
         text: the plain form.
         columns: for each character of `text` the span in `original` that it came from.
         question: whether the sentence ended in a question mark.
+        asides: where words stand that change nothing and were left out.
     """
 
     original: str
     text: str
     columns: tuple[Span, ...]
     question: bool
+    asides: tuple[Span, ...] = ()
 
     def original_span(self, start: int, end: int) -> Span:
         """Maps `[start, end)` of the plain form to the sentence as given."""

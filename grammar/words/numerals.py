@@ -48,9 +48,8 @@ class NumberWords:
     phrases: Mapping[str, str]
 
     @classmethod
-    def from_data(cls, data: Mapping[str, Any]) -> NumberWords:
-        """Builds them from the mapping in the lexicon's file."""
-        phrases = {phrase: value for value, said in data["phrases"].items() for phrase in said}
+    def from_data(cls, data: Mapping[str, Any], phrases: Mapping[str, str]) -> NumberWords:
+        """Builds them from the mapping in the lexicon's file, its phrases spelled out."""
         return cls(data["ones"], data["teens"], data["tens"], phrases)
 
     @cached_property

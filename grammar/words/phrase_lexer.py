@@ -47,10 +47,14 @@ class Token(str):
 
 
 class PhraseLexer:
-    """Finds the terminals of a lexicon."""
+    """Finds the terminals of a lexicon.
+
+    Attributes:
+        phrases: the lexicon's, by where they stand in a text.
+    """
 
     def __init__(self, lexicon: Lexicon) -> None:
-        self._phrases = Phrases(lexicon)
+        self.phrases = self._phrases = Phrases(lexicon)
         self._ahead = Lookahead(lexicon, self._phrases)
         self._units = [phrase for unit in _UNITS for phrase in lexicon.phrases_of(unit)]
         self._numbers = lexicon.numbers

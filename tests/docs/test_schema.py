@@ -20,7 +20,7 @@ def _definition(name: str) -> dict[str, Any]:
 
 def test_the_answers_of_the_commands() -> None:
     assert list(_definition("Command")["properties"]) == [
-        "schema_version", "ok", "text", "frames", "paraphrase"
+        "schema_version", "ok", "text", "frames", "paraphrase", "asides"
     ]  # fmt: skip
     assert {
         "ok",

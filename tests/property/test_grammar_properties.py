@@ -83,10 +83,12 @@ def all_spans(value: Any) -> list[Span]:
 
 
 def dropped(command: Command) -> list[str]:
-    """The stretches of a sentence that no span covers and that are not silent."""
+    """The stretches of a sentence that no span covers and that are neither silent nor asides."""
     covered: set[int] = set()
     for start, end in all_spans([frame.model_dump(mode="json") for frame in command.frames]):
         assert 0 <= start < end <= len(command.text)
+        covered |= set(range(start, end))
+    for start, end in command.asides:
         covered |= set(range(start, end))
     sentence = normalise(command.text, LEXICON.contractions)
     words = []

@@ -71,6 +71,7 @@ def test_missing_unit_suggests_units() -> None:
 def test_verb_without_its_particle_suggests_it() -> None:
     assert refusal("knock the box").suggestions == (
         "did you mean 'knock down'?",
+        "did you mean 'knock on its side'?",
         "did you mean 'knock over'?",
     )
 

@@ -40,7 +40,7 @@ FOLLOWERS = {
 # The verb behind which it looks for them.
 VERBS = {
     "CUPS": "pour", "FILLED": "fill", "FILLED_WITH": "fill", "ON_TABLE": "put", "PORTION": "pour",
-    "SOME_OF": "pour",
+    "SOME_OF": "pour", "STROKE": "give",
 }  # fmt: skip
 LAST = {"OR": "AVOID", "PART_OF": "VOLUME_UNIT", "PARTICLE": "VERB", "SOME_OF": "VERB"}
 
@@ -163,6 +163,7 @@ FORMS = {
     "rotate": ("rotated", "rotating"), "spin": ("spun", "spinning"),
     "twist": ("twisted", "twisting"), "tilt": ("tilted", "tilting"), "lean": ("leaned", "leaning"),
     "lift": ("lifted", "lifting"), "raise": ("raised", "raising"), "pick": ("picked", "picking"),
+    "lay": ("laid", "laying"),
     "put": ("put", "putting"), "place": ("placed", "placing"), "set": ("set", "setting"),
     "stand": ("stood", "standing"), "open": ("opened", "opening"), "close": ("closed", "closing"),
     "shut": ("shut", "shutting"), "pour": ("poured", "pouring"), "empty": ("emptied", "emptying"),

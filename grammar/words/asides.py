@@ -1,0 +1,202 @@
+"""Words around a command that change nothing, and words that are taken back.
+
+"Uh, could you push the tin, no wait, the jar away, because it is in the way? Thanks!" means "push
+the jar away": politeness, fillers, reasons and doubled words are left out, and what is corrected is
+replaced by what corrects it. A correction takes the place of the last group of words of its own
+kind (a thing, a number, a direction, a verb); where none stands before it, nothing is taken back.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from functools import cached_property
+from typing import NamedTuple
+
+from grammar.frames.command import Span
+from grammar.words.lexer_lookahead import WORD, Phrases
+from grammar.words.lexicon import Lexicon
+from grammar.words.normalisation import Normalised
+from grammar.words.numerals import DIGITS
+
+_ALONE = frozenset({"AMOUNT", "DIRECTION", "MANNER", "SENSE", "SEPARATOR", "VERB"})
+"""Terminals that are a group of words by themselves."""
+
+_LEAD = _ALONE | {"AT", "BETWEEN", "BY", "FACE", "FROM_SIDE", "IN", "INTO", "NEXT", "NOT", "REGION",
+                  "REGION_OF_TABLE", "RELATION", "SO", "TOWARD", "UNTIL", "WITH",
+                  "WITHOUT"}  # fmt: skip
+"""Terminals that begin a group; what follows belongs to it."""
+
+_BEGIN = _LEAD | {"NUMBER", "THING", "IT"}
+"""Kinds that begin a group where no other is open."""
+
+_SHAPES = {
+    "fillers": r"(?<![^ ])(?:{0})(?= |$)",
+    "corrections": r"(?:(?<= )[.,;] )?(?<![^ ])(?:{0})(?:(?: ,)? (?:{0}))*(?: ,)?(?= )",
+    "reasons": r"^(?:{0}) [^,;]+?(?= , )|(?<= )(?:{0}) .+?(?=$| [.;] | (?:, )?(?:and )?then )",
+    "after": r"(?<![^ ])(?:{0})(?=$| [.;])",
+    "before": r"(?:^|(?<=[.;] ))(?:{0})(?= |$)",
+}
+"""Where each kind of aside stands, in the order in which they are left out."""
+
+_DOUBLED = re.compile(r"(?<![^ ])((?:[a-z]+ ){0,2}[a-z]+|\d+)(?: ,)?(?= \1(?: |$))")
+_STRAY = re.compile(r"^[,.;](?= |$)|(?<= )[,.;]$|(?<= ),(?= [,.;] )|(?<=[.;] )[,.;](?= )")
+
+
+class _Group(NamedTuple):
+    """Words that say one thing, and the kinds of things that it may be."""
+
+    start: int
+    end: int
+    kinds: frozenset[str]
+
+
+class Asides:
+    """Leaves out what changes nothing, by the words of a lexicon."""
+
+    def __init__(self, lexicon: Lexicon, phrases: Phrases) -> None:
+        self._lexicon = lexicon
+        self._phrases = phrases
+
+    def left_out(self, sentence: Normalised) -> Normalised:
+        """The sentence without its asides; as it is if nothing else is left."""
+        said = sentence
+        for kind, pattern in self._patterns.items():
+            said = self._without_all(said, kind, pattern)
+        said = self._without_all(said, "doubled", _DOUBLED)
+        said = self._without_all(said, "stray", _STRAY)
+        if not said.text or said is sentence:
+            return sentence
+        kept = {column for span in said.columns for column in range(*span)}
+        return replace(said, asides=_gaps(kept, sentence))
+
+    @cached_property
+    def _patterns(self) -> dict[str, re.Pattern[str]]:
+        said = {
+            kind: "|".join(map(_pattern_of, sorted(templates, key=len, reverse=True)))
+            for kind, templates in self._lexicon.asides.items()
+        }
+        return {kind: re.compile(shape.format(said[kind])) for kind, shape in _SHAPES.items()}
+
+    def _without_all(self, said: Normalised, kind: str, pattern: re.Pattern[str]) -> Normalised:
+        start = 0
+        while match := pattern.search(said.text, start):
+            shorter = None
+            if not self._is_named(said.text, match):
+                shorter = self._without(said, kind, match)
+            if shorter is None:
+                start = match.end() if match.end() > start else start + 1
+            else:
+                said, start = shorter, 0 if kind in ("before", "stray") else match.start()
+        return said
+
+    def _is_named(self, text: str, match: re.Match[str]) -> bool:
+        """Check for words within a quotation or a name."""
+        spans = (named.span() for named in self._named.finditer(text))
+        return any(start < match.end() and match.start() < end for start, end in spans)
+
+    @cached_property
+    def _named(self) -> re.Pattern[str]:
+        names = "".join(f"|(?<![^ ]){re.escape(n)}(?= |$)" for n in sorted(self._lexicon.names))
+        return re.compile(f'"[^"]*"{names}')
+
+    def _without(self, said: Normalised, kind: str, match: re.Match[str]) -> Normalised | None:
+        """The sentence without a match, changed as its kind asks; None if it has to stay."""
+        start, end = match.span()
+        if kind == "corrections":
+            return self._corrected(said, start, end)
+        if kind == "fillers" and (corrected := self._corrected(said, start, end, "NUMBER")):
+            return corrected
+        if kind == "doubled":
+            first = match[1].split()[0]
+            known = self._lexicon.reserved_words | self._lexicon.first_words
+            if first not in known and not first.isdigit():
+                return None
+            if first in self._lexicon.terminals["IT"]:
+                return None  # "push it it" may lack a word between them
+        polite = kind in ("before", "after") and re.search(r"\b(?:you|please)\b", match[0])
+        left = _joined(said, (0, start), (end, len(said.text)))
+        return replace(left, question=said.question and not polite)
+
+    # --- corrections --------------------------------------------------------------------------
+
+    def _corrected(
+        self, said: Normalised, start: int, end: int, only: str = ""
+    ) -> Normalised | None:
+        """The sentence with what follows a mark of correction in the place of what it corrects."""
+        start = len(said.text[:start].rstrip(" ,"))
+        end = len(said.text) - len(said.text[end:].lstrip(" ,"))
+        before, after = self._groups(said.text, 0, start), self._groups(said.text, end)
+        if not before or not after or (only and only not in after[0].kinds & before[-1].kinds):
+            return None
+        for i in reversed(range(len(before))):
+            wrong, between = before[i], before[i + 1 :]
+            if not wrong.kinds & after[0].kinds:
+                continue
+            rest = (after[0].end, len(said.text))
+            if said.text[rest[0] :].startswith(" ,"):
+                rest = (rest[0] + 2, rest[1])
+            if between and len(after) > 1 and not between[0].kinds & after[1].kinds:
+                return None
+            kept = [(wrong.end, start)] if between and len(after) == 1 else []
+            return _joined(said, (0, wrong.start), after[0][:2], *kept, rest)
+        return None
+
+    def _groups(self, text: str, start: int, end: int | None = None) -> list[_Group]:
+        """The groups of words of a part of a text."""
+        text, groups = text[:end], list[_Group]()
+        while match := WORD.search(text, start):
+            start, kinds = self._phrase_at(text, match)
+            own = _LEAD if groups and groups[-1].kinds & _LEAD - _ALONE else _BEGIN
+            if groups and not kinds & own:
+                groups[-1] = groups[-1]._replace(end=start)
+            else:
+                groups.append(_Group(match.start(), start, kinds))
+        return groups
+
+    def _phrase_at(self, text: str, match: re.Match[str]) -> tuple[int, frozenset[str]]:
+        """End and kinds of the phrase that a word begins."""
+        start, lexicon = match.start(), self._lexicon
+        number = lexicon.numbers.pattern.match(text, start) or DIGITS.match(text, start)
+        if number and number[0] not in ("a", "an"):
+            return number.end(), frozenset({"NUMBER"})
+        found = self._phrases.phrases_at(text, start)
+        kinds = frozenset(found[0][1]) if found else frozenset({"WORD"})
+        if not kinds & {"THE", "A", "THAT", "WORD"}:
+            return start + len(found[0][0]), kinds
+        end = match.end()
+        for word in WORD.finditer(text, end):
+            ends = word[0] in lexicon.ends_names and word[0] not in lexicon.adjectives
+            if not word[0][0].isalpha() or (ends and end > match.end()):
+                break
+            end = word.end()
+        return end, frozenset({"THING"})
+
+
+def _joined(said: Normalised, *ranges: tuple[int, int]) -> Normalised:
+    """The words of some ranges of a sentence, one space apart."""
+    text, columns = "", list[Span]()
+    for start, end in ranges:
+        piece = said.text[start:end]
+        left = start + len(piece) - len(piece.lstrip(" "))
+        right = start + len(piece.rstrip(" "))
+        if left >= right:
+            continue
+        if text:
+            text, columns = f"{text} ", [*columns, (said.columns[left][0],) * 2]
+        text, columns = text + said.text[left:right], [*columns, *said.columns[left:right]]
+    return replace(said, text=text, columns=tuple(columns))
+
+
+def _gaps(kept: set[int], sentence: Normalised) -> tuple[Span, ...]:
+    """The runs of words of a sentence of which no column was kept."""
+    marks = "".join(c if c.isalnum() and i not in kept else " " if i not in kept else "\n"
+                    for i, c in enumerate(sentence.original))  # fmt: skip
+    return tuple(run.span() for run in re.finditer(r"[^\s](?:[^\n]*[^\s])?", marks))
+
+
+def _pattern_of(template: str) -> str:
+    """The regular expression of a template: `(a|b)` is a choice, `[c]` may be left out."""
+    pattern = template.replace(".", r"\.").replace("(", "(?:")
+    pattern = re.sub(r" \[([^\[\]]*)\]", r"(?: (?:\1))?", pattern)
+    return re.sub(r"\[([^\[\]]*)\] ", r"(?:(?:\1) )?", pattern)

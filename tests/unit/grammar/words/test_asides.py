@@ -1,0 +1,49 @@
+"""What is left out of a sentence before it is read, and what stays."""
+
+from __future__ import annotations
+
+import pytest
+
+from grammar import parse
+from grammar.parser import parser_for
+
+
+@pytest.mark.parametrize(
+    ("text", "asides"),
+    [
+        ("push the mug away", []),
+        ("uh, push the mug away, thanks", ["uh", "thanks"]),
+        ("push the mug away because it is late", ["because it is late"]),
+        ("push the mug, no wait, the jar away", ["the mug, no wait"]),
+        ("push the mug away, no, the jar", ["the mug", "no"]),
+        ("push the the jar", ["the"]),
+    ],
+)
+def test_asides_are_kept_with_their_places(text: str, asides: list[str]) -> None:
+    assert [text[start:end] for start, end in parse(text).asides] == asides
+
+
+@pytest.mark.parametrize("text", ["no, the jar", "no, to the left", "actually, push the jar"])
+def test_where_nothing_stands_before_it_a_correction_stays_a_remark(text: str) -> None:
+    command = parse(text)
+    assert command.frames[0].dialogue == "correct"
+    assert not command.asides
+
+
+@pytest.mark.parametrize(
+    "text", ["push the mug, no, gently", "push the mug 5 cm away, no, lift it"]
+)
+def test_what_has_no_counterpart_is_not_taken_back(text: str) -> None:
+    assert not parse(text).asides
+
+
+def test_words_of_names_and_quotations_are_no_fillers() -> None:
+    assert parse('push the "um, er" away').frames[0].object.text == "um, er"  # type: ignore[union-attr]
+    command = parser_for(["um box"]).parse("push the um box away")
+    assert command.frames[0].object is not None
+    assert command.frames[0].object.text == "um box"
+
+
+def test_a_reason_that_is_a_restriction_is_none() -> None:
+    (frame,) = parse("push the mug so that it stays upright, because it is full").frames
+    assert [clause.kind for clause in frame.constraints] == ["no_topple"]
