@@ -55,7 +55,7 @@ class ArmKinematics(Protocol):
         R_AF: Array,
         p_AF: Array,
         redundancy: Array,
-        branches: Sequence[int] | None = None,
+        branches: Sequence[int] | NDArray[np.intp] | None = None,
     ) -> tuple[Array, NDArray[np.bool_]]:
         """All joint angles that bring the flange to a pose with a given redundancy angle.
 
@@ -63,7 +63,8 @@ class ArmKinematics(Protocol):
             R_AF: flange orientations, shape (k, 3, 3).
             p_AF: flange positions, shape (k, 3) [m].
             redundancy: the freedom that a flange pose leaves, shape (k,) [rad].
-            branches: which of the solutions, b of them; all if not given.
+            branches: which of the solutions, b of them, shape (b,), or (k, b) if they differ; all
+                if not given.
 
         Returns:
             Joint angles, shape (k, b, n) [rad], and which of them reach the pose within the joint

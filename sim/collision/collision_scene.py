@@ -73,14 +73,22 @@ class Obstacle:
     def from_seen(cls, seen: SeenObject, clearance: float) -> Obstacle:
         """An object that the robot sees."""
         outline, height = seen.bulk()
-        R_WB, p_WB, radius = np.eye(3), np.zeros(3), 0.0
-        if seen.attitude is None:
-            R_WB, p_WB, outline = seen.pose.R_WB, seen.pose.p_WB, seen.model.outline
-            radius = seen.model.radius if isinstance(seen.model, CylinderModel) else 0.0
-        centre = 0.5 * (outline.min(axis=0) + outline.max(axis=0))
-        around = float(np.hypot(*(outline - centre).T).max())
-        middle = p_WB[:2] + R_WB[:2, :2] @ centre
-        return cls(seen.name, clearance, R_WB, p_WB, outline, height, middle, around, radius)
+        if seen.attitude is not None:
+            return replace(cls.at_origin(outline, height), name=seen.name, clearance=clearance)
+        radius = seen.model.radius if isinstance(seen.model, CylinderModel) else 0.0
+        made = cls.at_origin(seen.model.outline, height, radius)
+        R_WB, p_WB = seen.pose.R_WB, seen.pose.p_WB
+        middle = p_WB[:2] + R_WB[:2, :2] @ made.middle
+        return replace(
+            made, name=seen.name, clearance=clearance, R_WB=R_WB, p_WB=p_WB, middle=middle
+        )
+
+    @classmethod
+    def at_origin(cls, outline: Array, height: float, radius: float = 0.0) -> Obstacle:
+        """An object without a name whose frame is W's."""
+        middle = 0.5 * (outline.min(axis=0) + outline.max(axis=0))
+        around = float(np.hypot(*(outline - middle).T).max())
+        return cls("", 0.0, np.eye(3), np.zeros(3), outline, height, middle, around, radius)
 
     def after_motion(self, before: Array, after: Array, turn: float) -> Obstacle:
         """The same once a point of it has moved, and it has turned about the vertical.
@@ -95,6 +103,11 @@ class Obstacle:
         middle = after[:2] + R[:2, :2] @ (self.middle - before[:2])
         return replace(self, R_WB=R @ self.R_WB, p_WB=p_WB, middle=middle)
 
+    @property
+    def top(self) -> float:
+        """Height of its highest point in W [m]."""
+        return float(self.p_WB[2]) + self.height
+
     def distance_to(self, robot: Array) -> Array:
         """Signed distance of spheres in W, shape (..., 4), from it, shape (...) [m]."""
         in_B = place_spheres(robot, self.R_WB.T, -self.R_WB.T @ self.p_WB)
@@ -105,16 +118,46 @@ class Obstacle:
     def is_clear(self, robot: Array, clearance: float | None = None) -> NDArray[np.bool_]:
         """Which poses of the robot keep the clearance, shape (...) for spheres (..., k, 4)."""
         least = self.clearance if clearance is None else clearance
-        room = robot[..., 3] + least
-        near = robot[..., 2] < room + self.p_WB[2] + self.height
-        if near.any():
-            # Nothing but the spheres near it is looked at closely.
-            x, y = robot[..., 0] - self.middle[0], robot[..., 1] - self.middle[1]
-            near &= x * x + y * y < (room + self.around) ** 2
-        hit = np.zeros(near.shape, dtype=bool)
-        if near.any():
-            hit[near] = self.distance_to(robot[near]) <= least
+        hit = np.asarray(robot[..., 2] - robot[..., 3] < least + self.top)
+        if hit.any():
+            hit[hit] = self.hits(robot[hit], least)
         return np.asarray(~hit.any(axis=-1))
+
+    def hits(self, spheres: Array, clearance: float) -> NDArray[np.bool_]:
+        """Which spheres in W, shape (n, 4), do not keep a clearance [m], shape (n,)."""
+        x, y = spheres[:, 0] - self.middle[0], spheres[:, 1] - self.middle[1]
+        # Nothing but the spheres near it is looked at closely.
+        hit = np.asarray(x * x + y * y < (spheres[:, 3] + (clearance + self.around)) ** 2)
+        if hit.any():
+            hit[hit] = self.distance_to(spheres[hit]) <= clearance
+        return hit
+
+    def is_clear_along(self, robot: Array, offsets: Array, clearance: float) -> NDArray[np.bool_]:
+        """Which poses of the robot keep a clearance wherever they are moved.
+
+        Args:
+            robot: spheres in W before they are moved, shape (n, k, 4).
+            offsets: by which they are, shape (w, 3) [m].
+            clearance: to be kept [m].
+
+        Returns:
+            Shape (n,).
+        """
+        n, k, _ = robot.shape
+        spheres = robot.reshape(-1, 4)
+        low, high = offsets.min(axis=0), offsets.max(axis=0)
+        near = np.flatnonzero(spheres[:, 2] - spheres[:, 3] < clearance + self.top - low[2])
+        x, y = self.middle[0] - spheres[near, 0], self.middle[1] - spheres[near, 1]
+        # As near as any offset brings it, or nearer.
+        x -= np.minimum(np.maximum(x, low[0]), high[0])
+        y -= np.minimum(np.maximum(y, low[1]), high[1])
+        near = near[x * x + y * y < (spheres[near, 3] + (clearance + self.around)) ** 2]
+        moved = np.repeat(spheres[near, None], len(offsets), axis=1)
+        moved[..., :3] += offsets
+        hit = (self.distance_to(moved) <= clearance).any(axis=1)
+        clear = np.ones(n, dtype=bool)
+        clear[near[hit] // k] = False
+        return clear
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,14 +209,21 @@ class CollisionScene:
     def _circles(self) -> tuple[Array, Array, float]:
         """Middles of the others (n, 2), how near to them is near (n,), and over all of them [m]."""
         middles = np.array([each.middle for each in self.others]).reshape(-1, 2)
-        tops = [each.p_WB[2] + each.height + each.clearance for each in self.others]
+        tops = [each.top + each.clearance for each in self.others]
         near = np.array([each.around + each.clearance for each in self.others])
         return middles, near + _ROUNDING, max(tops, default=-np.inf) + _ROUNDING
 
     def others_near(self, robot: Array) -> tuple[Obstacle, ...]:
         """The others that spheres in W, shape (..., 4), may come too near to; no more are hit."""
-        middles, near, top = self._circles
-        robot = robot[robot[..., 2] - robot[..., 3] < top]
+        return self._beside(robot[self._low(robot)])
+
+    def _low(self, robot: Array) -> NDArray[np.bool_]:
+        """Which spheres are not over all of the others."""
+        return np.asarray(robot[..., 2] - robot[..., 3] < self._circles[2])
+
+    def _beside(self, robot: Array) -> tuple[Obstacle, ...]:
+        """The others beside which spheres in W, shape (n, 4), are."""
+        middles, near, _ = self._circles
         if not len(robot):
             return ()
         at, reach = robot[:, :2], robot[:, 3:]
@@ -199,11 +249,12 @@ class CollisionScene:
 
     def is_clear_of_others(self, robot: Array) -> NDArray[np.bool_]:
         """Which poses keep clear of the table and of all but the pushed object; see `is_free`."""
-        free = np.asarray(height_above_table(robot).min(axis=-1) >= TABLE_CLEARANCE)
-        for each in self.others_near(robot):
-            if free.any():
-                free[free] = each.is_clear(robot[free])
-        return free
+        hit = np.asarray(height_above_table(robot) < TABLE_CLEARANCE)
+        low = self._low(robot)
+        spheres = robot[low]
+        for each in self._beside(spheres):
+            hit[low] |= each.hits(spheres, each.clearance)
+        return np.asarray(~hit.any(axis=-1))
 
     def hit_by(self, robot: Array) -> str | None:
         """Which of the others is in the robot's way, in any of its poses; None if none is."""

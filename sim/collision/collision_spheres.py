@@ -68,8 +68,9 @@ def _side_points(outline: Array) -> Iterator[Array]:
 def place_spheres(spheres: Array, R: Array, p: Array) -> Array:
     """Spheres brought into another frame: R shape (..., 3, 3), p shape (..., 3)."""
     centres = spheres[..., :3] @ np.swapaxes(R, -1, -2) + p[..., None, :]
-    radii = np.broadcast_to(spheres[..., 3:], (*centres.shape[:-1], 1))
-    return np.concatenate([centres, radii], axis=-1)
+    placed = np.empty((*centres.shape[:-1], 4))
+    placed[..., :3], placed[..., 3] = centres, spheres[..., 3]
+    return placed
 
 
 def distance_to_box(spheres: Array, low: Array, high: Array) -> Array:
@@ -80,11 +81,11 @@ def distance_to_box(spheres: Array, low: Array, high: Array) -> Array:
         low: its corner of least coordinates, shape (3,) [m].
         high: the opposite corner.
     """
-    centre = spheres[..., :3]
-    outside = np.maximum(low - centre, centre - high)
-    far = np.linalg.norm(np.maximum(outside, 0.0), axis=-1)
-    near = np.minimum(outside.max(axis=-1), 0.0)
-    return np.asarray(far + near - spheres[..., 3])
+    x, y, z, radius = np.moveaxis(spheres, -1, 0)
+    x, y, z = (np.maximum(low[i] - each, each - high[i]) for i, each in enumerate((x, y, z)))
+    far = np.sqrt(np.maximum(x, 0.0) ** 2 + np.maximum(y, 0.0) ** 2 + np.maximum(z, 0.0) ** 2)
+    near = np.minimum(np.maximum(np.maximum(x, y), z), 0.0)
+    return np.asarray(far + near - radius)
 
 
 def distance_to_prism(spheres: Array, outline: Array, height: float) -> Array:

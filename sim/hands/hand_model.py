@@ -72,6 +72,7 @@ class PostureSet:
         palm: origin of P, from T, in D, shape (n, 3) [m].
         lowest_points: height of the lowest point but the pushing tips above T, shape (n,) [m].
         extents: largest horizontal distance of any point from T, shape (n,) [m].
+        number: place among all that the hand has, shape (n,).
     """
 
     postures: tuple[Posture, ...]
@@ -82,6 +83,7 @@ class PostureSet:
     palm: Array
     lowest_points: Array
     extents: Array
+    number: NDArray[np.intp]
 
     @classmethod
     def from_postures(
@@ -98,7 +100,7 @@ class PostureSet:
         unknown = np.zeros(len(which))
         made = cls(
             postures, np.array(padded_spheres(spheres)), which, R_DP, strength, palm,
-            unknown, unknown,
+            unknown, unknown, np.arange(len(which)),
         )  # fmt: skip
         touching = len(postures[0].pushing)
         blocks = [made[k : k + _BLOCK] for k in range(0, len(made), _BLOCK)]
@@ -157,8 +159,9 @@ class PostureSet:
             points: shape (w, 3), or (n, w, 3) [m].
         """
         centres = self.centres[:, None] @ np.swapaxes(R_WD, -1, -2) + points[..., None, :]
-        radii = np.broadcast_to(self.radii[:, None, :, None], (*centres.shape[:-1], 1))
-        return np.concatenate([centres, radii], axis=-1)
+        spheres = np.empty((*centres.shape[:-1], 4))
+        spheres[..., :3], spheres[..., 3] = centres, self.radii[:, None]
+        return spheres
 
 
 @dataclass(frozen=True, eq=False)

@@ -72,14 +72,19 @@ class Mount:
         return R_WF @ self.hand.R_FP, p_WF + R_WF @ self.hand.p_FP
 
     def solve_palm(
-        self, R_WP: Array, p_WP: Array, redundancy: Array
+        self,
+        R_WP: Array,
+        p_WP: Array,
+        redundancy: Array,
+        branch: NDArray[np.intp] | None = None,
     ) -> tuple[Array, NDArray[np.bool_]]:
-        """Arm angles that bring the palm along n paths of w poses, by all branches of the arm.
+        """Arm angles that bring the palm along n paths of w poses.
 
         Args:
             R_WP: shape (n, w, 3, 3).
             p_WP: shape (n, w, 3) [m].
             redundancy: of the arm along each path, shape (n,) [rad].
+            branch: of the arm along each path, shape (n,); all if not given.
 
         Returns:
             Angles, shape (n, w, branches, joints) [rad], and which of them reach their pose away
@@ -88,7 +93,10 @@ class Mount:
         R_AF, p_AF = self.flange_poses(R_WP, p_WP)
         n, w = p_AF.shape[:2]
         q, valid = self.arm.inverse(
-            R_AF.reshape(-1, 3, 3), p_AF.reshape(-1, 3), np.repeat(redundancy, w)
+            R_AF.reshape(-1, 3, 3),
+            p_AF.reshape(-1, 3),
+            np.repeat(redundancy, w),
+            None if branch is None else np.repeat(branch, w)[:, None],
         )
         usable = np.asarray(valid & self.arm.is_regular(q))
         return q.reshape(n, w, *q.shape[1:]), usable.reshape(n, w, *usable.shape[1:])

@@ -10,6 +10,7 @@ Frames: see `sim.motion.arm_configuration`; D is the frame of the push.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 
@@ -32,8 +33,8 @@ _LIFTS = np.array([0.36, 0.30, 0.24, 0.18])  # heights of T above the start, the
 _DESCENT = np.linspace(0.0, 1.0, 6)
 _LARGEST_STEP = 1.0  # more change of a joint between points of the way is a jump [rad]
 _HOMESICK = 0.2  # room to the limits that a joint's being one radian nearer to home is worth
-_WORK = 4  # units of work of what is followed together
-_FOLLOWED, _SOLVED = 24, 240  # solutions that are followed along the way together, and in all
+_WORK, _TOGETHER = 4, 24  # units of work, and solutions that are followed for them
+_SOLVED = 240  # solutions that are followed along the way in all
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +48,7 @@ class IkSolutions:
         descent: the same from above down to the start, shape (k, d, joints) [rad].
         lift: height of T above the start, shape (k,) [m].
         room: to the joint limits, shape (k,) [rad].
+        work: units of work of the search once each was followed, shape (k,).
     """
 
     hand: NDArray[np.intp]
@@ -56,6 +58,7 @@ class IkSolutions:
     descent: Array
     lift: Array
     room: Array
+    work: NDArray[np.intp]
 
     def __len__(self) -> int:
         return len(self.hand)
@@ -75,7 +78,7 @@ class PushIkSearch:
 
     Attributes:
         too_weak: whether an arm did not bear the force of the push.
-        work: units of work done so far.
+        work: units of work done so far; who takes one of some solutions sets it to theirs.
     """
 
     def __init__(self, mount: Mount, push: Push, points: Array, R_WD: Array) -> None:
@@ -94,15 +97,19 @@ class PushIkSearch:
             least: only what has more room than this to the joint limits [rad].
         """
         hand, elbow, branch = self._at_both_ends(hands, least)
-        for first in range(0, len(hand), _FOLLOWED):
-            few = slice(first, first + _FOLLOWED)
-            self.work += _WORK
-            solved = self._follow_path(hands, hand[few], elbow[few], branch[few])
+        before = self.work
+        work = before + _WORK * (np.arange(len(hand)) // _TOGETHER + 1)
+        # Mostly the first few will do; if not, most of the others will not either.
+        for few in (slice(_TOGETHER), slice(_TOGETHER, None)):
+            if not len(hand[few]):
+                break
+            solved = self._follow_path(hands, hand[few], elbow[few], branch[few], work[few])
             solved = solved[solved.room > least]
             strong = self._bear_force(solved)
             self.too_weak |= not strong.all()
             if strong.any():
                 yield solved[strong]
+        self.work = before + _WORK * math.ceil(len(hand) / _TOGETHER)
 
     def _at_both_ends(
         self, hands: PostureSet, least: float
@@ -121,7 +128,12 @@ class PushIkSearch:
         return hand[row], elbow[row], branch
 
     def _follow_path(
-        self, hands: PostureSet, hand: NDArray[np.intp], elbow: Array, branch: NDArray[np.intp]
+        self,
+        hands: PostureSet,
+        hand: NDArray[np.intp],
+        elbow: Array,
+        branch: NDArray[np.intp],
+        work: NDArray[np.intp],
     ) -> IkSolutions:
         """Solutions that are continuous along the whole path, from above the start on."""
         start, w = self._points[0], len(self._points)
@@ -129,26 +141,25 @@ class PushIkSearch:
         above = np.column_stack([np.tile(start[:2], (len(lifts), 1)), lifts])
         points = np.vstack([self._points, above])
         R_WD = np.concatenate([self._R_WD, np.broadcast_to(self._R_WD[0], (len(lifts), 3, 3))])
-        q, valid = solve_poses(self._mount, hands[hand], R_WD, points, elbow)
-        rows = np.arange(len(hand))
-        q, valid = q[rows, :, branch], valid[rows, :, branch]
+        q, valid = solve_poses(self._mount, hands[hand], R_WD, points, elbow, branch)
+        q, valid = q[:, :, 0], valid[:, :, 0]
         steady = np.abs(np.diff(q[:, :w], axis=1)).max(axis=(1, 2)) < _LARGEST_STEP
         near = np.abs(q[:, w:] - q[:, :1]).max(axis=2) < 2.0 * _LARGEST_STEP
         lifted = valid[:, w:] & near
         good = valid[:, :w].all(axis=1) & steady & lifted.any(axis=1)
         lift = lifts[lifted.argmax(axis=1)]
         room = self._mount.arm.joint_room(q[:, :w]).min(axis=1)
-        solved = IkSolutions(hand, elbow, branch, q[:, :w], q[:, :0], lift, room)[good]
+        solved = IkSolutions(hand, elbow, branch, q[:, :w], q[:, :0], lift, room, work)[good]
         return self._let_down(hands, solved)
 
     def _let_down(self, hands: PostureSet, solved: IkSolutions) -> IkSolutions:
         """The same with the descent from above to the start."""
         points = descent_points(self._points[0], solved.lift)
         R_WD = np.broadcast_to(self._R_WD[0], (len(_DESCENT), 3, 3))
-        q, valid = solve_poses(self._mount, hands[solved.hand], R_WD, points, solved.elbow)
-        rows = np.arange(len(solved))
-        q, valid = q[rows, :, solved.branch], valid[rows, :, solved.branch]
-        return replace(solved, descent=q)[np.asarray(valid.all(axis=1))]
+        q, valid = solve_poses(
+            self._mount, hands[solved.hand], R_WD, points, solved.elbow, solved.branch
+        )
+        return replace(solved, descent=q[:, :, 0])[np.asarray(valid.all(axis=(1, 2)))]
 
     def _bear_force(self, solved: IkSolutions) -> NDArray[np.bool_]:
         """Which arms bear the force of the push all along the stroke, shape (k,)."""
@@ -177,7 +188,12 @@ def in_range(mount: Mount, hands: PostureSet, R_WD: Array, points: Array) -> NDA
 
 
 def solve_poses(
-    mount: Mount, hands: PostureSet, R_WD: Array, points: Array, elbow: Array
+    mount: Mount,
+    hands: PostureSet,
+    R_WD: Array,
+    points: Array,
+    elbow: Array,
+    branch: NDArray[np.intp] | None = None,
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Arm angles of n hands and redundancy angles with T at w points each.
 
@@ -187,12 +203,13 @@ def solve_poses(
         R_WD: frame of the push at each point, shape (w, 3, 3).
         points: shape (w, 3), or (n, w, 3) [m].
         elbow: redundancy angles, shape (n,) [rad].
+        branch: of the arm, shape (n,); all if not given.
 
     Returns:
         Angles, shape (n, w, branches, joints), and which of them are to be used, shape
         (n, w, branches).
     """
-    q, usable = mount.solve_palm(*hands.palms_along(R_WD, points), elbow)
+    q, usable = mount.solve_palm(*hands.palms_along(R_WD, points), elbow, branch)
     return q, usable & (mount.arm.joint_room(q) > LIMIT_MARGIN)
 
 

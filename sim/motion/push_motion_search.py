@@ -31,6 +31,7 @@ from sim.collision.collision_scene import (
 )
 from sim.hands.hand_model import PostureSet
 from sim.hands.mount import Mount
+from sim.motion.approach_clearance import FACE_CLEARANCE, Approach
 from sim.motion.arm_configuration import ArmConfiguration
 from sim.motion.ik_search import ENOUGH_MARGIN, IkSolutions, PushIkSearch, descent_points, in_range
 from sim.motion.roadmap import (
@@ -42,13 +43,13 @@ from sim.motion.roadmap import (
 from sim.paths.fingertip_path import BACK, FingertipPath
 from sim.rotations import Array, rot_z
 
-_FACE_CLEARANCE = 0.0005  # of all but the fingertips from the pushed face [m]
 _SWEEP = 0.025  # largest step of the hand along the stroke [m]
 _OVER = 0.47  # height of T in places over the table [m]
 _RAISED = (0.4, 0.8, 1.2)  # how far the arm swings up halfway [rad]
 
 _AT_ONCE, _ASKED = 48, 12  # hands that are looked at together, and the arm is asked for
 _BEGUN, _LOOKED, _ROAD = 1, 2, 1  # units of work: to begin, of some hands, of some arm poses
+_AT_T = np.zeros((1, 3))  # where T is about itself
 _BACK_POINTS = 4  # places on the way back from a turned face that are looked at
 
 
@@ -112,6 +113,10 @@ class PushMotionSearch:
         table = state.table
         self._centre = 0.5 * np.array([table.x_min + table.x_max, table.y_min + table.y_max])
         self._scenery = CollisionScene.from_state(state, push.object, spare, effort.clearance)
+        self._approach = Approach.to_object(
+            self._scenery.pushed, self._points[:2], self._R_WD[0], mount.hand,
+            push.fingers, push.spread, fine=effort.fine,
+        )  # fmt: skip
         # From the touch on, the pushed object goes where the fingertips take it.
         touch = self._points[1]
         self._pushed = [
@@ -191,38 +196,44 @@ class PushMotionSearch:
     def _clear_hands(self, hands: PostureSet) -> Iterator[PostureSet]:
         """The hands that stay clear of everything during the push, a few at a time."""
         near = self._scenery.obstacles_near(self._points, hands.horizontal_size)
-        R_WD, points = self._swept_path() if near else (self._R_WD[:2], self._points[:2])
+        sweeps = self._swept_path() if near else []
         for first in range(0, len(hands), _AT_ONCE):
             some = hands[first : first + _AT_ONCE]
             self._work += _LOOKED
-            robot = some.spheres_along(R_WD, points)
-            free = np.ones(len(some), dtype=bool)
-            # The fingertips come last; they alone may touch the pushed object.
-            before = robot[:, :2, : -self._push.fingers]
-            self._require_clearance(free, self._scenery.pushed, before, _FACE_CLEARANCE)
-            for each in near:
-                self._require_clearance(free, each, robot, each.clearance)
-            clear = some[free]
+            clear = some[self._approach.clear_hands(some)]
+            if not len(clear):
+                self._stopped.add(self._push.object)
+                continue
+            clear = clear[self._clear_of_others(clear, near, sweeps)]
             yield from (clear[k : k + _ASKED] for k in range(0, len(clear), _ASKED))
 
-    def _swept_path(self) -> tuple[Array, Array]:
-        """The frames and points of the way, closer to each other; (n, 3, 3) and (n, 3)."""
+    def _swept_path(self) -> list[tuple[Array, Array]]:
+        """The way in parts along which the palm does not turn: its frame and points (w, 3)."""
         before, after = self._points[1:-1], self._points[2:]
         apart = np.linalg.norm(after - before, axis=1).max()
         n = max(1, int(np.ceil(apart / _SWEEP)))
         t = np.arange(n)[:, None] / n
         stroke = (before[:, None] + t * (after - before)[:, None]).reshape(-1, 3)
+        points = np.vstack([self._points[:1], stroke, self._points[-1:]])
+        if not self._way.turn:
+            return [(self._R_WD[0], points)]
         which = np.array([0, *np.repeat(np.arange(1, len(before) + 1), n), -1])
-        return self._R_WD[which], np.vstack([self._points[:1], stroke, self._points[-1:]])
+        return list(zip(self._R_WD[which], points[:, None], strict=True))
 
-    def _require_clearance(
-        self, free: NDArray[np.bool_], obstacle: Obstacle, robot: Array, clearance: float
-    ) -> None:
-        """Sorts out the hands that hit an obstacle, and notes it if none is left then."""
-        if free.any():
-            free[free] = obstacle.is_clear(robot[free], clearance).all(axis=1)
+    def _clear_of_others(
+        self, hands: PostureSet, others: tuple[Obstacle, ...], sweeps: list[tuple[Array, Array]]
+    ) -> NDArray[np.bool_]:
+        """Which hands keep clear of some obstacles all along; notes the one that stops the last."""
+        free = np.ones(len(hands), dtype=bool)
+        robots = [hands.spheres_along(R_WD[None], _AT_T)[:, 0] for R_WD, _ in sweeps]
+        for each in others:
+            for robot, (_, points) in zip(robots, sweeps, strict=True):
+                if free.any():
+                    free[free] = each.is_clear_along(robot[free], points, each.clearance)
             if not free.any():
-                self._stopped.add(obstacle.name)
+                self._stopped.add(each.name)
+                break
+        return free
 
     # -- arms -----------------------------------------------------------------------------------
 
@@ -246,25 +257,36 @@ class PushMotionSearch:
                     lift=float(free.lift[k]),
                 )
                 strength = self._push.fingers * float(hands.strength[hand])
+                self._arms.work = int(free.work[k])
                 yield _Found(stance, free.descent[k, 0], float(free.room[k]), strength)
 
     # -- whole arms -----------------------------------------------------------------------------
 
     def _are_unhindered(self, hands: PostureSet, solved: IkSolutions) -> NDArray[np.bool_]:
         """Which arms stay clear of everything on the way down and while they push, shape (k,)."""
-        down = descent_points(self._points[0], solved.lift)
-        R_WD = np.broadcast_to(self._R_WD[0], (down.shape[1], 3, 3))
-        hand = hands[solved.hand].spheres_along(R_WD, down)
-        whole = np.concatenate([hand, self._mount.arm_spheres(solved.descent)], axis=-2)
-        free = np.asarray(self._scenery.is_free(whole).all(axis=1))
-        arms = self._mount.arm_spheres(solved.q)
-        free &= self._scenery.is_clear_of_others(arms).all(axis=1)
-        for k, pushed in enumerate(self._pushed):
-            if free.any():
-                free[free] = pushed.is_clear(arms[free, k])
+        arms = self._mount.arm_spheres(np.concatenate([solved.descent, solved.q], axis=1))
         if not self._hindered:
-            self._hindered += [np.concatenate([whole[0, :, -arms.shape[2] :], arms[0]])]
+            self._hindered += [arms[0]]
+        free = np.asarray(self._scenery.is_clear_of_others(arms).all(axis=1))
+        down = solved.descent.shape[1]
+        pushed = [self._scenery.pushed] * down + self._pushed
+        for k, each in enumerate(pushed):
+            if free.any():
+                free[free] = each.is_clear(arms[free, k])
+        if free.any():
+            free[free] = self._come_down(hands, solved[free])
         return free
+
+    def _come_down(self, hands: PostureSet, solved: IkSolutions) -> NDArray[np.bool_]:
+        """Which hands are clear of everything on the way down, shape (k,)."""
+        ways, way = np.unique(
+            np.column_stack([solved.hand, solved.lift]), axis=0, return_inverse=True
+        )
+        down = descent_points(self._points[0], ways[:, 1])
+        R_WD = np.broadcast_to(self._R_WD[0], (down.shape[1], 3, 3))
+        robot = hands[ways[:, 0].astype(int)].spheres_along(R_WD, down)
+        free = np.asarray(self._scenery.is_free(robot).all(axis=1))
+        return np.asarray(free[way.ravel()])
 
     def _way_there(self, found: _Found, places: Array) -> tuple[Array, ...] | None:
         """Arm poses between home and above the start; None if no free way was found."""
@@ -300,7 +322,7 @@ class PushMotionSearch:
         robot = np.concatenate([some.spheres_along(R_WD, points), arms], axis=-2)
         # Its fingertips still touch at the first of them.
         free = valid[kept].all(axis=1)
-        free &= self._pushed[-1].is_clear(robot[:, 1:], _FACE_CLEARANCE).all(axis=1)
+        free &= self._pushed[-1].is_clear(robot[:, 1:], FACE_CLEARANCE).all(axis=1)
         for each in self._scenery.others_near(robot[:, 1:]):
             free &= each.is_clear(robot[:, 1:]).all(axis=1)
         return np.asarray(free)

@@ -35,6 +35,7 @@ LINK_RADIUS = 0.065
 # Below these |q2| and |q6| the axes of joints 1 and 3, or 5 and 7, nearly coincide [rad].
 _SHOULDER_SINGULARITY, _WRIST_SINGULARITY = 0.01, 0.05
 _WRIST_BEND = 0.15  # |q6| stays above this where the arm is to move on [rad]
+_SHARES = np.linspace(0.0, 1.0, 8)[:, None]  # of a link, where its spheres are
 _ELBOW_STEP = 15.0  # between elbow angles worth trying [degrees]
 
 _TURNS = (rot_z, rot_y, rot_z, rot_y, rot_z, rot_y, rot_z)
@@ -43,6 +44,8 @@ _AXES = _SIGNS[:, None] * np.eye(3)[[2, 1, 2, 1, 2, 1, 2]]
 
 BRANCHES = tuple(itertools.product((1.0, -1.0), repeat=3))
 """Signs of joints 4, 2 and 6 of the eight solutions."""
+
+_BRANCH_SIGNS = np.array(BRANCHES)
 
 
 @dataclass(frozen=True)
@@ -81,7 +84,7 @@ class LwrKinematics:
         R_AF: Array,
         p_AF: Array,
         redundancy: Array,
-        branches: Sequence[int] | None = None,
+        branches: Sequence[int] | NDArray[np.intp] | None = None,
     ) -> tuple[Array, NDArray[np.bool_]]:
         """Joint angles for flange poses; the redundancy angle is that of the elbow."""
         p_SW = p_AF - FLANGE * R_AF[:, :, 2] - np.array([0.0, 0.0, SHOULDER])
@@ -91,20 +94,20 @@ class LwrKinematics:
         bend = np.arccos(np.clip(cos_q4, -1.0, 1.0))
         R_arm = _frames_along(*p_SW.T) @ rot_x(redundancy)
 
-        signs = BRANCHES if branches is None else [BRANCHES[k] for k in branches]
-        q = np.empty((len(p_AF), len(signs), 7))
-        for sign_4 in {sign for sign, _, _ in signs}:
-            q4 = sign_4 * bend
-            # The line from shoulder to wrist, seen from joint 3 at zero angles of joints 1 to 3.
-            line = -FOREARM * np.sin(q4), np.zeros_like(q4), UPPER_ARM + FOREARM * np.cos(q4)
-            R_03 = R_arm @ np.swapaxes(_frames_along(*line), -1, -2)
-            R_47 = np.swapaxes(R_03 @ rot_y(-q4), -1, -2) @ R_AF
-            shoulder, wrist = _zyz_angles(R_03), _zyz_angles(R_47)
-            for column, (sign, sign_2, sign_6) in enumerate(signs):
-                if sign == sign_4:
-                    q[:, column, :3] = shoulder[0 if sign_2 > 0.0 else 1]
-                    q[:, column, 3] = q4
-                    q[:, column, 4:] = wrist[0 if sign_6 > 0.0 else 1]
+        signs = _BRANCH_SIGNS if branches is None else _BRANCH_SIGNS[np.asarray(branches)]
+        # All solutions have two angles of joint 4 between them.
+        elbows, elbow = signs[..., 0], np.arange(signs.shape[-2])
+        if branches is None:
+            elbows, elbow = np.unique(signs[:, 0], return_inverse=True)
+        q4 = elbows * bend[:, None]
+        # The line from shoulder to wrist, seen from joint 3 at zero angles of joints 1 to 3.
+        line = -FOREARM * np.sin(q4), np.zeros_like(q4), UPPER_ARM + FOREARM * np.cos(q4)
+        R_03 = R_arm[:, None] @ np.swapaxes(_frames_along(*line), -1, -2)
+        R_47 = np.swapaxes(R_03 @ rot_y(-q4), -1, -2) @ R_AF[:, None]
+        q = np.empty((*q4.shape[:1], len(elbow), 7))
+        q[..., :3] = _zyz_angles(R_03, elbow, signs[..., 1])
+        q[..., 3] = q4[:, elbow]
+        q[..., 4:] = _zyz_angles(R_47, elbow, signs[..., 2])
         valid = (
             reachable[:, None]
             & (np.abs(q) < LIMITS).all(axis=-1)
@@ -132,12 +135,21 @@ class LwrKinematics:
 
         The links above the shoulder stay within the mount's reach and far from the table.
         """
-        shoulder, elbow, wrist = (p for _, p in itertools.islice(_link_frames(q), 1, 6, 2))
-        t = np.linspace(0.0, 1.0, 8)[:, None]
-        upper = shoulder[..., None, :] + (elbow - shoulder)[..., None, :] * t[4:]
-        lower = elbow[..., None, :] + (wrist - elbow)[..., None, :] * t[1:]
-        centres = np.concatenate([upper, lower], axis=-2)
-        return np.concatenate([centres, np.full((*centres.shape[:-1], 1), LINK_RADIUS)], axis=-1)
+        (s1, s2, s3, s4), (c1, c2, c3, c4) = (
+            np.moveaxis(each(q[..., :4]), -1, 0) for each in (np.sin, np.cos)
+        )
+        upper_arm = np.stack([c1 * s2, s1 * s2, c2], axis=-1)
+        # The forearm seen from joint 3, and from the base before joint 1 turns.
+        x, y = -c3 * s4, -s3 * s4
+        x, z = c2 * x + s2 * c4, c2 * c4 - s2 * x
+        forearm = np.stack([c1 * x - s1 * y, s1 * x + c1 * y, z], axis=-1)
+        spheres = np.empty((*q.shape[:-1], 11, 4))
+        spheres[..., :4, :3] = UPPER_ARM * upper_arm[..., None, :] * _SHARES[4:]
+        spheres[..., 4:, :3] = FOREARM * forearm[..., None, :] * _SHARES[1:]
+        spheres[..., 4:, :3] += UPPER_ARM * upper_arm[..., None, :]
+        spheres[..., 2] += SHOULDER
+        spheres[..., 3] = LINK_RADIUS
+        return spheres
 
 
 def _link_frames(q: Array) -> Iterator[tuple[Array, Array]]:
@@ -169,12 +181,21 @@ def _frames_along(x: Array, y: Array, z: Array) -> Array:
     return R
 
 
-def _zyz_angles(R: Array) -> tuple[Array, Array]:
-    """Angles of R = rot_z(a) rot_y(b) rot_z(c), once with b ≥ 0 and once with b ≤ 0."""
-    b = np.arccos(np.clip(R[:, 2, 2], -1.0, 1.0))
-    a = np.arctan2(R[:, 1, 2], R[:, 0, 2])
-    c = np.arctan2(R[:, 2, 1], -R[:, 2, 0])
+def _zyz_angles(R: Array, which: NDArray[np.intp], sign: Array) -> Array:
+    """Angles of some of the rotations R = rot_z(a) rot_y(b) rot_z(c), with b of a sign.
+
+    Args:
+        R: shape (k, e, 3, 3).
+        which: of the e to take, shape (b,).
+        sign: of each of these, shape (b,) or (k, b).
+
+    Returns:
+        Shape (k, b, 3) [rad].
+    """
+    b = np.arccos(np.clip(R[..., 2, 2], -1.0, 1.0))
+    a = np.arctan2(R[..., 1, 2], R[..., 0, 2])
+    c = np.arctan2(R[..., 2, 1], -R[..., 2, 0])
     bent = np.stack([a, b, c], axis=-1)
     turned = bent - np.copysign(np.pi, bent)
-    turned[:, 1] = -b
-    return bent, turned
+    turned[..., 1] = -b
+    return np.where(sign[..., None] > 0.0, bent[:, which], turned[:, which])

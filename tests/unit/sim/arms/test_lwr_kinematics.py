@@ -72,6 +72,25 @@ def test_inverse_leads_where_forward_was(q: list[float], elbow: float) -> None:
         assert (np.abs(found) <= LIMITS).all()
 
 
+def test_each_pose_may_ask_for_its_own_branch() -> None:
+    R, p = arm.forward(0.8 * _random_arms(24))
+    elbows, branch = np.linspace(-3.0, 3.0, 24), np.arange(24) % arm.branches
+    every, valid = arm.inverse(R, p, elbows)
+    some, usable = arm.inverse(R, p, elbows, branch[:, None])
+    np.testing.assert_array_equal(some[:, 0], every[np.arange(24), branch])
+    np.testing.assert_array_equal(usable[:, 0], valid[np.arange(24), branch])
+
+
+def test_spheres_go_from_the_shoulder_by_the_elbow_to_the_wrist() -> None:
+    q = _random_arms(20)
+    origins, spheres = arm.joint_origins(q), arm.spheres(q)
+    # Of lengths below a metre nothing but rounding is off.
+    np.testing.assert_allclose(spheres[:, 3, :3], origins[:, 3], atol=1e-12)
+    np.testing.assert_allclose(spheres[:, -1, :3], origins[:, 5], atol=1e-12)
+    middle = 0.5 * (spheres[:, 3, :3] + spheres[:, -1, :3])
+    np.testing.assert_allclose(spheres[:, 6:8, :3].mean(axis=1), middle, atol=1e-12)
+
+
 def test_one_of_the_inverses_is_the_arm_itself() -> None:
     found = 0
     elbows = np.linspace(-np.pi, np.pi, 721)

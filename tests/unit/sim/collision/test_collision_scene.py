@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nlcontrol import Controller
-from objectmodels import Registry
+from objectmodels import ObjectModel, Registry
 from planner.types.actions import Push
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim import load_scene
@@ -66,6 +66,20 @@ def test_the_pushed_object_counts_where_it_is_by_then() -> None:
     assert not scenery.is_free(at_first)
     assert scenery.is_free(at_first, there)
     assert not scenery.is_free(later, there)
+
+
+@pytest.mark.parametrize("model", [TEA, CAN])
+def test_clear_all_along_is_clear_at_each_place(model: ObjectModel) -> None:
+    rng = np.random.default_rng(0)
+    obstacle = Obstacle.from_seen(SeenObject("it", PlanarPose(0.5, 0.1, 0.4), model), 0.01)
+    low, high = (0.3, -0.1, 0.0, 0.005), (0.7, 0.3, 0.3, 0.03)
+    robot = rng.uniform(low, high, (400, 3, 4))
+    offsets = rng.uniform(-0.1, 0.1, (5, 3))
+    moved = np.repeat(robot[:, None], 5, axis=1)
+    moved[..., :3] += offsets[:, None]
+    each = obstacle.is_clear(moved, 0.004).all(axis=1)
+    assert 0.1 < each.mean() < 0.9
+    np.testing.assert_array_equal(obstacle.is_clear_along(robot, offsets, 0.004), each)
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.7])

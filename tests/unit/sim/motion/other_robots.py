@@ -167,7 +167,11 @@ class SixJointArm(LwrKinematics):
         return super().forward(_with_locked(q))
 
     def inverse(
-        self, R_AF: Array, p_AF: Array, redundancy: Array, branches: Sequence[int] | None = None
+        self,
+        R_AF: Array,
+        p_AF: Array,
+        redundancy: Array,
+        branches: Sequence[int] | NDArray[np.intp] | None = None,
     ) -> tuple[Array, NDArray[np.bool_]]:
         """Solutions of the seven joints, the third of which stays where it is locked."""
         q, valid = super().inverse(R_AF, p_AF, redundancy, branches)

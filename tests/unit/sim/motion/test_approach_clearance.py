@@ -1,0 +1,66 @@
+"""Which hands hit the object that they are to push before they push it."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+import pytest
+
+from planner.types.world_state import PlanarPose, SeenObject
+from sim.arms.lwr.lwr_kinematics import LwrKinematics
+from sim.collision.collision_scene import Obstacle
+from sim.hands.four_finger.four_finger_hand import FourFingerHand
+from sim.hands.hand_model import PostureSet
+from sim.motion.approach_clearance import FACE_CLEARANCE, Approach
+from sim.rotations import Array, rot_z
+from tests.unit.sim.collision.test_collision_scene import TEA
+
+HAND = FourFingerHand(wrist=float(np.linalg.norm(LwrKinematics.p_FW)))
+HANDS = HAND.pushing_postures(1, 0.0)
+CONTACT = np.array([[-0.11, 0.0, 0.06], [-0.08, 0.0, 0.06]])
+"""T before the face of a box and at it, seen from the box, in m."""
+
+
+def _approach(x: float, yaw: float, height: float = 0.0) -> tuple[Approach, Obstacle, Array]:
+    pushed = Obstacle.from_seen(SeenObject("tea", PlanarPose(x, 0.1, yaw), TEA), 0.012)
+    points = pushed.p_WB + (CONTACT + np.array([0.0, 0.0, height])) @ pushed.R_WB.T
+    made = Approach.to_object(pushed, points, pushed.R_WB, HAND, 1, 0.0, fine=False)
+    return made, pushed, points
+
+
+def test_hands_are_clear_that_keep_off_at_both_places() -> None:
+    approach, pushed, points = _approach(0.6, 0.5)
+    robot = HANDS.spheres_along(np.broadcast_to(rot_z(0.5), (2, 3, 3)), points)[..., :-1, :]
+    directly = pushed.is_clear(robot, FACE_CLEARANCE).all(axis=1)
+    assert 0.05 < directly.mean() < 0.95
+    np.testing.assert_array_equal(approach.clear_hands(HANDS), directly)
+
+
+def test_it_is_one_approach_wherever_the_object_stands() -> None:
+    here, there, higher = _approach(0.6, 0.5)[0], _approach(0.4, -2.0)[0], _approach(0.6, 0.5, 0.02)
+    assert here == there
+    assert here != higher[0]
+
+
+def test_hands_are_looked_at_once_in_whatever_order(monkeypatch: pytest.MonkeyPatch) -> None:
+    approach = _approach(0.6, 0.5, height=0.013)[0]
+    clear = approach.clear_hands(HANDS[np.arange(0, 60, 2)])
+    looked = []
+    along: Any = Obstacle.is_clear_along
+
+    def counted(self: Obstacle, robot: Array, places: Array, least: float) -> Array:
+        looked.append(len(robot))
+        found: Array = along(self, robot, places, least)
+        return found
+
+    monkeypatch.setattr(Obstacle, "is_clear_along", counted)
+    again = dataclasses.replace(approach).clear_hands(HANDS[np.arange(59, -1, -1)])
+    np.testing.assert_array_equal(again[1::2][::-1], clear)
+    assert looked == [30]
+
+
+def test_hands_know_their_place_among_all() -> None:
+    some: PostureSet = HANDS[np.array([7, 3])][np.array([True, False])]
+    assert some.number.tolist() == [7]
