@@ -40,7 +40,7 @@ def replay_story(result: Result) -> RunStory:
         understood=result.paraphrase or "",
         status=result.status.replace("_", " "),
         ok=result.ok,
-        prediction=tuple(line for step in result.steps for line in _prediction(step)),
+        prediction=tuple(line for step in result.steps for line in prediction_lines(step)),
         rows=tuple(
             StoryRow(each.words, each.part, each.parameter, each.value, each.problem)
             for each in rows
@@ -65,7 +65,7 @@ def _words(text: str, rows: Sequence[Row]) -> Iterator[StoryWord]:
         yield StoryWord(found[0], "" if part == "filler" else part, *found.span())
 
 
-def _prediction(step: Step) -> Iterator[StoryLine]:
+def prediction_lines(step: Step) -> Iterator[StoryLine]:
     """The lines on a plan, each with what it is about as heading."""
     if step.plan is None:
         return

@@ -21,7 +21,7 @@ from objectmodels.files.value_types import Coordinate, Name, length_of
 from planner.affordances import Affordance
 from planner.explanation.rows import Row
 from planner.types.marks import Mark
-from sim.views.run_story import ContactMark, Ghost
+from sim.views.run_story import ContactMark, Ghost, StoryLine
 
 Source = Literal["camera", "stated"]
 RunKind = Literal["execute", "say"]
@@ -159,12 +159,17 @@ class Drawing(DocumentPart):
 
     Attributes:
         object: name of what is moved, or was to be.
+        faces: names of its side faces, as a map takes them; first the one that is pushed, or else
+            the one that looks at the robot most.
+        lines: what is done, what that does and why it is safe, in words.
         ghosts: objects and the poses in which they should end.
         contacts: where fingertips touch at first: places and outward normals in B.
         marks: where the numbers of a refusal are.
     """
 
     object: str
+    faces: tuple[str, ...] = ()
+    lines: tuple[StoryLine, ...] = ()
     ghosts: tuple[Ghost, ...] = ()
     contacts: tuple[ContactMark, ...] = ()
     marks: tuple[Mark, ...] = ()

@@ -126,6 +126,7 @@ def _with_doubt(
     mark = HeightMark(
         object=problem.target.name,
         height=height,
+        about="asked",
         text=f"pushed at {_mm(height)} it {verb} with {probability:.2f}",
     )
     doubt = {"probability": probability, "probability_then": then, "asked_probability": asked}

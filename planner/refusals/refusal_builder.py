@@ -103,7 +103,7 @@ def _marks(
         yield from height_marks(words["object"], numbers)
     other = words.get("blocker") or (words.get("other") if reason == "blocked" else None)
     if other is not None:
-        yield ObstacleMark(object=other, text="stands in the way")
+        yield ObstacleMark(object=other, text=f"the {other} stands in the way")
 
 
 def not_capable(capability: str, message: str, spans: Spans, *instead: str) -> NoPlanError:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,26 +11,28 @@ from numpy.typing import NDArray
 from planner.types.actions import Vector3
 from planner.types.marks import HeightMark, LengthMark, TiltMark
 
-_HEIGHTS = {
-    "critical_height": "above {} it topples",
-    "critical_height_worst": "below {} it is sure to slide",
-    "lowest_asked": "{} and more are asked",
-    "highest_asked": "up to {} are asked",
-    "lowest_height": "the lowest contact is {}",
-    "highest_height": "the highest contact is {}",
-    "lowest": "it may be held from {} up",
-    "highest": "it may be held up to {}",
+_About = Literal["topples", "slides", "asked", "reach"]
+_HEIGHTS: dict[str, tuple[_About, str]] = {
+    "critical_height": ("topples", "above {} it topples"),
+    "critical_height_worst": ("slides", "below {} it is sure to slide"),
+    "lowest_asked": ("asked", "{} and more are asked"),
+    "highest_asked": ("asked", "up to {} are asked"),
+    "lowest_height": ("reach", "the lowest contact is {}"),
+    "highest_height": ("reach", "the highest contact is {}"),
+    "lowest": ("reach", "it may be held from {} up"),
+    "highest": ("reach", "it may be held up to {}"),
 }
 
 
 def height_marks(name: str, numbers: Mapping[str, float]) -> Iterator[HeightMark]:
     """Marks on an object of those numbers that are heights, by their names [m]."""
-    told: set[float] = set()
-    for key, text in _HEIGHTS.items():
+    marked: set[float] = set()
+    for key, (about, text) in _HEIGHTS.items():
         height = numbers.get(key, 0.0)
-        if height > 0.0 and height not in told:
-            told.add(height)
-            yield HeightMark(object=name, height=height, text=text.format(f"{1e3 * height:.0f} mm"))
+        if height > 0.0 and height not in marked:
+            marked.add(height)
+            length = f"{1e3 * height:.0f} mm"
+            yield HeightMark(object=name, height=height, about=about, text=text.format(length))
 
 
 def length_mark(

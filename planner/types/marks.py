@@ -18,12 +18,15 @@ class HeightMark(Value):
     Attributes:
         object: name of it.
         height: above the table [m].
-        text: what changes there.
+        about: what changes there: from where it `topples`, up to where it `slides`, what is `asked`
+            of the contact, or within the fingers' `reach`.
+        text: the same in words.
     """
 
     kind: Literal["height"] = "height"
     object: str
     height: float
+    about: Literal["topples", "slides", "asked", "reach"]
     text: str
 
 

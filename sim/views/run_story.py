@@ -26,7 +26,12 @@ class StoryWord:
 
 @dataclass(frozen=True)
 class StoryLine:
-    """A line of text with a short heading."""
+    """A line of text.
+
+    Attributes:
+        heading: of it, short; or empty.
+        text: of it.
+    """
 
     heading: str
     text: str

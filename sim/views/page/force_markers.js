@@ -47,14 +47,14 @@ export function contactRing({ place, normal }) {
   return ring;
 }
 
-// A body as it should be at the end.
-export function ghostOf(body, pose) {
+// A body as it should be at the end, or may not be.
+export function ghostOf(body, pose, colour = GHOST) {
   const group = new THREE.Group();
   const fill = new THREE.MeshBasicMaterial({
-    color: GHOST, transparent: true, opacity: 0.13, depthWrite: false,
+    color: colour, transparent: true, opacity: 0.13, depthWrite: false,
     polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 8,
   });
-  const line = new THREE.LineBasicMaterial({ color: GHOST, transparent: true, opacity: 0.85 });
+  const line = new THREE.LineBasicMaterial({ color: colour, transparent: true, opacity: 0.85 });
   for (const shape of body.shapes) {
     if (shape.kind === "label" || shape.kind === "tube") continue;
     const part = new THREE.Group();

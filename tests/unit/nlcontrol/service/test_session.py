@@ -350,6 +350,12 @@ def test_an_offer_is_drawn_where_it_is_believed_to_be(session: Session) -> None:
     assert len(drawing.contacts) == plan.push.fingers
     assert middle == pytest.approx(plan.push.p_BC, abs=1e-5)  # they are told in 10 µm
     assert drawing.marks == ()
+    assert session.map(drawing.object, face=drawing.faces[0], spacing=0.05).normal == (
+        -1.0,
+        0.0,
+        0.0,
+    )
+    assert [line.heading for line in drawing.lines][:2] == ["Plan:", "Predicted:"]
 
 
 def test_what_names_no_object_on_the_table_is_not_drawn(session: Session) -> None:

@@ -35,7 +35,7 @@ def test_heights_of_the_numbers_are_marked_once_each() -> None:
 
 def test_what_blocks_is_marked_and_what_is_never_met_is_not() -> None:
     taken = refusal("place_taken", what="the mug", other=BOX)
-    assert taken.marks == (ObstacleMark(object=BOX, text="stands in the way"),)
+    assert taken.marks == (ObstacleMark(object=BOX, text=f"the {BOX} stands in the way"),)
     assert refusal("never_met", object="mug", other=BOX).marks == ()
 
 
@@ -58,7 +58,7 @@ def test_what_is_free_is_marked_from_the_side_of_the_object_to_what_stands_there
     seen = {each.name: each for each in kitchen.look().objects}
     assert length.start_W[0] - seen["mug"].x == pytest.approx(seen["mug"].size[0] / 2, abs=1e-3)
     assert length.asked == pytest.approx(3.0)
-    assert ObstacleMark(object="coffee box", text="stands in the way") in marks
+    assert ObstacleMark(object="coffee box", text="the coffee box stands in the way") in marks
 
 
 def test_the_angle_of_no_return_is_marked_at_the_edge_over_which_it_tips(kitchen: Session) -> None:
