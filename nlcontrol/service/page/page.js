@@ -11,9 +11,9 @@ import { timelinePanel } from "./run/timeline_panel.js";
 import { answerPanel } from "./sentence/answer_panel.js";
 import { examplesPanel } from "./sentence/examples.js";
 import { sentencePanel } from "./sentence/sentence_panel.js";
-import { planSentence } from "./sentence/sentence_reading.js";
+import { saySentence } from "./sentence/sentence_reading.js";
 import { tablePicker } from "./sentence/table_picker.js";
-import { understandingPanel } from "./sentence/understanding_panel.js";
+import { parametersPanel, understandingPanel } from "./sentence/understanding_panel.js";
 import { ServiceApi, isGivenUp } from "./service_api.js";
 import { TableSpace } from "./table_space.js";
 
@@ -53,7 +53,7 @@ async function start() {
   $("story").append(
     examplesPanel(state, api), understandingPanel(state, api), answerPanel(state),
     predictionPanel(state, api, view), runPanel(state, api, view),
-    historyPanel(state, api, view), libraryPanel(state, api, view),
+    parametersPanel(state), historyPanel(state, api, view), libraryPanel(state, api, view),
   );
   followLivePoses(state, api, view);
   state.on(["problem"], tellProblem);
@@ -64,7 +64,7 @@ async function start() {
     state.set({ scenes, objects });
     const { say, ...table } = linkedTable();
     await takeUpSession(state, api, table);
-    if (say && !state.get("run")) await planSentence(state, api, say);
+    if (say && !state.get("run")) await saySentence(state, api, say);
   } catch (problem) {
     state.set({ problem });
   }

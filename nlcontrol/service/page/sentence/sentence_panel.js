@@ -35,9 +35,9 @@ export function sentencePanel(state, api) {
     lights.scrollLeft = field.scrollLeft;
   });
   state.on(["table"], () => (field.placeholder = examplesFor(state)[0] ?? ""));
-  state.on(["mode", "asking"], () => {
-    button.textContent = state.get("mode") === "at_once" ? "Do it" : "Plan";
-    button.toggleAttribute("aria-busy", Boolean(state.get("asking")));
+  state.on(["asking"], () => {
+    button.textContent = state.get("asking") ? "Planning …" : "Plan";
+    button.setAttribute("aria-busy", String(state.get("asking")));
   });
   return form;
 }

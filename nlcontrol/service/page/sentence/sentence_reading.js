@@ -1,4 +1,4 @@
-// What is done with a sentence: read while it is typed, planned or done when it is said.
+// What is done with a sentence: it is read while it is typed, and planned when it is said.
 
 import { isGivenUp } from "../service_api.js";
 
@@ -33,16 +33,10 @@ function withBeginning(state, read) {
   return { ...read, unfinished: true, explanation: goesOn ? before.explanation : [] };
 }
 
-// Says a sentence: it is planned, or done at once if the mode says so; a question is answered.
+// Plans a sentence, or answers a question; nothing moves.
 export async function saySentence(state, api, text) {
   if (!text || !state.get("session")) return;
   clearTimeout(waiting);
-  if (state.get("mode") === "at_once") await doSentence(state, api, text);
-  else await planSentence(state, api, text);
-}
-
-// Plans a sentence; nothing moves.
-export async function planSentence(state, api, text) {
   state.set({ text, offer: null, answer: null, result: null, problem: null, asking: true });
   await told(state, async () => {
     const offer = await api.plan(text);
@@ -53,22 +47,8 @@ export async function planSentence(state, api, text) {
   state.set({ asking: false });
 }
 
-async function doSentence(state, api, text) {
-  state.set({ text, offer: null, answer: null, result: null, problem: null, asking: true });
-  await told(state, async () => {
-    const understanding = await api.parse(text);
-    state.set({ understanding });
-    if (!understanding.ok || understanding.frames.every((frame) => frame.query)) {
-      await planSentence(state, api, text);
-    } else {
-      state.set({ events: [], run: await api.say(text) });
-    }
-  });
-  state.set({ asking: false });
-}
-
-function understandingOf({ text, frames, paraphrase, error, explanation }) {
-  return { ok: !error, text, frames, paraphrase, error, explanation: explanation ?? [] };
+function understandingOf({ status, text, frames, paraphrase, error, explanation }) {
+  return { ok: !error, status, text, frames, paraphrase, error, explanation: explanation ?? [] };
 }
 
 async function told(state, call) {

@@ -1,4 +1,4 @@
-// What was understood: the sentence in its colours, what each part became, or what stands in the way.
+// What was understood: the sentence in its colours, and what each part became, or what stands in the way.
 
 import { element, section } from "../elements.js";
 import { saySentence } from "./sentence_reading.js";
@@ -8,9 +8,7 @@ export function understandingPanel(state, api) {
   const words = element("p", { class: "sentence" });
   const meant = element("p", { class: "asked" });
   const problem = element("div", { role: "status" });
-  const rows = element("tbody");
-  const table = element("table", {}, rows);
-  const panel = section("Understood", { id: "understood" }, words, meant, problem, table);
+  const panel = section("Understood", { id: "understood" }, words, meant, problem);
   state.on(["understanding"], () => {
     const read = state.get("understanding");
     panel.hidden = !read;
@@ -19,21 +17,31 @@ export function understandingPanel(state, api) {
     words.replaceChildren(...lightedWords(read.text, read.explanation, error));
     const same = !read.paraphrase || read.paraphrase.toLowerCase() === read.text.trim().toLowerCase();
     meant.textContent = same ? "" : `understood: ${read.paraphrase}`;
-    problem.replaceChildren(...(error ? problemContent(state, api, error) : []));
-    rows.replaceChildren(...tableRows(read.explanation));
-    table.hidden = !rows.children.length;
+    problem.replaceChildren(...(error ? problemContent(state, api, read.status, error) : []));
   });
   return panel;
 }
 
-// What stands in the way, and what can be said instead.
-function problemContent(state, api, { message, suggestions, say }) {
-  const told = [element("p", { class: "problem" }, sentenceCase(message))];
+// What stands in the way, and what can be said instead; why there is no plan is told with the plans.
+function problemContent(state, api, status, { message, suggestions, say }) {
+  const told = status === "refused" ? [] : [element("p", { class: "problem" }, sentenceCase(message))];
   const sentences = say.map((text) =>
     element("li", {}, element("button", { type: "button", onclick: () => saySentence(state, api, text) }, text)));
   if (sentences.length) told.push(element("p", {}, "Say instead:"), element("ul", { class: "choices" }, ...sentences));
   else told.push(...suggestions.map((text) => element("p", { class: "asked" }, sentenceCase(text))));
   return told;
+}
+
+// What each part of the sentence became.
+export function parametersPanel(state) {
+  const rows = element("tbody");
+  const panel = section("From the words to the controller", { id: "parameters" }, element("table", {}, rows));
+  state.on(["understanding"], () => {
+    const { error, explanation = [] } = state.get("understanding") ?? {};
+    rows.replaceChildren(...(error ? [] : tableRows(explanation)));
+    panel.hidden = !rows.children.length;
+  });
+  return panel;
 }
 
 function sentenceCase(text) {
