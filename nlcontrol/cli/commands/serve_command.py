@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import webbrowser
 from pathlib import Path
+from threading import Thread
 from typing import TYPE_CHECKING
 
 import click
@@ -61,6 +63,7 @@ _COUNT = click.IntRange(1, 1000)
 )
 @click.option("--executor", metavar="MODULE:CLASS", help="The robot, instead of the simulation.")
 @click.option("--approve", is_flag=True, help="Every motion needs an approved plan.")
+@click.option("--open", "opens", is_flag=True, help="Open the page in a browser.")
 def command(
     host: str,
     port: int,
@@ -75,6 +78,7 @@ def command(
     names: tuple[str, ...],
     executor: str | None,
     approve: bool,
+    opens: bool,
 ) -> int:
     """Serve plans, sessions and runs over HTTP; docs/service.md shows how to use it."""
     _require_packages()
@@ -102,10 +106,11 @@ def command(
     except ValidationError as raised:
         first = raised.errors(include_url=False)[0]
         raise click.UsageError(f"{first['loc'][0]}: {first['msg']}") from None
-    return _serve(settings, http)
+    return _serve(settings, http, opens=opens)
 
 
-def _serve(settings: ServiceSettings, http: HttpSettings) -> int:
+def _serve(settings: ServiceSettings, http: HttpSettings, *, opens: bool) -> int:
+    from nlcontrol.service.http.guard.browser_login import BrowserLogin
     from nlcontrol.service.http.json_logs import log_as_json
     from nlcontrol.service.http.web_server import listening_socket, serve, url_of
     from nlcontrol.service.planning_service import PlanningService
@@ -114,8 +119,16 @@ def _serve(settings: ServiceSettings, http: HttpSettings) -> int:
     with listening_socket(http.host, http.port) as listening, known_errors_raised():
         log_as_json()
         with PlanningService(settings) as service:
-            click.echo(f"nlcontrol serves at {url_of(listening)}")
-            serve(service, http, listening)
+            url = url_of(listening)
+            click.echo(f"nlcontrol serves at {url}")
+            login = None if http.token is None else BrowserLogin(http.token)
+            if login is not None:
+                url = login.link(url)
+                click.echo(f"log in to its page, once, at {url}")
+            if opens:
+                # A browser of the terminal does not return before it is left.
+                Thread(target=webbrowser.open, args=(url,), daemon=True).start()
+            serve(service, http, listening, login)
     return SIGNALS.exit_code
 
 

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Request
 from pydantic import Field
 from starlette.responses import Response
 
 from nlcontrol import __version__
-from nlcontrol.errors import known_errors_raised
+from nlcontrol.errors import error, known_errors_raised
 from nlcontrol.json_document import Document, DocumentPart, document_text
+from nlcontrol.service.http.guard.browser_login import BrowserLogin
 from nlcontrol.service.http.openapi_document import PROBLEMS
-from nlcontrol.service.http.request_bodies import ObjectPath
+from nlcontrol.service.http.request_bodies import LoginBody, ObjectPath
 from nlcontrol.service.http.service_access import Service, document_response
 
 if TYPE_CHECKING:
@@ -109,6 +110,22 @@ class ObjectDescription(Document):
 def health(service: Service) -> Response:
     """Tells that the service is there, and what it has to do."""
     return document_response(Health(**service.health()))
+
+
+@ROUTER.post("/login", operation_id="login", status_code=204)
+def log_in(body: LoginBody, request: Request) -> Response:
+    """Gives a browser the cookie that stands for the token; there is none where none is needed."""
+    login: BrowserLogin | None = request.app.state.login
+    if login is None:
+        return Response(status_code=204)
+    if not login.accepts(body.secret):
+        raise error(
+            "wrong_token",
+            "that is not the token of this service, and no code of a login that is still good",
+            suggestions=("type the token that whoever runs the service has given it",),
+        )
+    is_secure = request.headers.get("origin", "").startswith("https:")
+    return Response(status_code=204, headers={"Set-Cookie": login.cookie(is_secure=is_secure)})
 
 
 @ROUTER.get("/schema", operation_id="json_schema", response_model=dict[str, Any])

@@ -42,6 +42,16 @@ class SessionBody(SessionSpec, RequestBody):
     """A session to be opened."""
 
 
+class LoginBody(RequestBody):
+    """A login.
+
+    Attributes:
+        secret: the token of the service, or the code of the link that it has printed.
+    """
+
+    secret: str = Field(min_length=1, max_length=1000)
+
+
 class SaidBody(RequestBody):
     """A sentence, or frames in its place.
 

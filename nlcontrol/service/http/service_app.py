@@ -15,11 +15,12 @@ from nlcontrol.service.http import (
     session_routes,
 )
 from nlcontrol.service.http.event_streams import Listeners
+from nlcontrol.service.http.guard.request_guard import RequestGuard
 from nlcontrol.service.http.openapi_document import openapi_document
 from nlcontrol.service.http.problem_documents import answer_problems
-from nlcontrol.service.http.request_guard import RequestGuard
 
 if TYPE_CHECKING:
+    from nlcontrol.service.http.guard.browser_login import BrowserLogin
     from nlcontrol.service.http.http_settings import HttpSettings
     from nlcontrol.service.planning_service import PlanningService
 
@@ -33,13 +34,23 @@ ROUTERS = (
 """All routes, by what they are about."""
 
 
-def service_app(service: PlanningService, settings: HttpSettings) -> RequestGuard:
-    """The application that answers for a service."""
+def service_app(
+    service: PlanningService, settings: HttpSettings, login: BrowserLogin | None = None
+) -> RequestGuard:
+    """The application that answers for a service.
+
+    Args:
+        service: that has started.
+        settings: of the HTTP face.
+        login: of browsers; one of its own if not given and the settings have a token.
+    """
     app = routes_app()
     app.state.service = service
     app.state.http_settings = settings
     app.state.listeners = Listeners(settings.listeners)
-    return RequestGuard(app, settings, service.settings.body_bytes)
+    guard = RequestGuard(app, settings, service.settings.body_bytes, login)
+    app.state.login = guard.login
+    return guard
 
 
 def routes_app() -> FastAPI:

@@ -15,6 +15,7 @@ from nlcontrol.interruption import SIGNALS
 from nlcontrol.service.http.service_app import service_app
 
 if TYPE_CHECKING:
+    from nlcontrol.service.http.guard.browser_login import BrowserLogin
     from nlcontrol.service.http.http_settings import HttpSettings
     from nlcontrol.service.planning_service import PlanningService
 
@@ -82,16 +83,22 @@ def url_of(listening: socket.socket) -> str:
     return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
 
 
-def serve(service: PlanningService, settings: HttpSettings, listening: socket.socket) -> None:
+def serve(
+    service: PlanningService,
+    settings: HttpSettings,
+    listening: socket.socket,
+    login: BrowserLogin | None = None,
+) -> None:
     """Answers requests until a signal comes; the service is closed then.
 
     Args:
         service: that has started.
         settings: of the HTTP face.
         listening: the socket.
+        login: of browsers, if the settings have a token.
     """
     config = uvicorn.Config(
-        service_app(service, settings),
+        service_app(service, settings, login),
         http="h11",
         ws="none",
         lifespan="off",

@@ -1,6 +1,7 @@
 // The page: puts its parts together, and opens a session.
 
 import { AppState } from "./app_state.js";
+import { loginForm, logInByLink } from "./login.js";
 import { historyPanel } from "./memory/history_panel.js";
 import { libraryPanel } from "./memory/library_panel.js";
 import { takeUpSession } from "./open_session.js";
@@ -60,13 +61,15 @@ async function start() {
   state.on(["session"], () => showTable(state, api, view));
   globalThis.page = { state, api, view }; // for whoever looks into it
   try {
+    await logInByLink(api);
     const [{ scenes }, { objects }] = await Promise.all([api.scenes(), api.objects()]);
     state.set({ scenes, objects });
     const { say, ...table } = linkedTable();
     await takeUpSession(state, api, table);
-    if (say && !state.get("run")) await saySentence(state, api, say);
+    if (say && !state.get("run")) saySentence(state, api, say);
   } catch (problem) {
-    state.set({ problem });
+    if (problem.code === "wrong_token") $("story").replaceChildren(loginForm(api));
+    else state.set({ problem });
   }
   document.documentElement.dataset.ready = "true";
 }

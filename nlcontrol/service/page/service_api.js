@@ -12,6 +12,7 @@ export class ServiceApi {
 
   // -- the host -----------------------------------------------------------------------------------
 
+  logIn = (secret) => this.#call("login", "POST", "/login", { secret });
   health = () => this.#call("health", "GET", "/health");
   scenes = () => this.#call("scenes", "GET", "/scenes");
   objects = () => this.#call("objects", "GET", "/objects");

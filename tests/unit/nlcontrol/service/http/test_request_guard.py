@@ -12,9 +12,9 @@ import pytest
 from starlette.types import Receive, Scope, Send
 
 from nlcontrol.errors import ErrorInfo
+from nlcontrol.service.http.guard.request_guard import SECURITY_HEADERS, RequestGuard
 from nlcontrol.service.http.http_settings import HttpSettings
 from nlcontrol.service.http.problem_documents import Problem
-from nlcontrol.service.http.request_guard import SECURITY_HEADERS, RequestGuard
 from tests.service_process import ServerProcess
 
 JSON = {"Content-Type": "application/json"}
@@ -106,7 +106,6 @@ def test_a_wrong_key_is_told_with_its_place(http: httpx.Client) -> None:
 @pytest.mark.parametrize(
     ("method", "path", "expected"),
     [
-        ("GET", "/", (404, "unknown_path")),
         ("GET", "/docs", (404, "unknown_path")),
         ("GET", "/v1/sessions/", (404, "unknown_path")),
         ("GET", "/v1/plan", (405, "wrong_method")),

@@ -9,7 +9,6 @@ to a limit and within a time, and nothing but sensible JSON gets further.
 from __future__ import annotations
 
 import asyncio
-import hmac
 import logging
 import time
 from collections.abc import Mapping
@@ -21,6 +20,7 @@ from pydantic_core import from_json
 from starlette.datastructures import Headers, MutableHeaders
 
 from nlcontrol.errors import ControlError, ErrorInfo, error
+from nlcontrol.service.http.guard.browser_login import LOGIN_PATH, BrowserLogin
 from nlcontrol.service.http.http_settings import LOOPBACK, HttpSettings
 from nlcontrol.service.http.problem_documents import (
     Problem,
@@ -30,6 +30,7 @@ from nlcontrol.service.http.problem_documents import (
 
 if TYPE_CHECKING:
     from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
 
 LOGGER = logging.getLogger("nlcontrol.service.http")
 
@@ -62,11 +63,24 @@ class RequestGuard:
         app: the other.
         settings: of the HTTP face.
         body_bytes: largest body of a request.
+        login: of browsers; one of its own if not given and the settings have a token.
+
+    Attributes:
+        login: of browsers; None where no token is asked for.
     """
 
-    def __init__(self, app: ASGIApp, settings: HttpSettings, body_bytes: int) -> None:
+    def __init__(
+        self,
+        app: ASGIApp,
+        settings: HttpSettings,
+        body_bytes: int,
+        login: BrowserLogin | None = None,
+    ) -> None:
         self._app = app
         self._settings = settings
+        if login is None and settings.token is not None:
+            login = BrowserLogin(settings.token)
+        self.login = login
         self._body_bytes = body_bytes
         self._hosts = {*LOOPBACK, settings.host.lower(), *(name.lower() for name in settings.hosts)}
         self._under_way = 0
@@ -115,8 +129,9 @@ class RequestGuard:
             )
         headers = Headers(scope=scope)
         self._require_host(headers)
-        _require_own_page(headers)
-        self._require_token(headers)
+        _require_own_page(headers, opens_page=scope["method"] in _READING and scope["path"] == "/")
+        if scope["path"].startswith("/v1/") and scope["path"] != LOGIN_PATH:
+            self._require_token(headers)
         return await self._read_body(headers, receive, reads=scope["method"] in _READING)
 
     def _require_host(self, headers: Headers) -> None:
@@ -129,15 +144,19 @@ class RequestGuard:
             )
 
     def _require_token(self, headers: Headers) -> None:
-        if self._settings.token is None:
+        """Refuses a request that bears neither the token nor the cookie of a login."""
+        if self.login is None:
             return
         kind, _, token = headers.get("authorization", "").partition(" ")
-        ours = self._settings.token.encode()
-        if kind.lower() != "bearer" or not hmac.compare_digest(token.strip().encode(), ours):
+        bears_token = kind.lower() == "bearer" and self.login.is_token(token.strip())
+        if not bears_token and not self.login.knows(headers.get("cookie", "")):
             raise error(
                 "wrong_token",
                 "this service needs its token",
-                suggestions=("send the header Authorization: Bearer with the token",),
+                suggestions=(
+                    "send the header Authorization: Bearer with the token",
+                    "in a browser, open the link that the server has printed",
+                ),
             )
 
     async def _read_body(self, headers: Headers, receive: Receive, *, reads: bool) -> Receive:
@@ -233,11 +252,15 @@ def _host_name(host: str) -> str:
     return name if colon and port.isdecimal() and not name.endswith(":") else host.lower()
 
 
-def _require_own_page(headers: Headers) -> None:
+def _require_own_page(headers: Headers, *, opens_page: bool) -> None:
     """Refuses what a browser sends for a page of another origin.
 
-    Behind a proxy the scheme may differ from ours; the name and the port may not.
+    Behind a proxy the scheme may differ from ours; the name and the port may not. A link of another
+    page may open ours in its place, which moves nothing and tells the other page nothing.
     """
+    asks_for = (headers.get("sec-fetch-mode"), headers.get("sec-fetch-dest"))
+    if opens_page and asks_for == ("navigate", "document") and "origin" not in headers:
+        return
     origin = headers.get("origin")
     site = headers.get("sec-fetch-site", "none")
     own = origin is None

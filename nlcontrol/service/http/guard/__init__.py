@@ -1,0 +1,1 @@
+"""Who may ask: the guard before every request, and the login of a browser."""
