@@ -5,6 +5,7 @@ import { loginForm, logInByLink } from "./login.js";
 import { historyPanel } from "./memory/history_panel.js";
 import { libraryPanel } from "./memory/library_panel.js";
 import { takeUpSession } from "./open_session.js";
+import { approvalPanel } from "./prediction/approval_panel.js";
 import { predictionPanel } from "./prediction/prediction_panel.js";
 import { followLivePoses } from "./run/live_poses.js";
 import { runPanel } from "./run/run_panel.js";
@@ -50,7 +51,7 @@ async function start() {
   const api = new ServiceApi();
   const view = new TableSpace($("view"));
   $("top").append(tablePicker(state, api), sentencePanel(state, api));
-  $("below").append(timelinePanel(state, api, view));
+  $("below").append(approvalPanel(state, api), timelinePanel(state, api, view));
   $("story").append(
     examplesPanel(state, api), understandingPanel(state, api), answerPanel(state),
     predictionPanel(state, api, view), runPanel(state, api, view),

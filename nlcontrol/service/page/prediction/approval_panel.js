@@ -1,0 +1,48 @@
+// What will happen, in one line under the table, and the button that lets it happen.
+
+import { element } from "../elements.js";
+import { carryOut, isUnderWay, planAgain } from "./approval.js";
+import { share } from "./quantities.js";
+
+const OUTCOMES = { slide: "slides", topple: "topples", none: "stays" };
+const ENDS = { turned: "turns", tilted: "tilts and stands again", toppled: "topples" };
+const STALE = new Set(["stale_plan", "expired_plan", "unknown_plan", "used_plan"]);
+
+export function approvalPanel(state, api) {
+  const told = element("p", { role: "status" });
+  const approve = element("button", { type: "button", class: "primary", id: "do-it" });
+  const panel = element("section", { id: "approval", "aria-label": "Approval", hidden: true }, told, approve);
+  let expiry = null;
+  const offer = (fresh) => {
+    approve.textContent = fresh ? "Do it" : "Plan again";
+    approve.onclick = () => (fresh ? carryOut(state, api) : planAgain(state, api));
+  };
+  state.on(["offer"], () => {
+    const { result, plan_id: planId, expires_in: life } = state.get("offer") ?? {};
+    clearTimeout(expiry);
+    offer(true);
+    if (life) expiry = setTimeout(() => offer(false), 1e3 * life);
+    told.replaceChildren(...(result ? summary(result) : []));
+    if (planId && state.get("mode") === "at_once") carryOut(state, api);
+  });
+  state.on(["offer", "run", "result"], () => {
+    const { plan_id: planId, result } = state.get("offer") ?? {};
+    const over = isUnderWay(state.get("run")) || Boolean(state.get("result"));
+    panel.hidden = !result || over;
+    approve.hidden = !planId;
+  });
+  state.on(["problem"], () => {
+    if (STALE.has(state.get("problem")?.code)) offer(false);
+  });
+  return panel;
+}
+
+// An offer in one line.
+function summary({ status, steps }) {
+  const plan = steps.at(-1)?.plan;
+  if (!plan) return [element("span", { class: "badge", "data-ok": String(status === "planned") }, status.replaceAll("_", " "))];
+  const [first] = plan.actions;
+  const verb = ENDS[first.ends_on] ?? OUTCOMES[first.prediction?.outcome];
+  const what = verb ? `The ${plan.object} ${verb}` : `To ${plan.task} the ${plan.object}`;
+  return [element("b", {}, what), ` with probability ${share(plan.probability)}`];
+}
