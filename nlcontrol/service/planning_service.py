@@ -295,6 +295,10 @@ class PlanningService:
         """File of the replay of a run, made the first time; raises `unknown_run`, `no_file`."""
         return self._files.replay(run_id)
 
+    def recording_file(self, run_id: str) -> Path:
+        """File of what a replay of a run shows; raises `unknown_run`, `no_file`."""
+        return self._files.recording(run_id)
+
     def bundle(self, run_id: str) -> Path:
         """All of a run in one zip file; raises `unknown_run`, `run_under_way`."""
         return self._files.bundle(run_id)

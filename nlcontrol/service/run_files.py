@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from pathlib import Path
-from typing import NoReturn
+from typing import Literal, NoReturn
 
 from nlcontrol.errors import error
 from nlcontrol.service.store.run_store import RunStore
@@ -39,9 +39,20 @@ class RunFiles:
         Raises:
             ControlError: `unknown_run`, `no_file`.
         """
+        return self._made(run_id, "replay")
+
+    def recording(self, run_id: str) -> Path:
+        """File of what a replay shows, for the page's viewer; it is made the first time.
+
+        Raises:
+            ControlError: `unknown_run`, `no_file`.
+        """
+        return self._made(run_id, "recording")
+
+    def _made(self, run_id: str, kind: Literal["replay", "recording"]) -> Path:
         trace = self.trace(run_id)
         with self._making:
-            made = self._store.file(run_id, "replay")
+            made = self._store.file(run_id, kind)
             if made is not None:
                 return made
             run = self._store.run(run_id)
@@ -50,14 +61,14 @@ class RunFiles:
                 return _refuse(run_id, "its session is not known any more")
             process = WorkerProcess(ReplayHost)
             try:
-                with self._store.write_file(run_id, "replay") as path:
+                with self._store.write_file(run_id, kind) as path:
                     process.call(
-                        "replay", trace=str(trace), scene=session.scene, path=str(path),
+                        kind, trace=str(trace), scene=session.scene, path=str(path),
                         result=run.result and run.result.model_dump_json(),
                     ).result(self._time_limit)  # fmt: skip
             finally:
                 process.kill()
-        return self._store.file(run_id, "replay") or _refuse(run_id, "it was deleted")
+        return self._store.file(run_id, kind) or _refuse(run_id, "it was deleted")
 
     def bundle(self, run_id: str) -> Path:
         """All of a run in one zip file, made the first time; see `nlcontrol.service.bundles`.

@@ -11,10 +11,12 @@ import base64
 import gzip
 import hashlib
 import json
+from collections.abc import Mapping
 from html import escape
 from importlib import resources
 from pathlib import Path
 from string import Template
+from typing import Any
 
 from sim.traces.trace import Trace
 from sim.truth.scene_file import Scene
@@ -24,7 +26,7 @@ from sim.views.viewer_recording import scene_and_recording
 MODULES = (
     "vendor/three.core.min.js", "vendor/three.module.min.js", "frame_track.js", "body_shapes.js",
     "force_markers.js", "orbit_camera.js", "render_quality.js", "viewer.js", "player.js",
-    "force_chart.js", "replay.js",
+    "force_chart.js", "timeline.js", "play_controls.js", "replay.js",
 )  # fmt: skip
 """Modules of the page; each stands after those that it imports."""
 
@@ -46,13 +48,10 @@ def save_replay(
 def replay_page(trace: Trace, scene: Scene, story: RunStory | None = None) -> str:
     """The replay as the text of an HTML document."""
     told = story or _bare_story(trace)
-    drawn, recording = scene_and_recording(trace, scene)
-    content = {
+    packed = _packed({
         "modules": [(name.rpartition("/")[2], _page_file(name)) for name in MODULES],
-        "run": {"scene": drawn, "recording": recording, "story": told.document()},
-    }
-    text = json.dumps(content, ensure_ascii=False, separators=(",", ":"))
-    packed = gzip.compress(text.encode("utf-8", "replace"), mtime=0)
+        "run": _replay_content(trace, scene, told),
+    })  # fmt: skip
     loader = f"\n{_page_file('replay_loader.js')}"
     style = f"\n{_page_file('look.css')}{_page_file('replay.css')}"
     return Template(_page_file("replay.html")).substitute(
@@ -62,6 +61,28 @@ def replay_page(trace: Trace, scene: Scene, story: RunStory | None = None) -> st
         packed=base64.b64encode(packed).decode(),
         loader=loader,
     )
+
+
+def save_recording(
+    trace: Trace, scene: Scene, path: Path | str, *, story: RunStory | None = None
+) -> None:
+    """Writes what a replay shows, for another page with the same viewer: JSON, compressed (gzip).
+
+    The object has a `scene` (see `sim.views.viewer_scene`), its `recording` (see
+    `sim.views.viewer_recording`) and the `story`; the arguments are those of `save_replay`.
+    """
+    content = _replay_content(trace, scene, story or _bare_story(trace))
+    Path(path).write_bytes(_packed(content))
+
+
+def _replay_content(trace: Trace, scene: Scene, story: RunStory) -> dict[str, Any]:
+    drawn, recording = scene_and_recording(trace, scene)
+    return {"scene": drawn, "recording": recording, "story": story.document()}
+
+
+def _packed(content: Mapping[str, Any]) -> bytes:
+    text = json.dumps(content, ensure_ascii=False, separators=(",", ":"))
+    return gzip.compress(text.encode("utf-8", "replace"), mtime=0)
 
 
 def _bare_story(trace: Trace) -> RunStory:

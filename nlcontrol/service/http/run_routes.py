@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 from typing import Annotated
 
 from fastapi import APIRouter, Header, Query, Request
@@ -109,6 +110,21 @@ def replay(run_id: RunId, service: Service) -> Response:
         media_type="text/html",
         headers={"Content-Security-Policy": REPLAY_POLICY},
     )
+
+
+@ROUTER.get(
+    "/{run_id}/recording",
+    operation_id="run_recording",
+    response_class=Response,
+    responses={200: {"content": {"application/json": {"schema": {"type": "object"}}}}},
+)
+def recording(run_id: RunId, request: Request, service: Service) -> Response:
+    """Sends what a replay shows, for the viewer of the page at `/`; its form may change."""
+    packed = service.recording_file(run_id).read_bytes()
+    if "gzip" not in request.headers.get("accept-encoding", ""):
+        return Response(gzip.decompress(packed), media_type="application/json")
+    headers = {"Content-Encoding": "gzip", "Vary": "Accept-Encoding"}
+    return Response(packed, media_type="application/json", headers=headers)
 
 
 @ROUTER.post("/{run_id}/stop", operation_id="stop_run", response_model=RunInfo)

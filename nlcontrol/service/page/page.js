@@ -7,8 +7,8 @@ import { libraryPanel } from "./memory/library_panel.js";
 import { takeUpSession } from "./open_session.js";
 import { approvalPanel } from "./prediction/approval_panel.js";
 import { predictionPanel } from "./prediction/prediction_panel.js";
-import { followLivePoses } from "./run/live_poses.js";
 import { runPanel } from "./run/run_panel.js";
+import { TablePlayer } from "./run/table_player.js";
 import { timelinePanel } from "./run/timeline_panel.js";
 import { answerPanel } from "./sentence/answer_panel.js";
 import { examplesPanel } from "./sentence/examples.js";
@@ -50,14 +50,14 @@ async function start() {
   const state = new AppState();
   const api = new ServiceApi();
   const view = new TableSpace($("view"));
+  const player = new TablePlayer(state, api, view);
   $("top").append(tablePicker(state, api), sentencePanel(state, api));
-  $("below").append(approvalPanel(state, api), timelinePanel(state, api, view));
+  $("below").append(approvalPanel(state, api), timelinePanel(state, api, view, player));
   $("story").append(
     examplesPanel(state, api), understandingPanel(state, api), answerPanel(state),
     predictionPanel(state, api, view), runPanel(state, api, view),
     parametersPanel(state), historyPanel(state, api, view), libraryPanel(state, api, view),
   );
-  followLivePoses(state, api, view);
   state.on(["problem"], tellProblem);
   state.on(["session"], () => showTable(state, api, view));
   globalThis.page = { state, api, view }; // for whoever looks into it

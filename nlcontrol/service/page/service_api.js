@@ -50,19 +50,25 @@ export class ServiceApi {
   stop = (id) => this.#call("stop", "POST", `/runs/${id}/stop`);
   abort = (id) => this.#call("abort", "POST", `/runs/${id}/abort`);
   deleteRun = (id) => this.#call(`delete ${id}`, "DELETE", `/runs/${id}`);
+  recording = (id) => this.#call("recording", "GET", `/runs/${id}/recording`);
   fileOf = (id, kind) => `/v1/runs/${id}/${kind}`; // "bundle", "replay", "trace"
 
   // -- streams ------------------------------------------------------------------------------------
 
-  // Events of a run that follow a number; goes on by itself after a gap. Returns what ends it.
-  events(id, after, onEvent) {
+  // Events of a run that follow a number; goes on by itself after a gap. Calls `onEnd` when no
+  // further one comes. Returns what ends it.
+  events(id, after, onEvent, onEnd = () => {}) {
     const source = new EventSource(`/v1/runs/${id}/events?after=${after}`);
     for (const kind of EVENT_KINDS) {
       source.addEventListener(kind, ({ data }) => {
         if (kind === "ended") source.close();
         onEvent(JSON.parse(data));
+        if (kind === "ended") onEnd();
       });
     }
+    source.addEventListener("error", () => {
+      if (source.readyState === EventSource.CLOSED) onEnd();
+    });
     return () => source.close();
   }
 

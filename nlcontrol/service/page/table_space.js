@@ -5,6 +5,7 @@ import { Viewer } from "/viewer/viewer.js";
 // Dispatches `viewer` when there is another viewer: what was drawn in the one before is gone.
 export class TableSpace extends EventTarget {
   viewer = null;
+  geometry = null; // that is drawn
   of = null; // id of the session whose table it is
   #holder;
 
@@ -16,6 +17,7 @@ export class TableSpace extends EventTarget {
   // Draws a table anew, from its SceneGeometry.
   show(geometry) {
     this.viewer?.dispose();
+    this.geometry = geometry;
     this.viewer = new Viewer(this.#holder, geometry);
     this.dispatchEvent(new Event("viewer"));
   }

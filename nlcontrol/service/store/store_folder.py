@@ -21,12 +21,13 @@ from objectmodels.files.file_writing import PREFIX
 STORE_VARIABLE = "NLCONTROL_STORE"
 """Environment variable that names the folder of the store."""
 
-FileKind = Literal["trace", "replay", "request", "bundle"]
+FileKind = Literal["trace", "replay", "recording", "request", "bundle"]
 
 FILE_NAMES: Mapping[FileKind, str] = MappingProxyType(
     {
         "trace": "trace.npz",
         "replay": "replay.html",
+        "recording": "recording.json.gz",
         "request": "request.json",
         "bundle": "bundle.zip",
     }

@@ -10,7 +10,7 @@ from nlcontrol.reports.replay_story import replay_story
 from nlcontrol.results.result import Result, result_with
 from sim.traces.trace import Trace
 from sim.truth.scene_file import load_scene
-from sim.views.html_replay import save_replay
+from sim.views.html_replay import save_recording, save_replay
 
 if TYPE_CHECKING:
     from nlcontrol.service.workers.worker_host import Tell
@@ -23,11 +23,11 @@ class ReplayHost:
         pass
 
     def answer(self, method: str, arguments: Mapping[str, Any]) -> bytes:
-        """Writes the replay of a trace; see `Host`.
+        """Writes the replay of a trace, or its recording; see `Host`.
 
         Args:
-            method: is not looked at, since there is one.
-            arguments: `trace`, the path of its file, `scene`, its name, `path`, of the replay, and
+            method: `replay` or `recording`.
+            arguments: `trace`, the path of its file, `scene`, its name, `path`, of the file, and
                 `result`, of the run as JSON, or None.
         """
         trace, story = Trace.load(Path(arguments["trace"])), None
@@ -35,5 +35,6 @@ class ReplayHost:
             result = Result.model_validate_json(arguments["result"])
             story = replay_story(result_with(result, trace=trace))
         scene, path = load_scene(arguments["scene"]), Path(arguments["path"])
-        save_replay(trace, scene, path, story=story)
+        save = save_replay if method == "replay" else save_recording
+        save(trace, scene, path, story=story)
         return b"{}"

@@ -4,15 +4,15 @@ const SVG = "http://www.w3.org/2000/svg";
 const WIDE = 1000;
 const HIGH = 100;
 
-export function forceChart(holder, { times, felt, limit }) {
-  const end = times[times.length - 1] || 1;
+export function forceChart(holder, { times, felt, limit, end }) {
   const most = Math.max(...felt, ...limit, 0.5) * 1.4; // room for the legend
   const x = (time) => ((time / end) * WIDE).toFixed(1);
   const y = (force) => (HIGH - (Math.max(force, 0) / most) * HIGH).toFixed(1);
   const svg = drawn("svg", { viewBox: `0 0 ${WIDE} ${HIGH}`, preserveAspectRatio: "none", "aria-hidden": "true" });
   const line = felt.map((force, i) => `${x(times[i])},${y(force)}`).join(" ");
+  const last = x(times[times.length - 1]);
   svg.append(
-    drawn("polygon", { class: "area", points: `0,${HIGH} ${line} ${WIDE},${HIGH}` }),
+    drawn("polygon", { class: "area", points: `0,${HIGH} ${line} ${last},${HIGH}` }),
     drawn("polyline", { class: "felt", points: line }),
   );
   for (const stretch of stretches(limit)) {

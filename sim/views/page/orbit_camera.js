@@ -15,8 +15,8 @@ export class OrbitCamera {
     this.camera = new THREE.PerspectiveCamera(29, 1, 0.05, 30);
     this.camera.up.set(0, 0, 1);
     this.changed = changed;
-    this.home = { azimuth: -2.2, elevation: 0.42, distance: 1.5 };
-    this.wanted = new THREE.Vector3(0.45, 0, 0.1);
+    this.home = { azimuth: -2.2, elevation: 0.42, distance: 1.75, at: [0.45, 0, 0.1] };
+    this.wanted = new THREE.Vector3(...this.home.at);
     this.wantedDistance = this.home.distance;
     this.follows = true;
     this.pointers = new Map();

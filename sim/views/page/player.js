@@ -4,7 +4,10 @@ import { Vector3 } from "./vendor/three.module.min.js";
 import { FrameTrack, bytesOf, series } from "./frame_track.js";
 
 const NEAR = 0.8; // share of the distance from which a contact is looked at
+const FAR = 1.45; // the same, of the whole table with the arm over it
+const OVERVIEW = new Vector3(0, 0, 0.22); // from the table to what is looked at then [m]
 const MIDDLE = 0.3; // how much of the table stays the place that is looked at
+const FELT = 0.25; // force from which a finger is shown to press [N]
 const LAG = 0.25; // of a live view, so that it can interpolate [s]
 const LATEST = 1; // lag that is let go instead of being made up for [s]
 const HURRY = 3; // by which a live view is the faster, the later it is [1/s]
@@ -15,7 +18,13 @@ class Player {
     this.track = track;
     this.poses = new Float32Array(7 * viewer.document.bodies.length);
     this.listeners = [];
-    viewer.onframe = (now) => this.tick(now);
+    this.take();
+  }
+
+  // Moves the bodies from now on, and nobody else does.
+  take() {
+    this.viewer.onframe = (now) => this.tick(now);
+    this.viewer.invalidate();
   }
 
   // `listener` is called with the time [s] and the frame after each that was shown.
@@ -27,6 +36,18 @@ class Player {
     const frame = this.track.read(time, this.poses);
     this.viewer.setPoses(this.poses);
     return frame;
+  }
+
+  // Looks at the contact, and at a body where there is none; `fingers` have places and forces.
+  look(index, fingers) {
+    const pressing = fingers.filter(({ force }) => Math.hypot(...force) > 0);
+    const k = 7 * index + 4;
+    const place = new Vector3(this.poses[k], this.poses[k + 1], this.poses[k + 2] + 0.1);
+    if (pressing.length) place.set(0, 0, 0);
+    for (const finger of pressing) place.addScaledVector(new Vector3(...finger.place), 1 / pressing.length);
+    const { home } = this.viewer.orbit;
+    place.lerp(new Vector3(...home.at), MIDDLE);
+    this.viewer.orbit.follow(place, home.distance * (pressing.length ? NEAR : 1));
   }
 
   told(time, frame) {
@@ -47,7 +68,6 @@ export class RecordingPlayer extends Player {
     this.speed = 1;
     this.playing = false;
     this.seek(this.time);
-    viewer.orbit.jump();
   }
 
   get end() {
@@ -75,7 +95,7 @@ export class RecordingPlayer extends Player {
       place: places[frame], force: forces[frame],
     }));
     this.viewer.setFingers(fingers);
-    this.#look(fingers.filter(({ force }) => Math.hypot(...force) > 0));
+    this.look(this.recording.pushed, fingers);
     this.told(this.time, frame);
   }
 
@@ -86,18 +106,6 @@ export class RecordingPlayer extends Player {
     this.seek(this.time + this.speed * passed);
     if (this.time >= this.end) this.pause();
     return this.playing;
-  }
-
-  // Looks at the contact, and at what is pushed where there is none.
-  #look(pressing) {
-    const k = 7 * this.recording.pushed + 4;
-    const body = new Vector3(this.poses[k], this.poses[k + 1], this.poses[k + 2] + 0.1);
-    const place = new Vector3();
-    for (const finger of pressing) place.addScaledVector(new Vector3(...finger.place), 1 / pressing.length);
-    if (!pressing.length) place.copy(body);
-    const { home } = this.viewer.orbit;
-    place.lerp(new Vector3(...home.at), MIDDLE);
-    this.viewer.orbit.follow(place, home.distance * (pressing.length ? NEAR : 1));
   }
 }
 
@@ -112,6 +120,22 @@ function decoded(form) {
 export class LivePlayer extends Player {
   constructor(viewer) {
     super(viewer, new FrameTrack());
+    this.follow(null);
+  }
+
+  // Looks at an object from now on, which is pushed along a direction; at the table without one.
+  follow(object, along = [0, 0, 0]) {
+    Object.assign(this, { object, along, felt: {}, fingers: [] });
+    this.viewer.setFingers([]);
+    if (object !== null) return;
+    const { home } = this.viewer.orbit;
+    this.viewer.orbit.follow(new Vector3(...home.at).add(OVERVIEW), FAR * home.distance);
+  }
+
+  // Shows what fingers feel [N], by their names.
+  feel(forces) {
+    this.felt = forces;
+    this.viewer.invalidate();
   }
 
   // `{time, poses}`: time [s], poses by the names of the bodies as the service tells them. A body
@@ -137,8 +161,31 @@ export class LivePlayer extends Player {
     this.time = Math.min(Math.max(time, this.track.start), this.track.end);
     const moves = this.time < this.track.end;
     this.before = moves ? now : null;
-    this.told(this.time, this.show(this.time));
+    const frame = this.show(this.time);
+    if (this.object !== null) this.#showForces();
+    this.told(this.time, frame);
     return moves;
+  }
+
+  #showForces() {
+    this.fingers = Object.entries(this.felt).filter(([, newtons]) => newtons > FELT)
+      .map(([finger, newtons]) => ({
+        place: this.#tipOf(finger), force: this.along.map((part) => part * newtons),
+      }))
+      .filter(({ place }) => place);
+    this.viewer.setFingers(this.fingers);
+    const index = this.viewer.indexOf(this.object);
+    if (index >= 0) this.look(index, this.fingers);
+  }
+
+  // Place of a fingertip in W: the middle of the last shape of its body.
+  #tipOf(finger) {
+    const { bodies } = this.viewer.document;
+    const index = bodies.findIndex(({ kind, name }) => kind === "robot" && name.endsWith(`/${finger}_tip`));
+    if (index < 0) return null;
+    const bone = this.viewer.bodies[index];
+    const [, , , , ...place] = bodies[index].shapes.at(-1).pose;
+    return new Vector3(...place).applyQuaternion(bone.quaternion).add(bone.position).toArray();
   }
 }
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gzip
+import json
 from pathlib import Path
 
 import pytest
@@ -30,3 +32,16 @@ def test_a_replay_tells_what_is_known_of_its_run(tmp_path: Path, known: bool) ->
     )
     title = "push the coffee box away &lt;b&gt;gently&lt;/b&gt;" if known else "A run with the"
     assert f"<title>{title}" in page.read_text("utf-8")
+
+
+def test_a_recording_is_what_the_replay_shows(tmp_path: Path) -> None:
+    trace, page = tmp_path / "trace.npz", tmp_path / "recording.json.gz"
+    pushed_trace(load_scene("kitchen"), "coffee box").save(trace)
+    ReplayHost(lambda kind, told: None).answer(
+        "recording", {"trace": str(trace), "scene": "kitchen", "path": str(page), "result": None}
+    )
+    told = json.loads(gzip.decompress(page.read_bytes()))
+    assert set(told) == {"scene", "recording", "story"}
+    pushed = told["scene"]["bodies"][told["recording"]["pushed"]]
+    assert pushed["object"] == "coffee box"
+    assert told["story"]["title"].endswith("coffee box")
