@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from tests.service_process import ServerProcess, serving
+
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
 
@@ -26,3 +28,10 @@ def browser() -> Iterator[Browser]:
         started = playwright.chromium.launch(executable_path=path, args=FLAGS)
         yield started
         started.close()
+
+
+@pytest.fixture(scope="session")
+def server(browser: Browser) -> Iterator[ServerProcess]:
+    """A server of the service, which all that try its page share."""
+    with serving() as started:
+        yield started

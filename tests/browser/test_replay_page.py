@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pytest
 
@@ -14,17 +12,17 @@ from sim import load_scene
 from sim.truth.scene_file import Scene
 from sim.views.html_replay import save_replay
 from sim.views.run_story import ContactMark, Ghost, RunStory, StoryClause, StoryLine, StoryWord
+from tests.browser.open_page import OpenPage
 from tests.fakes.pushed_trace import DURATION, FORCE, pushed_trace
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser, Page
+    from playwright.sync_api import Browser
 
 pytestmark = pytest.mark.slow
 
 BOX = "ice tea box"
 SENTENCE = "push the box away"
 HOSTILE = "<img src=x onerror=ran()></script><script>ran()</script>\u202e\x07" + "a" * 10_000
-PATIENCE = 30.0  # until a page is ready, on a machine that has other things to do [s]
 
 STORY = RunStory(
     title=SENTENCE,
@@ -46,40 +44,10 @@ STORY = RunStory(
 )
 
 
-@dataclass
-class Opened:
-    """A page, and what it did besides being shown."""
-
-    page: Page
-    requests: list[str] = field(default_factory=list)
-    complaints: list[str] = field(default_factory=list)
-
-    def ask(self, expression: str) -> Any:
-        return self.page.evaluate(expression)
-
-    def wait(self, expression: str) -> None:
-        """Waits until an expression is true."""
-        # The page's policy forbids what `wait_for_function` does.
-        ends = time.monotonic() + PATIENCE
-        while not self.ask(expression):
-            assert time.monotonic() < ends, (expression, self.complaints)
-            time.sleep(0.05)
-
-
-def _open(browser: Browser, path: Path, *, still: bool = True) -> Opened:
-    page = browser.new_page(
-        viewport={"width": 900, "height": 600}, reduced_motion="reduce" if still else None
-    )
-    opened = Opened(page)
-    page.on("request", lambda request: opened.requests.append(request.url))
-    page.on("pageerror", lambda error: opened.complaints.append(str(error)))
-    page.on(
-        "console",
-        lambda told: opened.complaints.append(told.text) if told.type == "error" else None,
-    )
-    page.goto(path.as_uri())
-    opened.wait("document.documentElement.dataset.ready === 'true'")
-    return opened
+def _open(browser: Browser, path: Path, *, still: bool = True) -> OpenPage:
+    size = {"width": 900, "height": 600}
+    motion = "reduce" if still else None
+    return OpenPage.opened(browser, path.as_uri(), viewport=size, reduced_motion=motion)
 
 
 @pytest.fixture(scope="module")
@@ -95,20 +63,20 @@ def replay(scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def opened(browser: Browser, replay: Path) -> Iterator[Opened]:
+def opened(browser: Browser, replay: Path) -> Iterator[OpenPage]:
     found = _open(browser, replay)
     yield found
     found.page.close()
 
 
-def test_it_asks_no_address_and_complains_of_nothing(opened: Opened, replay: Path) -> None:
+def test_it_asks_no_address_and_complains_of_nothing(opened: OpenPage, replay: Path) -> None:
     addresses = [url for url in opened.requests if not url.startswith("blob:")]
     assert addresses == [replay.as_uri()]
     assert opened.complaints == []
     assert opened.page.title() == SENTENCE
 
 
-def test_the_sentence_stands_in_the_colours_of_its_parts(opened: Opened) -> None:
+def test_the_sentence_stands_in_the_colours_of_its_parts(opened: OpenPage) -> None:
     assert opened.page.inner_text("#sentence") == SENTENCE
     parts = opened.ask("[...document.querySelectorAll('.word')].map((e) => e.dataset.part ?? '')")
     assert parts == ["push controller", "", "object model", "", "wanted outcome"]
@@ -118,7 +86,7 @@ def test_the_sentence_stands_in_the_colours_of_its_parts(opened: Opened) -> None
     assert len(set(colours)) == 4
 
 
-def test_each_clause_has_its_verdict_and_lights_its_words(opened: Opened) -> None:
+def test_each_clause_has_its_verdict_and_lights_its_words(opened: OpenPage) -> None:
     marks = opened.ask("[...document.querySelectorAll('#verdicts li')].map((e) => e.dataset.ok)")
     assert marks == ["true", "false"]
     opened.page.hover("#verdicts li:first-child")
@@ -126,7 +94,7 @@ def test_each_clause_has_its_verdict_and_lights_its_words(opened: Opened) -> Non
     assert lit == ["away"]
 
 
-def test_scrubbing_moves_the_box_and_shows_the_forces(opened: Opened) -> None:
+def test_scrubbing_moves_the_box_and_shows_the_forces(opened: OpenPage) -> None:
     box = f"replay.viewer.bodies[replay.viewer.indexOf('{BOX}')].position.x"
     before = opened.ask(f"replay.player.seek(0), {box}")
     opened.page.locator("#time").fill(str(DURATION * 0.7))
@@ -141,7 +109,7 @@ def test_scrubbing_moves_the_box_and_shows_the_forces(opened: Opened) -> None:
     assert opened.ask("replay.player.time") == 0.0
 
 
-def test_it_plays_slower_if_asked_and_stops_at_the_end(opened: Opened) -> None:
+def test_it_plays_slower_if_asked_and_stops_at_the_end(opened: OpenPage) -> None:
     opened.page.select_option("#speed", "0.25")
     opened.ask("replay.player.seek(0), replay.player.play()")
     opened.wait("replay.player.time > 0.1")
@@ -153,7 +121,7 @@ def test_it_plays_slower_if_asked_and_stops_at_the_end(opened: Opened) -> None:
     opened.wait("replay.player.time >= replay.player.end && !replay.player.playing")
 
 
-def test_the_predicted_end_and_the_contact_are_shown(opened: Opened) -> None:
+def test_the_predicted_end_and_the_contact_are_shown(opened: OpenPage) -> None:
     assert opened.ask("replay.viewer.ghosts.children.length") == 1
     assert opened.ask("replay.viewer.rings.length") == 1
     opened.page.uncheck("#ghost")
@@ -161,7 +129,7 @@ def test_the_predicted_end_and_the_contact_are_shown(opened: Opened) -> None:
     opened.page.check("#ghost")
 
 
-def test_something_is_drawn(opened: Opened) -> None:
+def test_something_is_drawn(opened: OpenPage) -> None:
     drawn = opened.ask(
         """(() => {
              const { viewer } = replay;
@@ -180,7 +148,7 @@ def test_something_is_drawn(opened: Opened) -> None:
     assert drawn > 500  # shaded bodies; a background alone has one
 
 
-def test_dragging_turns_the_view_and_it_comes_home(opened: Opened) -> None:
+def test_dragging_turns_the_view_and_it_comes_home(opened: OpenPage) -> None:
     home = opened.ask("replay.viewer.orbit.azimuth")
     box = opened.page.locator("canvas").bounding_box()
     assert box is not None
@@ -201,7 +169,7 @@ def test_it_plays_by_itself_unless_motion_is_unwanted(browser: Browser, replay: 
     found.page.close()
 
 
-def test_live_frames_are_shown_between_those_that_came(opened: Opened) -> None:
+def test_live_frames_are_shown_between_those_that_came(opened: OpenPage) -> None:
     moved = opened.ask(
         f"""(async () => {{
               const {{ viewer, player }} = replay;

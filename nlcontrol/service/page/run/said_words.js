@@ -1,20 +1,18 @@
 // A sentence in its words, which light up where a verdict is about them.
 
 import { element } from "../elements.js";
+import { lightedPieces } from "../sentence/word_lights.js";
 
 // The words of a sentence; `rows` of an explanation give them their colours.
-export function saidWords(text, rows = []) {
-  const parts = new Array([...text].length).fill(null);
-  const stretches = rows.filter(({ part }) => part !== "filler")
-    .flatMap(({ spans, part }) => spans.map(([start, end]) => ({ start, end, part })))
-    .sort((a, b) => b.end - b.start - (a.end - a.start)); // the narrowest counts
-  for (const { start, end, part } of stretches) parts.fill(part, start, end);
-  let at = 0;
-  return text.split(/(\s+)/u).filter(Boolean).map((word) => {
+export function saidWords(text, rows) {
+  let at = 0; // places are those of characters
+  const words = lightedPieces(text, rows, null).flatMap((piece) =>
+    piece.text.split(/(\s+)/u).filter(Boolean).map((word) => ({ word, part: piece.part })));
+  return words.map(({ word, part }) => {
     const start = at;
     at += [...word].length;
-    const part = word.trim() ? parts[start] : null;
-    return element("span", { class: "word", "data-part": part, "data-start": start, "data-end": at }, word);
+    const shown = word.trim() ? part || null : null;
+    return element("span", { class: "word", "data-part": shown, "data-start": start, "data-end": at }, word);
   });
 }
 

@@ -1,0 +1,55 @@
+"""A page in a browser, and what it did besides being shown."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Page
+
+PATIENCE = 60.0
+"""Longest time to wait for something, on a machine that has other things to do [s]."""
+
+
+@dataclass
+class OpenPage:
+    """A page.
+
+    Attributes:
+        page: of the browser.
+        requests: addresses that it asked.
+        complaints: its errors.
+    """
+
+    page: Page
+    requests: list[str] = field(default_factory=list)
+    complaints: list[str] = field(default_factory=list)
+
+    @classmethod
+    def opened(cls, browser: Browser, address: str, **options: Any) -> OpenPage:
+        """A new page at an address, once it is ready; `options` are those of Playwright."""
+        page = browser.new_page(**options)
+        found = cls(page)
+        page.on("request", lambda request: found.requests.append(request.url))
+        page.on("pageerror", lambda error: found.complaints.append(str(error)))
+        page.on(
+            "console",
+            lambda told: found.complaints.append(told.text) if told.type == "error" else None,
+        )
+        page.goto(address)
+        found.wait("document.documentElement.dataset.ready === 'true'")
+        return found
+
+    def ask(self, expression: str) -> Any:
+        """The value of an expression in the page."""
+        return self.page.evaluate(expression)
+
+    def wait(self, expression: str) -> None:
+        """Waits until an expression is true."""
+        # The page's policy forbids what `wait_for_function` does.
+        ends = time.monotonic() + PATIENCE
+        while not self.ask(expression):
+            assert time.monotonic() < ends, (expression, self.complaints)
+            time.sleep(0.05)
