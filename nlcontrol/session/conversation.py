@@ -174,7 +174,7 @@ class Conversation:
         """The result of something that is done, which is noted."""
         journal = self.controller.journal
         with journal.deed(deed, self.controller.models):
-            result = result_with_corrections(do(), self.controller.parse)
+            result = result_with_corrections(do(), self.controller, supervisor.stop)
         if supervisor.stop.requested:
             journal.interrupt()
         return supervisor.end(result)

@@ -4,30 +4,55 @@ A suggestion is a phrase for people: "up to 69 cm would do". Here it becomes the
 person would make ("no, 69 cm"), is put into the frames as a conversation does that, and the frames
 are said in full: "push the ice tea box away by 69 cm". What the language has no words for is left
 to people.
+
+Each sentence is planned before it is offered, from where things were seen last. Where there is no
+plan for it, or nothing is suggested that could be said, a smaller amount is looked for.
 """
 
 from __future__ import annotations
 
-import itertools
 import re
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING, Protocol
 
 import grammar
-from nlcontrol.errors import ControlError
+from nlcontrol.errors import ControlError, ErrorInfo, refusal_error
 from nlcontrol.results.result import result_with
+from nlcontrol.session.exploration_commands import Explorer, state_once_explored
 from nlcontrol.session.follow_up_frames import correct_frame, without_spans
+from nlcontrol.session.stoppable_robot import StoppableRobot
+from planner import plan
+from planner.feasible_amounts import frame_with_less
+from planner.problem.search_budget import SearchBudget
+from planner.types.refusal import Refusal
+from sim.supervision import Stopped
 
 if TYPE_CHECKING:
     from grammar.frames.command import Command, Frame, Span
-    from nlcontrol.errors import ErrorInfo
     from nlcontrol.results.result import Result
+    from nlcontrol.session.executor import Planner
+    from planner.types.robot import Robot
+    from planner.types.world_state import WorldState
+    from sim.perception.last_look import LastLook
+    from sim.supervision import StopToken
 
     Parse = Callable[[str], Command]
+    Frames = tuple[Frame, ...]
 
 MOST = 3
 """Sentences for one error."""
+
+MOST_WORK, MOST_EACH = 2500, 500
+"""Work of all plans by which sentences are tried, and of each: some two seconds of a quiet core."""
+
+MOST_GRASPS = 30
+"""Grasps that are tried for each of them."""
+
+CHAIN = 2
+"""How often what the refusal of a change suggests is followed."""
 
 REMARKS: tuple[tuple[str, str], ...] = (
     (r"up to (.+) would do", r"no, \1"),
@@ -50,69 +75,183 @@ LEFT_OUT = r"leave (?:out .+|that out)"
 _OTHER_NAMES = ("ambiguous_object", "unknown_object")
 
 
-def result_with_corrections(result: Result, parse: Parse) -> Result:
-    """The result with sentences that would do in place of the one that was said."""
-    if result.error is None:
-        return result
-    say = corrected_sentences(parse, result)
-    return result_with(result, error=result.error.model_copy(update={"say": say}))
+class Speaker(Explorer, Protocol):
+    """Robot to which sentences are said: a `nlcontrol.session.controller.Controller`."""
+
+    last_look: LastLook
+    planner: Planner | None
+    time_limit: float | None
+
+    @property
+    def robot(self) -> Robot:
+        """Arm and hand."""
+
+    def parse(self, text: str) -> Command:
+        """The frames of a sentence."""
+
+    def resolve(self, command: Command) -> Command:
+        """The command with every object bound to one on the table."""
 
 
-def corrected_sentences(parse: Parse, result: Result) -> tuple[str, ...]:
-    """Sentences that would do in place of one that led to an error; none if that is not known.
+def result_with_corrections(
+    result: Result, controller: Speaker, stop: StopToken | None = None
+) -> Result:
+    """The result with sentences that would do in place of the one that was said.
+
+    A suggestion that leads to no plan gives way to a sentence for which there is one.
 
     Args:
-        parse: reads a sentence; it raises a `ControlError` if it is not understood.
         result: of the sentence; what was carried out already is not said again.
+        controller: that reads and plans sentences.
+        stop: asked whether to go on.
     """
     info = result.error
     if info is None or len(info.suggestions) > MOST:
-        return ()  # of everything that is known nothing is meant more than the rest
+        return result  # of everything that is known nothing is meant more than the rest
     begun = result.steps[-1].frame if result.steps else 0
-    frames = result.frames[begun:]
-    found = itertools.chain(
-        _from_frames(parse, info, frames) if frames else (),
-        _from_words(parse, info, result.text, is_read=bool(frames)) if not result.steps else (),
-    )
-    sentences = dict.fromkeys(_in_words(parse, found))
-    return tuple(sentences)[:MOST]
+    frames, trials = result.frames[begun:], _Trials(controller, stop)
+    found: dict[str, str | None] = {}
+    as_suggested: set[str] = set()
+    for suggestion, offered in _offers(controller.parse, result, info, frames):
+        said = trials.words(offered)
+        if said is not None and not found.get(suggestion):
+            found[suggestion] = trials.sentence(offered)
+            if found[suggestion] == said:
+                as_suggested |= {suggestion, said}
+    if frames and result.status in ("refused", "unsupported") and not any(found.values()):
+        found[""] = trials.sentence_with_less(tuple(map(without_spans, frames)))
+    say = tuple(dict.fromkeys(filter(None, found.values())))[:MOST]
+    kept = [each for each in info.suggestions if each not in found or each in as_suggested]
+    better = [f"say “{said}”" for said in say if said not in as_suggested]
+    changes = {"say": say, "suggestions": tuple(better + kept) or info.suggestions}
+    return result_with(result, error=info.model_copy(update=changes))
+
+
+def _offers(
+    parse: Parse, result: Result, info: ErrorInfo, frames: Frames
+) -> Iterator[tuple[str, Frames]]:
+    """Suggestions, each with frames that do what it says."""
+    if frames:
+        yield from _from_frames(parse, info, frames)
+    if not result.steps:
+        yield from _from_words(parse, info, result.text, is_read=bool(frames))
 
 
 def error_with_corrections(info: ErrorInfo, text: str, parse: Parse) -> ErrorInfo:
     """The error of a sentence that could not be read, with sentences that can."""
     found = _from_words(parse, info, text, is_read=False) if len(info.suggestions) <= MOST else ()
-    sentences = dict.fromkeys(_in_words(parse, found))
-    return info.model_copy(update={"say": tuple(sentences)[:MOST]})
+    say = dict.fromkeys(said for _, frames in found if (said := _in_words(parse, frames)))
+    return info.model_copy(update={"say": tuple(say)[:MOST]})
 
 
-def _in_words(parse: Parse, found: Iterable[tuple[Frame, ...]]) -> Iterator[str]:
-    """The frames that the language has words for, said so that they are read again."""
-    for frames in found:
-        with suppress(ControlError, ValueError):
-            said = grammar.paraphrase(frames)
-            parse(said)
-            yield said
+def _in_words(parse: Parse, frames: Frames) -> str | None:
+    """The frames said so that they are read again; None if the language has no words."""
+    with suppress(ControlError, ValueError):
+        said = grammar.paraphrase(frames)
+        parse(said)
+        return said
+    return None
 
 
-def _from_frames(
-    parse: Parse, info: ErrorInfo, frames: tuple[Frame, ...]
-) -> Iterator[tuple[Frame, ...]]:
+class _Trials:
+    """Sentences planned from where things were seen last.
+
+    If something was done since, whatever can be said is taken to do.
+    """
+
+    def __init__(self, controller: Speaker, stop: StopToken | None) -> None:
+        self._controller, self._stop = controller, stop
+        self._state = controller.last_look.state
+        self._left = MOST_WORK
+        # A plan that is found with less effort is the one that is found with all of it.
+        most = min(controller.defaults.most_grasps, MOST_GRASPS)
+        self._defaults = replace(controller.defaults, most_grasps=most)
+
+    def words(self, frames: Frames) -> str | None:
+        """The frames said so that they are read again; None if the language has no words."""
+        return _in_words(self._controller.parse, frames)
+
+    def sentence(self, frames: Frames, chain: int = CHAIN) -> str | None:
+        """The frames in words if there is a plan, else changed so that there is one.
+
+        Args:
+            frames: that may do.
+            chain: how often what the refusal of a change suggests is followed.
+        """
+        said = self.words(frames)
+        refused = self._refusal(said) if said is not None else None
+        if refused is None:
+            return said
+        for suggestion in refused.suggestions if chain else ():
+            if remark := _first_match(REMARKS, suggestion):
+                with suppress(ControlError):
+                    changed = _corrected(self._controller.parse, remark, frames)
+                    if better := self.sentence(changed, chain - 1):
+                        return better
+        return self.sentence_with_less(frames)
+
+    def sentence_with_less(self, frames: Frames) -> str | None:
+        """The frames in words with a smaller amount for which there is a plan."""
+        moving = (i for i, each in enumerate(frames) if each.action != "explore")
+        place = next(moving, None)
+        if self._state is None or place is None:
+            return None
+
+        def with_frame(frame: Frame) -> Frames:
+            return (*frames[:place], frame, *frames[place + 1 :])
+
+        def is_planned(frame: Frame) -> bool:
+            said = self.words(with_frame(frame))
+            return said is not None and self._refusal(said) is None
+
+        less = frame_with_less(frames[place], is_planned)
+        return None if less is None else self.words(with_frame(less))
+
+    def _refusal(self, said: str) -> ErrorInfo | None:
+        """Why a sentence has no plan; None if it has one, as far as is foreseen."""
+        if self._state is None:
+            return None
+        try:
+            with self._controller.last_look.kept():
+                command = self._controller.resolve(self._controller.parse(said))
+            return self._refusal_of(command.frames, self._state)
+        except ControlError as raised:
+            return raised.info
+        except Stopped:
+            return ErrorInfo(code="interrupted", message="it was told to stop")
+
+    def _refusal_of(self, frames: Frames, state: WorldState) -> ErrorInfo | None:
+        """Why there is no plan for the first of some frames that moves something."""
+        budget = SearchBudget(min(self._left, MOST_EACH))
+        planner = self._controller.planner or partial(plan, budget=budget)
+        robot = StoppableRobot(self._controller.robot, self._stop, self._controller.time_limit)
+        for frame in frames:
+            if frame.action == "explore":
+                state = state_once_explored(self._controller, frame, state)
+            elif frame.query is None:
+                made = planner(frame, state, robot, defaults=self._defaults)
+                self._left -= budget.done
+                return refusal_error(made) if isinstance(made, Refusal) else None
+        return None
+
+
+def _from_frames(parse: Parse, info: ErrorInfo, frames: Frames) -> Iterator[tuple[str, Frames]]:
     if info.code in _OTHER_NAMES:
         yield from _with_other_names(parse, info, frames)
         return
     for suggestion in info.suggestions:
         with suppress(ControlError):
             if re.fullmatch(LEFT_OUT, suggestion):
-                yield from _without_words(frames, info.span)
+                yield from ((suggestion, rest) for rest in _without_words(frames, info.span))
             elif remark := _first_match(REMARKS, suggestion):
-                yield _corrected(parse, remark, frames)
+                yield suggestion, _corrected(parse, remark, frames)
             elif before := _first_match([(each, r"\1") for each in BEFORE], suggestion):
-                yield (*parse(before).frames, *map(without_spans, frames))
+                yield suggestion, (*parse(before).frames, *map(without_spans, frames))
 
 
 def _with_other_names(
-    parse: Parse, info: ErrorInfo, frames: tuple[Frame, ...]
-) -> Iterator[tuple[Frame, ...]]:
+    parse: Parse, info: ErrorInfo, frames: Frames
+) -> Iterator[tuple[str, Frames]]:
     """The frames with the object that may be meant."""
     for suggestion in info.suggestions:
         name = _meant_words(suggestion)
@@ -123,7 +262,7 @@ def _with_other_names(
             continue
         name = name.removeprefix("the ")
         with suppress(ControlError):
-            yield _corrected(parse, f'no, the "{name}"', frames, info.span)
+            yield suggestion, _corrected(parse, f'no, the "{name}"', frames, info.span)
 
 
 def _first_match(table: Iterable[tuple[str, str]], suggestion: str) -> str | None:
@@ -133,9 +272,7 @@ def _first_match(table: Iterable[tuple[str, str]], suggestion: str) -> str | Non
     return None
 
 
-def _corrected(
-    parse: Parse, remark: str, frames: tuple[Frame, ...], wrong: Span | None = None
-) -> tuple[Frame, ...]:
+def _corrected(parse: Parse, remark: str, frames: Frames, wrong: Span | None = None) -> Frames:
     """The frames with what a remark says in place of what was."""
     said = parse(remark).frames[0].model_copy(update={"dialogue": None})
     # "Pour 200 ml of it" is about the object that was named.
@@ -144,7 +281,7 @@ def _corrected(
     return correct_frame(frames, said, wrong)
 
 
-def _without_words(frames: tuple[Frame, ...], span: Span | None) -> Iterator[tuple[Frame, ...]]:
+def _without_words(frames: Frames, span: Span | None) -> Iterator[Frames]:
     """The frames without the clauses that stand in a place of the sentence."""
     first, rest = frames[0], map(without_spans, frames[1:])
     kept = tuple(
@@ -158,7 +295,7 @@ def _without_words(frames: tuple[Frame, ...], span: Span | None) -> Iterator[tup
 
 def _from_words(
     parse: Parse, info: ErrorInfo, text: str, *, is_read: bool
-) -> Iterator[tuple[Frame, ...]]:
+) -> Iterator[tuple[str, Frames]]:
     """The sentence without the words in question, or if it is not read at all, with others."""
     if info.span is None:
         return
@@ -169,7 +306,7 @@ def _from_words(
             continue
         instead = "" if left_out else _meant_words(suggestion)
         with suppress(ControlError):
-            yield parse(f"{text[:start]}{instead}{text[end:]}").frames
+            yield suggestion, parse(f"{text[:start]}{instead}{text[end:]}").frames
 
 
 def _meant_words(suggestion: str) -> str:

@@ -11,11 +11,13 @@ down where it stood. What was believed before, perhaps from tilting it, stands b
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Protocol
 
 import grammar
 from grammar.frames import command as g
 from nlcontrol.errors import ControlError, error, refusal_error, whole_span
+from nlcontrol.learning.expected_beliefs import expected_belief
 from nlcontrol.learning.exploration_session import (
     CENTRE_OF_MASS,
     Exploration,
@@ -210,6 +212,19 @@ def exploration_notice(controller: Explorer, frame: g.Frame, state: WorldState) 
     return (
         f"the {target.name} would be touched ({enumeration(kinds)}) until that is known to {share}"
     )
+
+
+def state_once_explored(controller: Explorer, frame: g.Frame, state: WorldState) -> WorldState:
+    """The belief when that is found out for which a sentence touches or lifts an object.
+
+    Raises:
+        ControlError: as for `explore_parameters`.
+    """
+    name = _on_table(controller, frame)
+    found = ("mass",) if asks_for_lifting(frame) else requested_parameters(frame)
+    seen = state.objects[name]
+    known = expected_belief(seen.model, found, controller.defaults.found_to)
+    return replace(state, objects={**state.objects, name: replace(seen, model=known)})
 
 
 def _on_table(controller: Explorer, frame: g.Frame) -> str:

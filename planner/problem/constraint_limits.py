@@ -24,6 +24,7 @@ from planner.problem.tilt_goals import almost_tips, spill_tilt
 from planner.refusals.refusal_builder import no_plan, not_capable, unsupported_while
 from planner.types.actions import Aim
 from planner.types.refusal import NoPlanError
+from planner.types.speed_profile import LIFT_SPEED
 
 
 @dataclass(frozen=True)
@@ -267,9 +268,11 @@ def _carry_slowly(problem: GraspProblem, clause: g.Slow) -> GraspProblem:
 
 
 def _carry_at_speed(problem: GraspProblem, clause: g.Speed | g.MinSpeed) -> GraspProblem:
-    most = problem.defaults.carry_speed
+    most, doing = problem.defaults.carry_speed, "moved"
+    if problem.frame.goal.kind != "place":
+        most, doing = min(most, LIFT_SPEED), "lifted"
     if clause.value > most:
-        raise _too_fast(clause.value, most, "what is held is moved at up to", clause.spans)
+        raise _too_fast(clause.value, most, f"what is held is {doing} at up to", clause.spans)
     return problem if isinstance(clause, g.MinSpeed) else _limit_speed(problem, clause.value)
 
 

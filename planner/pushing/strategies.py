@@ -22,6 +22,7 @@ from planner.problem.planning_problem import PushProblem
 from planner.pushing.contact_planner import PushCandidate
 from planner.pushing.push_sequence import PushSequencePlanner, require_one_push
 from planner.pushing.reach_search import ReachSearch
+from planner.pushing.stroke_speed import require_speed
 from planner.pushing.topple_planner import TopplePlanner
 from planner.refusals.refusal_builder import no_plan
 from planner.types.actions import Aim, Limits, Push
@@ -275,6 +276,7 @@ def _joint_plan(problem: PushProblem, found: list[PushCandidate], aim: Aim | Non
     """Pushes one after another as a plan."""
     target, motion = problem.target, problem.motion
     require_one_push(problem, len(found))
+    require_speed(problem, [each.push for each in found])
     # At least so likely, however the outcomes hang together; those of equal pushes are equal.
     doubts: dict[tuple[object, ...], float] = {}
     for each in found:

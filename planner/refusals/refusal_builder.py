@@ -28,7 +28,7 @@ QUANTITIES: dict[str, Callable[[float], str]] = {
     "deg_exact": lambda angle: f"{math.degrees(angle):.1f}°".replace(".0°", "°"),
     "deg_floor": lambda angle: f"{math.floor(10.0 * math.degrees(angle)) / 10.0:g}°",
     "mm/s": lambda speed: f"{1e3 * speed:.0f} mm/s",
-    "cm/s": lambda speed: f"{100 * speed:.0f} cm/s",
+    "cm/s_down": lambda speed: f"{_floor(1000 * speed) / 10:g} cm/s",
     "N": lambda force: f"{force:.1f} N",
     "N2": lambda force: f"{force:.2f} N",
     "N_down": lambda force: f"{math.floor(10.0 * force) / 10.0:g} N",

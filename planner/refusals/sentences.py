@@ -58,7 +58,7 @@ _PUSHES = {
         "telling faces of a turned object apart",
     ),
     "contradiction": impossible("{message}", ("leave one of the two out",)),
-    "too_fast": impossible("{speed:mm/s} are asked; {what} {most:mm/s}", ("at {most:cm/s}",)),
+    "too_fast": impossible("{speed:mm/s} are asked; {what} {most:mm/s}", ("at {most:cm/s_down}",)),
     "moves_itself": impossible("the {object} cannot move {way} itself", (_ANOTHER_WAY,)),
     "never_met": impossible(
         "the {object} does not come to the {other} in that direction",

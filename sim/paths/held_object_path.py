@@ -35,6 +35,7 @@ from planner.types.actions import (
     TurnCap,
 )
 from planner.types.plan import Plan
+from planner.types.speed_profile import LIFT_SPEED
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.collision.collision_scene import Obstacle
 from sim.rotations import Array, axis_rotation, wrap
@@ -46,8 +47,8 @@ THREAD = 2.0 * np.pi
 BEYOND = 0.03
 """How far the open hand is drawn off from what it is to hold, beyond its end [m]."""
 
-LIFT_SPEED, CARRY_SPEED, REACH_SPEED = 0.06, 0.12, 0.10
-"""Of the hand that lifts, carries, and reaches for something [m/s]."""
+CARRY_SPEED, REACH_SPEED = 0.12, 0.10
+"""Of the hand that carries, and reaches for something [m/s]."""
 
 TURN_SPEED, RIGHTING_SPEED = 0.6, 0.9
 """Of what is carried about the vertical, and back upright after pouring [rad/s]."""

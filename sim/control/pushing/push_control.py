@@ -2,10 +2,10 @@
 
 Law: the fingertips' command advances along the movement vector as in
 `sim.control.pushing.force_control`. Once the object moves, the speed rises to the plan's; near the
-end of the stroke it falls with what remains. The stroke is that of the object's middle. Two fingers
-keep the object's heading by themselves, so that the fingertips tell it; where they square the
-object up to themselves its middle swings aside, which the camera tells. One finger is steered by
-`sim.control.pushing.lateral_control`, which knows it too.
+end of the stroke it falls with what remains (`planner.types.speed_profile`). The stroke is that of
+the object's middle. Two fingers keep the object's heading by themselves, so that the fingertips
+tell it; where they square the object up to themselves its middle swings aside, which the camera
+tells. One finger is steered by `sim.control.pushing.lateral_control`, which knows it too.
 
 Ends and guards stand in `sim.control.pushing.push_guards`, limits and events in
 `sim.control.pushing.clause_guards`.
@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from planner.types.speed_profile import USUAL, speed_profile
 from sim.control.pushing.clause_guards import Follower
 from sim.control.pushing.force_control import ForceController
 from sim.control.pushing.lateral_control import LateralController, Pushed
@@ -23,7 +24,6 @@ from sim.rotations import Array
 from sim.traces.trace import EndReason
 
 _FOLLOWS = 0.3  # share of the commanded speed with which a moving object follows
-_BRAKING = 1.5  # speed per remaining distance near the end of the stroke [1/s]
 _SLOWEST = 0.008  # [m/s]
 _HOLD = 4.0  # rate at which deviations across the vector are corrected [1/s]
 _HOLD_MOST = 0.010  # largest such correction [m]
@@ -90,12 +90,14 @@ class PushControl(ForceController):
 
     def _speed(self, before: float, start: float, travel: float, measured: float) -> float:
         """Largest speed now: slow until something moves, then up to the plan's, slow at the end."""
-        push = self.plan.push
+        push, profile = self.plan.push, USUAL
+        if push.ends_on == "stroke":
+            profile = speed_profile(push.speed, push.stroke)
         if travel < MOVED or (measured < _FOLLOWS * before and before > 2.0 * _SLOWEST):
             return start
-        allowed = self._faster(before, push.speed)
+        allowed = self._faster(before, push.speed, profile.acceleration)
         if push.ends_on == "stroke":
-            allowed = min(allowed, max(_SLOWEST, _BRAKING * (push.stroke - travel)))
+            allowed = min(allowed, max(_SLOWEST, profile.braking * (push.stroke - travel)))
         return allowed
 
     # -- steering ------------------------------------------------------------------------------
