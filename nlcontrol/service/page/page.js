@@ -35,8 +35,10 @@ async function showTable(state, api, view) {
 function tellProblem(state) {
   const problem = state.get("problem");
   $("problem").hidden = !problem;
-  const { detail, suggestions = [] } = problem ?? {};
-  $("problem").textContent = problem ? [detail ?? String(problem), ...suggestions].join(" – ") : "";
+  if (!problem) return;
+  const lost = problem instanceof TypeError; // of a request that got no answer
+  const { detail = lost ? "The service does not answer." : String(problem), suggestions = [] } = problem;
+  $("problem").textContent = [detail, ...suggestions].join(" – ");
 }
 
 // What a link asks for: a sentence to be planned, a scene and a seed.

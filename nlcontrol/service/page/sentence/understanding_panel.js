@@ -4,6 +4,8 @@ import { element, section } from "../elements.js";
 import { saySentence } from "./sentence_reading.js";
 import { lightedWords } from "./word_lights.js";
 
+const SHORT = 80; // letters that the field shows at once
+
 export function understandingPanel(state, api) {
   const words = element("p", { class: "sentence" });
   const meant = element("p", { class: "asked" });
@@ -17,6 +19,8 @@ export function understandingPanel(state, api) {
     words.replaceChildren(...lightedWords(read.text, read.explanation, error));
     const same = !read.paraphrase || read.paraphrase.toLowerCase() === read.text.trim().toLowerCase();
     meant.textContent = same ? "" : `understood: ${read.paraphrase}`;
+    // A short sentence stands in the field already, where that is wide.
+    panel.dataset.bare = String(same && !error && read.text.length < SHORT);
     problem.replaceChildren(...(error ? problemContent(state, api, read.status, error) : []));
   });
   return panel;
@@ -57,7 +61,7 @@ function tableRows(explanation) {
     if (key !== before) words.append(row.words || "(not said)");
     before = key;
     const became = row.parameter || row.field;
-    return element("tr", { "data-problem": row.problem || null },
+    return element("tr", { "data-problem": row.problem || null, "data-default": row.default || null },
       words, element("td", {}, became), element("td", {}, row.value));
   });
 }
