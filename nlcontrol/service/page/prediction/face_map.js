@@ -31,7 +31,7 @@ export function faceMap(api, { object, faces, contacts }, push, sides) {
   load();
   return element("figure", { class: "outcomes" },
     element("figcaption", {}, "Pushed there, seen from outside: ", chosen),
-    chart, element("div", { class: "beside" }, told, legend()));
+    chart, element("div", { class: "beside" }, told, legend(push)));
 }
 
 function spacingOf([x, y, z]) {
@@ -43,14 +43,13 @@ function chartOf(map, { push, contacts }, told) {
     [...new Set(map.contacts.map((each) => round(each[key])))].sort((a, b) => a - b));
   const pitch = [columns, rows].map((places) => (places.length > 1 ? places[1] - places[0] : 0.01));
   const [wide, high] = pitch.map((each) => 1e3 * each);
-  const [left, low] = [1e3 * columns[0] - wide / 2, 1e3 * rows[0] - high / 2];
-  const [width, height] = [wide * columns.length, high * rows.length];
-  const top = low + height;
+  const [left, width] = [1e3 * columns[0] - wide / 2, wide * columns.length];
+  const top = 1e3 * rows.at(-1) + high / 2; // the table is at the lower edge
   const cells = map.contacts.map((contact) => drawing("rect", {
     class: "cell", "data-outcome": contact.outcome, width: wide, height: high,
     x: 1e3 * contact.lateral - wide / 2, y: top - 1e3 * contact.height - high / 2,
   }));
-  const lines = heightsOf(push).filter(([, z]) => z > low && z < top).map(([about, z]) =>
+  const lines = heightsOf(push).filter(([, z]) => z < top).map(([about, z]) =>
     drawing("line", { class: "height", "data-about": about, x1: left, x2: left + width, y1: top - z, y2: top - z }));
   const rings = contacts.map((contact) => {
     const [lateral, z] = placeOn(map, contact);
@@ -58,7 +57,7 @@ function chartOf(map, { push, contacts }, told) {
   });
   const cursor = drawing("rect", { class: "cursor", width: wide, height: high, visibility: "hidden" });
   const made = drawing("svg", {
-    viewBox: `${left} 0 ${width} ${height}`, tabindex: 0, role: "application",
+    viewBox: `${left} 0 ${width} ${top}`, tabindex: 0, role: "application",
     "aria-roledescription": "outcome map",
     "aria-label": `Outcomes of pushes on the ${map.face} face of the ${map.object}. Arrow keys move over it.`,
   }, patterns(), cells, lines, rings, cursor);
@@ -67,7 +66,7 @@ function chartOf(map, { push, contacts }, told) {
   return made;
 }
 
-// Heights at which the outcome changes, by what begins there [mm].
+// Heights at which the outcome changes: as believed, and in the worst case [mm].
 function heightsOf(push) {
   const { critical_height: nominal, critical_height_worst: worst } = push?.prediction ?? {};
   return [["nominal", nominal], ["worst", worst]].filter(([, z]) => z).map(([about, z]) => [about, 1e3 * z]);
@@ -125,10 +124,15 @@ function textOf({ lateral, height, outcome, slide, topple, probability_slide: p,
     + `(probability ${share(p)}), ${from("topples", topple)} (${share(q)}).`;
 }
 
-function legend() {
-  return element("ul", { class: "legend-list" }, ...Object.entries(OUTCOMES).map(([outcome, text]) =>
-    element("li", {}, drawing("svg", { viewBox: "0 0 14 14", "aria-hidden": "true" }, patterns(),
-      drawing("rect", { class: "cell", "data-outcome": outcome, x: 0, y: 0, width: 14, height: 14 })), text)));
+function legend(push) {
+  const sample = (text, ...content) => element("li", {},
+    drawing("svg", { viewBox: "0 0 14 14", "aria-hidden": "true" }, ...content), text);
+  const outcomes = Object.entries(OUTCOMES).map(([outcome, text]) => sample(text, patterns(),
+    drawing("rect", { class: "cell", "data-outcome": outcome, x: 0, y: 0, width: 14, height: 14 })));
+  const heights = heightsOf(push).map(([about, z]) => sample(
+    about === "nominal" ? `topples above ${Math.round(z)} mm` : `${Math.round(z)} mm in the worst case`,
+    drawing("line", { class: "height", "data-about": about, x1: 0, x2: 14, y1: 7, y2: 7 })));
+  return element("ul", { class: "legend-list" }, ...outcomes, ...heights);
 }
 
 // Hatches, by which outcomes can be told without colours.
