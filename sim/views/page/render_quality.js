@@ -11,7 +11,7 @@ const LEVELS = [
 ]; // pixel ratio, width of the shadow map, frames from one shadow to the next
 const SLOW = 1 / 24; // frames that take longer lower the quality [s]
 const QUICK = 1 / 50;
-const FINE = 2; // least pixel ratio of what stands still
+const FINE = { hardware: 2, software: 1.5 }; // least pixel ratios of what stands still
 const PATIENCE = 10; // frames before it is changed, and ten times as many before it is raised
 
 export class RenderQuality {
@@ -46,8 +46,9 @@ export class RenderQuality {
   // Prepares the renderer for the next frame: of what moves, or of what stands still.
   apply(still) {
     const here = globalThis.devicePixelRatio;
-    const level = LEVELS[still ? 0 : this.level];
-    const ratio = still ? Math.max(here, FINE) : Math.min(here, level.ratio);
+    const level = LEVELS[still ? (this.software ? 1 : 0) : this.level];
+    const fine = this.software ? FINE.software : FINE.hardware;
+    const ratio = still ? Math.max(here, fine) : Math.min(here, level.ratio);
     const { shadowMap } = this.renderer;
     this.drawn++;
     shadowMap.needsUpdate = still || this.drawn % level.every === 0;

@@ -160,9 +160,8 @@ export class Viewer {
 
   #frame(now) {
     const began = performance.now();
-    this.waiting = null;
     if (!this.fence.isDown) {
-      this.invalidate();
+      this.waiting = requestAnimationFrame((later) => this.#frame(later));
       return;
     }
     clearTimeout(this.settling);
@@ -177,6 +176,7 @@ export class Viewer {
     this.ondrawn?.();
     this.frames++;
     this.scriptTime = performance.now() - began;
+    this.waiting = null; // what was put in place by this frame asks for no further one
     if (moves || glides) this.invalidate();
     else this.settling = setTimeout(() => this.#settle(), SETTLES);
   }

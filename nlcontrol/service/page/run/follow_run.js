@@ -28,7 +28,7 @@ function follow(state, api, id) {
     if (run.state === "queued") state.set({ run: { ...run, state: "running", place: null } });
     state.set({ events: [...state.get("events").filter((each) => each.number < number), { number, event }] });
   };
-  state.set({ events: [], result: null });
+  state.set({ events: [], result: null, text: state.get("text") || state.get("run").text });
   const waiting = setInterval(async () => {
     if (!isShown() || state.get("run").state !== "queued") return;
     const run = await api.run(id).catch(() => null);
