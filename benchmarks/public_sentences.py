@@ -101,6 +101,8 @@ def _language_table(data: Path) -> Iterator[Sentence]:
             for name in names:
                 if name.startswith("toward"):  # behind "to the": no English
                     continue
+                if name in ("left side", "right side"):  # as in "to the left side": to the left
+                    meant = [*meant, [_displaced(block, name.split()[0])]]
                 yield sentence("to a part of the table", f"{verb} {block} to the {name}", meant)
     pairs = list(itertools.permutations(_BLOCKS, 2))
     for (block, other), verb in itertools.product(pairs, common["PUSH_VERBS"]):
@@ -130,7 +132,7 @@ def _side_of_thing(way: str) -> str:
     if not way.startswith("diagonal"):
         return _BESIDE[way]
     _, along, across = way.split("_")
-    return f"{_BESIDE[along]}_{across}".replace("_of", "") + "_of"
+    return f"{'behind' if along == 'up' else 'front'}_{across}_of"
 
 
 def _language_table_directions(said: Mapping[str, Any]) -> Iterator[Sentence]:
@@ -194,6 +196,8 @@ def _calvin_label(task: str, text: str) -> tuple[str, list[list[Pattern]], bool]
             return "push", [[_displaced(f"{colour} block", way)]], False
         case ["move", "slider", way]:
             door = _displaced({"door", "sliding door", "it"}, way)
+            if "all the way" in text:
+                return "slide", _place("door", ("at", f"{way}_edge")), False
             return "slide", [[door], [_HELD, door]], False
         case ["open" | "close" as what, "drawer"]:
             direct: Pattern = {"goal": {"kind": {what, "displace"}}}
@@ -320,6 +324,11 @@ def _gpsr_label(text: str) -> Sentence:
 
 # --- judging ----------------------------------------------------------------------------------
 
+_MISSING = {"in", "out_of", "off", "on"}
+"""Places that are understood, and refused by the name of the capability that is missing."""
+
+_RIGHT = ("as meant", "refused rightly", "refused for a capability")
+
 SOURCES = (_language_table, _calvin, _rlbench, _gpsr)
 
 
@@ -346,7 +355,10 @@ def outcome_of(sentence: Sentence) -> str:
     for meaning in sentence.meanings:
         if len(meaning) == len(frames) and all(map(agrees, frames, meaning)):
             return "as meant"
-    return "wrong" if sentence.meanings else "accepted"
+    if sentence.meanings:
+        return "wrong"
+    places = {frame["goal"].get("relation") for frame in frames}
+    return "refused for a capability" if places & _MISSING else "accepted"
 
 
 def in_half(text: str, half: str) -> bool:
@@ -360,10 +372,10 @@ def tables(sentences: Iterable[Sentence], show: bool) -> Iterator[str]:
     for sentence in sentences:
         outcome = outcome_of(sentence)
         found.setdefault(sentence[:2], Counter())[outcome] += 1
-        if show and outcome not in ("as meant", "refused rightly"):
+        if show and outcome not in _RIGHT:
             yield f"  {outcome}: {sentence.text}"
     for (source, family), outcomes in found.items():
-        good, count = outcomes["as meant"] + outcomes["refused rightly"], sum(outcomes.values())
+        good, count = sum(outcomes[right] for right in _RIGHT), sum(outcomes.values())
         others = ", ".join(f"{what} {n}" for what, n in outcomes.most_common())
         yield f"{source:15} {family:25} {count:5} {100 * good / count:5.1f} %  {others}"
 

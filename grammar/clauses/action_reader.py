@@ -64,12 +64,15 @@ class ActionReader:
         result, rest, event, asked = self._result_and_event(rest, thing)
         if self._query in _ASK_FOR_EVENTS and event is None:
             constraints, event, asked = _without_stops(constraints)
+        if verb.goal in ("place", "set_down", "upright"):
+            self._require_no_touch(constraints)
         goal = self._goal_of_parts(verb, name, result, rest, thing, spans[0])
         goal, thing = self._of_a_part(goal, thing)
         if verb.action == "push" and is_still(constraints) and not _says_more(goal):
             goal = g.NoGoal()  # a push need not move what it pushes
+        action = "open" if isinstance(goal, g.Open) else verb.action
         frame = g.Frame(
-            action=cast(g.Action, verb.action),
+            action=cast(g.Action, action),
             query=self._query,
             object=thing.ref,
             goal=goal,
@@ -80,6 +83,15 @@ class ActionReader:
         )
         require_consistent(frame, self._sentence)
         return _with_it_bound(frame)
+
+    def _require_no_touch(self, constraints: Sequence[g.Constraint]) -> None:
+        """Refuse where to touch an object that is put somewhere: "on its left side" of the mug."""
+        for clause in constraints:
+            if isinstance(clause, g.ContactRegion):
+                message = "says where to touch it, and not where to put it"
+                raise self._sentence.error_at(
+                    clause.spans[0], "does_not_apply", message, "left of the mug", "on the left"
+                )
 
     def _goal_of_parts(
         self,
@@ -98,6 +110,10 @@ class ActionReader:
             )
         if verb.goal not in _PUSHED or verb.action == "pull":
             rest = [p for p in rest if not (isinstance(p, ph.Direction) and p.implied)]
+        if verb.goal not in ("pour", "fill"):
+            rest = [
+                ph.Place(p.span, "in", (p.target,)) if isinstance(p, ph.Into) else p for p in rest
+            ]
         clause = Clause(rest, verb, self._sentence, span)
         goal = goal_builder_for(verb, result, clause)(clause)
         clause.require_all_taken(name)

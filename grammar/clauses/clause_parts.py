@@ -16,6 +16,9 @@ from grammar.words.normalisation import Normalised
 P = TypeVar("P", bound=ph.Part)
 Parts = list[ph.Part]
 
+ON_THE_TABLE = {"above": "behind", "below": "in_front_of"}
+"""Relations as on a picture of the table, and what they are for one who stands before it."""
+
 _OPPOSITES: tuple[set[g.Direction], ...] = ({"away", "toward"}, {"left", "right"})
 _MEASURES = (ph.Length, ph.Angle)
 _HOW_MUCH = (ph.Amount, ph.Share, ph.Volume)
@@ -85,6 +88,22 @@ class Clause:
         if len(taken) > 1:
             raise self.said_twice_error(taken[0], taken[1])
         return taken[0] if taken else None
+
+    def take_place(self) -> ph.Place | None:
+        """Takes where to; of two places it is not clear which one is meant."""
+        taken = self.take_all(ph.Place)
+        if len(taken) < 2:
+            return taken[0] if taken else None
+        first, second = self.quote(taken[0]), self.quote(taken[1])
+        message = f"{first} and {second} are two places; only one can be where it should go"
+        spans = (taken[0].span, taken[1].span)
+        suggestions = (f"leave out {second}", f"leave out {first}")
+        raise ParseError("said_twice", message, taken[1].span, suggestions, spans=spans)
+
+    def no_place_error(self, what: str, *hints: str) -> ParseError:
+        """The sentence does not say where."""
+        message = f"the sentence does not say {what}"
+        return ParseError("no_place", message, self.verb_span, hints)
 
     def said_twice_error(self, first: ph.Part, second: ph.Part) -> ParseError:
         """Two parts say the same thing."""

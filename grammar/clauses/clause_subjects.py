@@ -12,7 +12,7 @@ from itertools import pairwise
 
 from grammar.clauses.clause_parts import Parts, several_objects, unexpected_part
 from grammar.clauses.constraint_builder import require_same
-from grammar.clauses.object_descriptions import part_and_owner
+from grammar.clauses.object_descriptions import QUOTES, part_and_owner
 from grammar.errors import ParseError
 from grammar.frames import command as g
 from grammar.phrases import phrase_parts as ph
@@ -22,7 +22,7 @@ from grammar.words.normalisation import Normalised
 NOBODY = ph.Thing((0, 0), g.ObjectRef(text="it", pronoun=True))
 """What a remark is about that names nothing."""
 
-_MOVED_BY = {"from": "off", "on": "on"}
+_MOVED_BY = {"from": "off", "off": "off", "on": "on"}
 """Particle that a lid's verb has where the sentence names what it goes off or on."""
 
 
@@ -62,6 +62,11 @@ def clause_objects(
         raise ParseError("no_object", message, after[0] if after else verb.span, (suggestion,))
     if not (verb.passive or remarks or ask) and things[0].span < verb.span:
         raise unexpected_part(things[0], sentence)
+    for thing in things:
+        if thing.ref.text.casefold() in lexicon.robot_parts and _is_plain(thing, sentence):
+            message = "is the robot itself, and no object that it moves"
+            hint = f'say what it should do: "{verb.word} the box"'
+            raise sentence.error_at(thing.span, "no_object", message, hint)
     if any(thing.ref.text.casefold() == "them" for thing in things):
         raise several_objects(things[0], sentence)
     if things[0].ref.pronoun and (earlier := _object_of_constraints(things[0], parts)):
@@ -69,6 +74,11 @@ def clause_objects(
     if len(things) > 1 and not _is_list(things, lexicon, sentence):
         raise several_objects(things[1], sentence)
     return things
+
+
+def _is_plain(thing: ph.Thing, sentence: Normalised) -> bool:
+    """Check for a name that stands without quotation marks."""
+    return not sentence.original[: thing.span[0]].endswith(QUOTES)
 
 
 def _object_of_constraints(thing: ph.Thing, parts: Sequence[ph.Part]) -> ph.Thing | None:
@@ -164,18 +174,20 @@ def _with_owner_of_lid(
     words = " ".join(thing.ref.text.casefold().split())
     if words not in lexicon.lids:
         parted = part_and_owner(thing, lexicon, sentence)
+        removes = asks is not None and asks.goal == "remove"
         lifts = asks is not None and asks.goal == "lift" and off is not None
-        if parted is None or parted[0] not in lexicon.lids or not lifts:
+        if parted is None or parted[0] not in lexicon.lids or not (lifts or removes):
             return list(parts)
         name, span, whole = parted
-        own: Parts = [ph.Particle(verb.span, "off"), ph.Lid(span, name), whole]
+        own: Parts = [] if removes else [ph.Particle(verb.span, "off")]
+        own += [ph.Lid(span, name), whole]
         return [p for part in parts for p in (own if part is thing else [part])]
     if place is None:
         return _with_lid_of_known_object(parts, verb, asks, off, ph.Lid(thing.span, words))
     particle = _MOVED_BY.get(place.relation, "")
     known = lexicon.find_verb(verb.word, particle)
-    opens = asks is not None and asks.goal == "open" and particle == "off"
-    closes_or_opens = known is not None and known.goal in ("open", "close")
+    opens = asks is not None and asks.goal in ("open", "remove") and particle == "off"
+    closes_or_opens = known is not None and known.goal in ("open", "remove", "close")
     if not isinstance(place.reference, tuple) or not (opens or closes_or_opens):
         return list(parts)
     whole = ph.Thing(place.reference[0].spans[0], place.reference[0])
@@ -191,7 +203,7 @@ def _with_lid_of_known_object(
 ) -> Parts:
     """Takes "lift the lid", "put the lid back on" for the lid of what was spoken of before."""
     said = [p for p in parts if not (isinstance(p, ph.Thing) and p.span == lid.span)]
-    if asks is not None and asks.goal in ("open", "close"):
+    if asks is not None and asks.goal in ("open", "remove", "close"):
         return [*said, lid, _pronoun_after(lid)]
     if asks is not None and asks.goal == "lift" and off is not None:
         return [*said, ph.Particle(verb.span, "off"), lid, _pronoun_after(lid)]

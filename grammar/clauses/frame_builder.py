@@ -41,11 +41,13 @@ def frames_of(
     """
     frames: list[g.Frame] = []
     previous: Parts = []
-    for said in _in_order(clauses_of(parts, sentence)):
-        headed = any(isinstance(p, ph.Verb | ph.Explore | ph.Remark) for p in said)
-        clause = said if headed or not frames else _complete_clause(said, previous, sentence)
-        frames += _ClauseReader(clause, lexicon, sentence).read_frames()
-        previous = clause
+    for clause in _in_order(clauses_of(parts, sentence)):
+        headed = any(isinstance(p, ph.Verb | ph.Explore | ph.Remark) for p in clause)
+        said = clause
+        if frames and not headed:
+            said = _complete_clause(clause, previous, lexicon, sentence)
+        frames += _ClauseReader(said, lexicon, sentence).read_frames()
+        previous = said
     return tuple(frames)
 
 
@@ -57,11 +59,17 @@ def _in_order(clauses: list[Parts]) -> list[Parts]:
     return [[part for part in clause if not isinstance(part, ph.Next)] for clause in clauses]
 
 
-def _complete_clause(clause: Parts, previous: Parts, sentence: Normalised) -> Parts:
+def _complete_clause(
+    clause: Parts, previous: Parts, lexicon: Lexicon, sentence: Normalised
+) -> Parts:
     """A clause without its verb ("then to the left") goes on with verb and object of the last."""
     if not any(isinstance(part, _GOES_ON) for part in clause):
         raise no_verb(sentence, clause)
-    verb = [part for part in previous if isinstance(part, ph.Verb | ph.Particle)][:2]
+    head = next(part for part in previous if isinstance(part, ph.Verb))
+    particle = next((part for part in previous if isinstance(part, ph.Particle)), None)
+    verb: Parts = [head]
+    if particle is not None and lexicon.find_verb(head.word, particle.word):
+        verb.append(particle)  # "up" of "push it up" is a direction
     named = any(isinstance(part, ph.Thing) for part in clause)
     thing = [] if named else [part for part in previous if isinstance(part, ph.Thing)][:1]
     return [*verb, *thing, *clause]

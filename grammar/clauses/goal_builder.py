@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, cast
 
-from grammar.clauses.clause_parts import Clause
+from grammar.clauses.clause_parts import ON_THE_TABLE, Clause
 from grammar.clauses.constraint_builder import can_be_same
 from grammar.errors import ParseError
 from grammar.frames import command as g
@@ -17,16 +18,28 @@ from grammar.frames.goals import GOALS
 from grammar.phrases import phrase_parts as ph
 from grammar.words.lexicon import Verb
 
+_APART = "apart"
+_SOURCES = {"off": "off", "out_of": "out_of", "from": "off"}
+"""Relation → that of a place from which a thing is taken."""
+
 _SENSES: dict[g.Direction, g.Sense] = {"left": "ccw", "right": "cw"}
 
 
 def _displace_goal(clause: Clause) -> g.Displace | g.Place:
-    place = next((p for p in clause.take_all(ph.Place)), None)
+    clause.take_all(ph.LetGo)
+    place = _place_or_separation(clause)
     if place is not None and place.relation not in ("away_from", "to"):
         return _place_goal_at(clause, place)
     share = clause.take_only(ph.Share)
     if place is not None and place.relation == "to" and share is None:
         return _place_goal_at(clause, place)
+    if share is not None and share.of_way and share.value == 1.0 and clause.has_part(ph.Direction):
+        return g.Place(relation="at", reference=_edge_of(clause), spans=clause.all_spans)
+    return _displacement(clause, place, share)
+
+
+def _displacement(clause: Clause, place: ph.Place | None, share: ph.Share | None) -> g.Displace:
+    """A way over the table; `place` is a thing to go to in part, or to go away from."""
     heading, toward = clause.take_only(ph.Heading), clause.take_only(ph.Toward)
     me, off = clause.take_only(ph.Me), clause.take_only(ph.AwayFrom)
     said = [part for part in (heading, toward, place, me, off) if part is not None]
@@ -69,27 +82,44 @@ def _displace_goal(clause: Clause) -> g.Displace | g.Place:
     )
 
 
-def _place_goal(clause: Clause) -> g.Place | g.SetDown:
-    place, table = clause.take_only(ph.Place), clause.take_only(ph.Table)
+def _edge_of(clause: Clause) -> g.TableRegion:
+    """Where "all the way to the left" ends: the edge or the corner in its directions."""
+    sides = tuple({"away": "back", "toward": "front"}.get(d, d) for d in clause.take_directions())
+    return cast(g.TableRegion, "_".join((*sides, "edge" if len(sides) == 1 else "corner")))
+
+
+def _place_or_separation(clause: Clause) -> ph.Place | None:
+    """Where to; what is separated goes away from another thing."""
+    place = clause.take_place()
+    if clause.verb.direction != _APART:
+        return place
+    if place is None or place.relation not in ("from", "away_from"):
+        raise clause.no_place_error("what it should be moved away from", "from the mug")
+    return replace(place, relation="away_from")
+
+
+def _place_goal(clause: Clause) -> g.Displace | g.Place | g.SetDown:
+    if clause.has_part(ph.Toward):
+        return _displace_goal(clause)
+    place, table = clause.take_place(), clause.take_only(ph.Table)
     if place is None and table is not None:
         return g.SetDown(spans=clause.all_spans)
     if place is None:
-        raise ParseError(
-            "no_place",
-            "the sentence does not say where to put it",
-            clause.verb_span,
-            ("next to the mug", "to the middle of the table", "to x 0.6 y -0.1"),
-        )
+        hints = ("next to the mug", "to the middle of the table", "to x 0.6 y -0.1")
+        raise clause.no_place_error("where to put it", *hints)
     return _place_goal_at(clause, place)
 
 
 def _place_goal_at(clause: Clause, place: ph.Place) -> g.Place:
-    relation = "next_to" if place.relation in ("from", "away_from", "to") else place.relation
     length, share = clause.take_only(ph.Length), clause.take_only(ph.Share)
     if place.relation == "from" and length is None:
         raise clause.does_not_apply_error(place, "needs a distance", "10 cm from the mug")
-    objects = isinstance(place.reference, tuple)
-    apart = relation not in ("touching", "on", "between", "at")
+    objects, relation = isinstance(place.reference, tuple), place.relation
+    if relation in ("from", "away_from", "to") or (relation == "off" and length is not None):
+        relation = "next_to" if objects else "at"
+    relation = ON_THE_TABLE.get(relation, relation)
+    edge = str(place.reference).endswith("edge")
+    apart = edge or relation not in ("touching", "on", "between", "at", "in", "out_of", "off")
     if length is not None and (not apart or length.bound != "exact" or length.most):
         raise clause.does_not_apply_error(
             length, "does not go with this place", "10 cm from the mug"
@@ -132,6 +162,8 @@ def _rotate_goal(clause: Clause) -> g.Rotate:
 
 
 def _tilt_goal(clause: Clause) -> g.Tilt:
+    clause.take_all(ph.Settles)
+    clause.take_all(ph.LetGo)
     direction, amount = clause.take_direction(), clause.take_amount()
     angle, bound = clause.take_measure(ph.Angle)
     return g.Tilt(
@@ -165,7 +197,7 @@ def _contact_goal(clause: Clause) -> g.Displace | g.Place | g.NoGoal:
     return g.NoGoal()
 
 
-def _set_down_goal(clause: Clause) -> g.Place | g.SetDown:
+def _set_down_goal(clause: Clause) -> g.Displace | g.Place | g.SetDown:
     if clause.has_part(ph.Place, ph.Table):
         return _place_goal(clause)
     return g.SetDown()
@@ -180,10 +212,32 @@ def _parameters_goal(clause: Clause) -> g.Parameters:
 # --- goals of the whole hand -------------------------------------------------------------------
 
 
-def lift_goal(clause: Clause) -> g.Lift:
-    """Lift the mug by 10 cm."""
+def lift_goal(clause: Clause) -> g.Lift | g.Place:
+    """Lift the mug by 10 cm; take it off the book, out of the box."""
+    place = clause.first_part(ph.Place)
+    if place is not None and place.relation in _SOURCES:
+        return _taking_goal(clause)
+    clause.take_all(ph.FromTable)
     amount, (height, bound) = clause.take_amount(), clause.take_measure(ph.Length)
     return g.Lift(height=height, bound=bound, amount=amount, spans=clause.all_spans)
+
+
+def remove_goal(clause: Clause) -> g.Open | g.Place:
+    """Remove the lid; remove the mug from the book."""
+    part = clause.take_value(ph.Lid)
+    return g.Open(part=part, spans=clause.all_spans) if part else _taking_goal(clause)
+
+
+def _taking_goal(clause: Clause) -> g.Place:
+    place = clause.take_place()
+    if place is None:
+        hints = ("from the book", "leave it there, and push it away")
+        raise clause.no_place_error("what it should be taken from", *hints)
+    if place.relation not in _SOURCES or not isinstance(place.reference, tuple):
+        message = "is no thing to take it from"
+        raise clause.does_not_apply_error(place, message, "off the book", "out of the box")
+    relation = cast(g.Relation, _SOURCES[place.relation])
+    return g.Place(relation=relation, reference=place.reference, spans=clause.all_spans)
 
 
 def open_goal(clause: Clause) -> g.Open:
@@ -243,6 +297,7 @@ GOAL_BUILDERS: dict[str, Callable[[Clause], g.Goal]] = {
     "topple": _topple_goal,
     "upright": lambda _: g.Upright(),
     "lift": lift_goal,
+    "remove": remove_goal,
     "set_down": _set_down_goal,
     "open": open_goal,
     "close": close_goal,

@@ -11,19 +11,39 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import cast
 
-from grammar.clauses.clause_parts import Parts, unexpected_part
+from grammar.clauses.clause_parts import ON_THE_TABLE, Parts, unexpected_part
 from grammar.frames import command as g
 from grammar.phrases import phrase_parts as ph
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
 
 _TAKES_PLACE = ("displace", "contact", "place", "set_down")
-_ELSEWHERE = (ph.Heading, ph.Toward, ph.AwayFrom, ph.Length)
+_ELSEWHERE = (ph.Heading, ph.Toward, ph.AwayFrom, ph.Length, ph.Me)
 _TELLING = ("next_to", "left_of", "right_of", "in_front_of", "behind", "between", "touching",
-            "on", "nearest")  # fmt: skip
+            "on", "in", "above", "below", "front_left_of", "front_right_of", "behind_left_of",
+            "behind_right_of", "nearest")  # fmt: skip
 """Relations that can tell an object from others."""
 
-_QUOTES = ('"', "'", "“", "‘", "„", "«")
+_TOUCHING_ONLY = (None, "rotate", "tilt", "topple")
+"""Goals for which a side always says where to touch."""
+
+_TOUCHING = ("displace", "contact")
+"""Goals for which it may."""
+
+_SIDES: dict[str, g.Quality] = {
+    "middle": "middle", "center": "middle", "centre": "middle", "front": "near", "back": "far",
+    "left": "left", "right": "right",
+}  # fmt: skip
+_REGIONS: dict[g.Quality, g.TableRegion] = {
+    "middle": "center", "near": "front_edge", "far": "back_edge", "left": "left_edge",
+    "right": "right_edge",
+}  # fmt: skip
+_PUSHED_TO: dict[g.Quality, g.Direction] = {
+    "near": "away", "far": "toward", "left": "right", "right": "left",
+}  # fmt: skip
+"""Direction in which a touch on that side pushes."""
+
+QUOTES = ('"', "'", "“", "‘", "„", "«")
 _OF = re.compile(
     r"(?P<part>.+?)\s+(?P<of>of)\s+(?:(?:the|an?|my|your|our)\s+)?(?P<whole>.+)",
     re.IGNORECASE | re.DOTALL,
@@ -38,12 +58,14 @@ def attach_descriptions(parts: Sequence[ph.Part], lexicon: Lexicon, sentence: No
     """
     out: Parts = []
     parts = _with_touching_as_place(_with_touched_parts(parts, lexicon, sentence))
+    parts = _with_sides(parts, lexicon, sentence)
     for i, part in enumerate(parts):
         telling = isinstance(part, ph.Side)
         if isinstance(part, ph.Place):
             after_that_is = bool(out) and isinstance(out[-1], ph.ThatIs)
             told = after_that_is and part.relation in _TELLING
             telling = told or _is_description(part, parts, i, out, lexicon)
+            telling = telling or _tells_reference(part, out, sentence)
             if told:
                 out.pop()
         if telling:
@@ -58,7 +80,7 @@ def attach_descriptions(parts: Sequence[ph.Part], lexicon: Lexicon, sentence: No
 
 def _with_touched_parts(parts: Sequence[ph.Part], lexicon: Lexicon, sentence: Normalised) -> Parts:
     """Takes "the top of the box" for the box, touched at the top, unless it is opened."""
-    if _goal_of_verb(list(parts), lexicon) in ("open", "close", None):
+    if _goal_of_verb(list(parts), lexicon) in ("open", "remove", "close", None):
         return list(parts)
     return [
         said
@@ -85,7 +107,7 @@ def part_and_owner(
     """Split "the lid of the cup" into the part, its span, and the whole."""
     start, end = thing.span
     match = _OF.fullmatch(sentence.original[start:end])
-    quoted = sentence.original[:start].endswith(_QUOTES)
+    quoted = sentence.original[:start].endswith(QUOTES)
     if match is None or quoted:
         return None
     span = start + match.start("whole"), end
@@ -135,14 +157,17 @@ def _is_description(part: ph.Place, parts: Parts, i: int, before: Parts, lexicon
         return True
     owner = before[-1] if before else None
     asked = isinstance(owner, ph.Ask | ph.Explore) and owner.thing is not None
-    if part.relation not in _TELLING or not (isinstance(owner, ph.Thing) or asked):
+    known = part.relation in _TELLING or part.relation == "from"
+    if not known or not (isinstance(owner, ph.Thing) or asked):
         return False
     if asked or any(isinstance(p, ph.Result) and p.event == "ends_up" for p in parts[:i]):
         return asked
     goal = _goal_of_verb(parts, lexicon)
+    if goal in ("lift", "remove") and part.relation == "from":
+        return False
     if goal not in _TAKES_PLACE:
         # "Lean it against the wall" is no box that stands against the wall.
-        return goal is not None and part.relation != "touching"
+        return goal is not None and part.relation not in ("touching", "above", "below")
     rest = _without_avoidances(parts[i + 1 :])
     if any(isinstance(p, ph.Place) and p.relation != "nearest" for p in rest):
         return True
@@ -151,6 +176,58 @@ def _is_description(part: ph.Place, parts: Parts, i: int, before: Parts, lexicon
     return goal not in ("place", "set_down") and (
         directed or any(isinstance(p, _ELSEWHERE) for p in said)
     )
+
+
+def _tells_reference(part: ph.Place, before: Parts, sentence: Normalised) -> bool:
+    """Check for a place right behind the name in another one: "to the jar behind the tin"."""
+    owner = before[-1] if before else None
+    if not isinstance(owner, ph.Place) or part.relation not in _TELLING:
+        return False
+    between = sentence.original[owner.span[1] : part.span[0]]
+    return _last_reference(owner) is not None and not between.strip()
+
+
+def _last_reference(part: ph.Part) -> g.ObjectRef | None:
+    """The one object that a place names, unless it is told apart already."""
+    if not isinstance(part, ph.Place) or not isinstance(part.reference, tuple):
+        return None
+    *others, last = part.reference
+    return None if others or last.pronoun or last.relation else last
+
+
+def _with_sides(parts: Parts, lexicon: Lexicon, sentence: Normalised) -> Parts:
+    """Takes "in the middle", "at the front" for a place or a mark of the object, not a touch.
+
+    That is so where the verb touches nothing in particular, or moves it another way.
+    """
+    goal = _goal_of_verb(parts, lexicon)
+    placed = any(isinstance(part, ph.Place) for part in parts)
+    said = {part.value for part in parts if isinstance(part, ph.Direction) and not part.implied}
+    out: Parts = []
+    for part in parts:
+        side, before = _side_of_table(part, sentence), out[-1] if out else None
+        if side is None or not isinstance(before, ph.Thing) or goal in _TOUCHING_ONLY:
+            out.append(part)
+        elif goal == "place" and not placed:
+            out.append(ph.Place(part.span, "at", _REGIONS[side]))
+        else:
+            elsewhere = bool(said) and _PUSHED_TO.get(side) not in (None, *said)
+            told = goal not in _TOUCHING or elsewhere or _is_nobody(before, lexicon)
+            out.append(ph.Side(part.span, side) if told else part)
+    return out
+
+
+def _is_nobody(part: ph.Thing, lexicon: Lexicon) -> bool:
+    """Check for a name that names no object: "the one in the middle"."""
+    return part.ref.text.casefold() in lexicon.nobodies
+
+
+def _side_of_table(part: ph.Part, sentence: Normalised) -> g.Quality | None:
+    """The side or the middle that may be the table's: "at the front", but no "front face"."""
+    if not isinstance(part, ph.Constraint) or not isinstance(part.constraint, g.ContactRegion):
+        return None
+    first, *_, last = sentence.words_as_written(part.span).casefold().split()
+    return _SIDES.get(last) if first in ("at", "in", "on") else None
 
 
 def _without_avoidances(parts: Parts) -> Parts:
@@ -178,6 +255,14 @@ def _attach_to_last(part: ph.Side | ph.Place, out: Parts, sentence: Normalised) 
     """Gives what tells it apart to the last thing that was named."""
     for i in reversed(range(len(out))):
         owner = out[i]
+        if isinstance(owner, ph.Place) and (ref := _last_reference(owner)):
+            told = _described_thing(ph.Thing(owner.span, ref), part).ref
+            out[i] = replace(owner, reference=(told,))
+            return
+        if isinstance(owner, ph.Toward | ph.Into) and isinstance(owner.target, g.ObjectRef):
+            told = _described_thing(ph.Thing(owner.span, owner.target), part).ref
+            out[i] = replace(owner, target=told)
+            return
         if isinstance(owner, ph.Thing):
             out[i] = _described_thing(owner, part)
             return
@@ -198,7 +283,9 @@ def _described_thing(thing: ph.Thing, part: ph.Side | ph.Place) -> ph.Thing:
             "qualities": (*ref.qualities, "near"), "noun": noun, "reference": part.reference
         }  # fmt: skip
     else:
-        update |= {"relation": part.relation, "reference": part.reference}
+        stood_on = "on" if part.relation == "from" else part.relation
+        relation = ON_THE_TABLE.get(stood_on, stood_on)
+        update |= {"relation": relation, "reference": part.reference}
     return replace(thing, ref=ref.model_copy(update=update))
 
 

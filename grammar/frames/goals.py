@@ -68,7 +68,7 @@ class Displace(BaseGoal):
     """
 
     words: ClassVar[GoalWords] = GoalWords(
-        verbs={"push": "push", "pull": "pull", "move": "move", "slide": "slide"},
+        verbs={"push": "push", "pull": "pull", "move": "move", "slide": "slide", "place": "put"},
         outcomes=("moves", "slides", "ends_up"),
     )
     kind: Literal["displace"] = "displace"
@@ -98,7 +98,7 @@ class Place(BaseGoal):
     """Bring the object to a place.
 
     Attributes:
-        relation: where, as seen from `reference`.
+        relation: where, as seen from `reference`; `in` and `on` it, or taken `out_of` or `off` it.
         reference: objects, a point or a part of the table.
         distance: gap between the surfaces [m], at most 10, or measured in objects; None if not
             said.
@@ -107,7 +107,14 @@ class Place(BaseGoal):
     """
 
     words: ClassVar[GoalWords] = GoalWords(
-        verbs={"place": "put", "push": "push", "pull": "pull", "move": "move", "slide": "slide"}
+        verbs={
+            "place": "put",
+            "push": "push",
+            "pull": "pull",
+            "move": "move",
+            "slide": "slide",
+            "lift": "take",
+        }
     )
     kind: Literal["place"] = "place"
     relation: Relation

@@ -242,7 +242,11 @@ class Phrasing:
             case g.Point(x=x, y=y):
                 words.append(f"to x {_plain_number(x)} y {_plain_number(y)}")
             case str():
-                words.append(self.phrase_for("REGION_OF_TABLE", goal.reference))
+                if goal.distance is not None:
+                    words.append(self.length_words(goal.distance))
+                    words.append(self.phrase_for("FROM_REGION", goal.reference))
+                else:
+                    words.append(self.phrase_for("REGION_OF_TABLE", goal.reference))
             case _:
                 if goal.distance is not None:
                     words.append(self.length_words(goal.distance))

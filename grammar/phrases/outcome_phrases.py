@@ -123,8 +123,9 @@ class Outcomes(TokenReader):
     def until_part(self, children: Children) -> ph.Constraint:
         """Until it touches the mug."""
         things, span = things_in(children), self.span_of(children)
-        if tokens_in(children, "TOUCHES", "TOUCHING"):
-            event = self.value_of(children, "TOUCHES", "touching")
+        if tokens_in(children, "TOUCHES", "TOUCHING", "LEVEL_WITH"):
+            event = self.value_of(children, "TOUCHES", self.value_of(children, "LEVEL_WITH"))
+            event = event or "touching"
             subject = things[0] if len(things) > 1 else None
             stop = g.Until(event=cast(Any, event), object=things[-1].ref, spans=(span,))
             return ph.Constraint(span, stop, subject)

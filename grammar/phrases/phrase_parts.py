@@ -208,6 +208,18 @@ class Table(Part):
     """On the table, of something that is put there."""
 
 
+class FromTable(Part):
+    """From the table, on which everything stands."""
+
+
+class Settles(Part):
+    """And let it fall back, of what is tilted."""
+
+
+class LetGo(Part):
+    """And let it go, which a push does anyway."""
+
+
 class Method(Part):
     """By lifting it: how something is found out."""
 

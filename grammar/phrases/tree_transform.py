@@ -39,6 +39,9 @@ _PLAIN: dict[str, tuple[Callable[..., ph.Part], str]] = {
     "sense": (ph.Sense, "SENSE"),  # clockwise
     "amount": (ph.Amount, "AMOUNT"),  # a little
     "on_table": (ph.Table, ""),  # on the table
+    "from_table": (ph.FromTable, ""),  # from the table
+    "let_go": (ph.LetGo, ""),  # and let it go
+    "settles": (ph.Settles, ""),  # and let it fall back
     "method": (ph.Method, "METHOD"),  # by lifting it
     "if": (ph.If, ""),  # if, when
     **{dialogue: (ph.Remark, dialogue) for dialogue in ("stop", "repeat", "more", "correct")},
@@ -189,6 +192,11 @@ class Parts(Manners, Outcomes, Questions):
         """To the middle of the table."""
         region = cast(g.TableRegion, self.value_of(children, "REGION_OF_TABLE"))
         return ph.Place(self.span_of(children), "at", region)
+
+    def from_region_part(self, children: Children) -> ph.Place:
+        """From the left edge."""
+        region = cast(g.TableRegion, self.value_of(children, "FROM_REGION"))
+        return ph.Place(self.span_of(children), "from", region)
 
     def point_part(self, children: Children) -> ph.Place:
         """To x 0.6 y −0.1."""

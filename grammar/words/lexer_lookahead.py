@@ -22,6 +22,8 @@ _OF_CONTENTS = ("FILLED", "FILLED_WITH", "TO_LEVEL", "SOME_OF", "PART_OF")
 
 _PERCENT = re.compile(r"[^ %]+ ?(?:%|percent|per cent)(?= |$)")
 _NAMED = re.compile(r" (?:the|my|your|our|its|it|this|that|\")")
+_ARTICLE = re.compile(r"an? ")
+_BEFORE_QUANTITIES = ("in", "under", "above", "below")
 _QUANTITIES = ("THE_SIDE_OF", "BOUND")
 _MULTIPLES = frozenset({"twice", "double", "its"})
 _NAMES_BEGIN = re.compile(r" (?:the|a|an|my|your|its) ")
@@ -98,6 +100,9 @@ class Lookahead:
             "AMOUNT": self._no_little_box,
             "CUPS": self._no_cup,
             "DOES_NOT": self._no_can,
+            "FILLER": lambda phrase, text, end, _last: (
+                phrase != "go" or self._any("VERB", text, end + 1)
+            ),
             "FILLED": self._behind_fill,
             "FILLED_WITH": self._behind_fill,
             "ON_TABLE": self._put_there,
@@ -148,13 +153,22 @@ class Lookahead:
             or any(self._any(kind, text, start) for kind in _QUANTITIES)
         )
 
+    def _begins_a_quantity(self, text: str, start: int) -> bool:
+        """Check for a number with a unit, or an article before a unit."""
+        article = _ARTICLE.match(text, start)
+        if article is None:
+            return self._begins_a_number(text, start)
+        return any(self._any(unit, text, article.end()) for unit in ("TIME_UNIT", "LENGTH_UNIT"))
+
     # --- rules --------------------------------------------------------------------------------
 
     def _before_a_number(self, _phrase: str, text: str, end: int, _last: str) -> bool:
         return self._begins_a_number(text, end + 1)
 
     def _not_into_a_name(self, phrase: str, text: str, end: int, _last: str) -> bool:
-        """On the right, but not on the right bottle."""
+        """On the right, but not on the right bottle; put it on the base is no touch."""
+        if phrase.startswith("on the") and self._last_goal(text, end - len(phrase)) == "place":
+            return False
         word = phrase.rsplit(maxsplit=1)[-1]
         return word not in self._adjectives or self._ends_name(text, end)
 
@@ -184,7 +198,11 @@ class Lookahead:
         return phrase != "," or (last == "AVOID" and self._any("AVOID", text, end + 1))
 
     def _before_a_thing(self, phrase: str, text: str, end: int, _last: str) -> bool:
-        """Over to the mug, away from the jar, but not away from the left."""
+        """Over to the mug, in a box, but not away from the left, in a second, above the table."""
+        if phrase in _BEFORE_QUANTITIES and self._begins_a_quantity(text, end + 1):
+            return False
+        if phrase.endswith(("above", "below")) and stands_at("the table", text, end + 1):
+            return False
         if phrase == "over to":
             follower = WORD.match(text, end + 1)
             return follower is not None and follower.group() in self._determiners

@@ -70,6 +70,7 @@ class Lexicon:
         terminals: terminal → phrase → value.
         adjectives: word of a name → what it tells the object by.
         nobodies: words that stand for an object without naming it.
+        robot_parts: what the robot calls its own.
         parts: parts of objects that may be opened.
         lids: parts of objects that are taken off and put on.
         names: names of several words that are read as one, whatever their words mean elsewhere.
@@ -87,6 +88,7 @@ class Lexicon:
     terminals: Mapping[str, Mapping[str, str]]
     adjectives: Mapping[str, Quality]
     nobodies: frozenset[str]
+    robot_parts: frozenset[str]
     parts: frozenset[str]
     lids: frozenset[str]
     names: frozenset[str]
@@ -121,6 +123,7 @@ class Lexicon:
                 "dict[str, Quality]", _expand_phrases("adjectives", data["adjectives"])
             ),
             nobodies=frozenset(data["nobodies"]),
+            robot_parts=frozenset(data["robot_parts"]),
             parts=frozenset(data["parts"]),
             lids=frozenset(data["lids"]),
             names=frozenset(),

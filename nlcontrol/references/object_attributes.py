@@ -139,7 +139,7 @@ def in_relation(
 ) -> list[SeenObject]:
     """The nearest of those that stand in a relation to others; several if about as near.
 
-    `left_of`, `right_of`, `in_front_of` and `behind` are a quarter of the directions each;
+    Sides and corners (`left_of`, `behind_left_of`) are a quarter of the directions each;
     `between` is inside the circle through the middles of the first and the last of `to`.
     """
     fitting = [s for s in seen if _stands_in_relation(relation, s, to)]
@@ -183,6 +183,8 @@ def _stands_by(relation: Relation, s: SeenObject, other: SeenObject) -> bool:
         u, v = _TOWARDS[relation]
         along, across = x * u + y * v, x * v - y * u
         return bool(along > 0.0 and along >= abs(across))
+    if relation in ("in", "out_of", "off"):
+        return False  # nothing is seen to stand in another thing
     if relation == "on":
         below = Polygon.convex(footprint(other))
         return bool((below.normals @ s.pose.p_WB[:2] < below.offsets).all())
@@ -243,8 +245,12 @@ _TOWARDS: dict[Relation, tuple[float, float]] = {
     "right_of": (0.0, -1.0),
     "behind": (1.0, 0.0),
     "in_front_of": (-1.0, 0.0),
+    "behind_left_of": (1.0, 1.0),
+    "behind_right_of": (1.0, -1.0),
+    "front_left_of": (-1.0, 1.0),
+    "front_right_of": (-1.0, -1.0),
 }
-"""Unit directions in W."""
+"""Directions in W."""
 
 _SCALES: dict[Quality, _Scale] = {
     "big": _Scale(_prism_volume, 1, _same_share(_prism_volume)),

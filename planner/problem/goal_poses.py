@@ -29,6 +29,14 @@ _HALVINGS = 40  # of a way of metres: far below a micrometre
 _BEYOND = 0.008  # travel beyond the place where something should be met [m]
 
 
+_CAPABILITIES = {
+    "on": "putting objects on others",
+    "in": "putting objects into others",
+    "out_of": "taking objects out of others",
+    "off": "taking objects off others",
+}
+"""Relations to objects that no push over the table brings about, and what they take."""
+
 _TIPPING = ("tips", "about_to_tip")  # events that end no way over the table
 
 
@@ -171,9 +179,10 @@ def _event_poses(problem: PlanningProblem[GoalT], goal: g.Displace, until: g.Unt
 def _place_poses(problem: PlanningProblem[GoalT], goal: g.Place) -> GoalPoses:
     target, defaults = problem.target, problem.defaults
     place = region(goal, problem.state, defaults)
-    if place is None or (isinstance(goal.reference, tuple) and goal.relation == "on"):
+    capability = _CAPABILITIES.get(goal.relation)
+    if place is None or capability is not None:
         raise not_capable(
-            "putting objects on others",
+            capability or "putting objects on others",
             "this version of the robot moves objects over the table only",
             goal.spans,
         )

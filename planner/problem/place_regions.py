@@ -25,13 +25,17 @@ from planner.geometry.footprints import footprint, gap
 from planner.types.defaults import Defaults
 from planner.types.world_state import SeenObject, TableState, WorldState
 
-SIDES: dict[str, str] = {
-    "left_of": "left",
-    "right_of": "right",
-    "in_front_of": "toward",
-    "behind": "away",
+SIDES: dict[str, tuple[str, ...]] = {
+    "left_of": ("left",),
+    "right_of": ("right",),
+    "in_front_of": ("toward",),
+    "behind": ("away",),
+    "front_left_of": ("toward", "left"),
+    "front_right_of": ("toward", "right"),
+    "behind_left_of": ("away", "left"),
+    "behind_right_of": ("away", "right"),
 }
-"""Relations to one side of an object, and the direction in which that lies."""
+"""Relations to one side or corner of an object, and the directions between which that lies."""
 
 _EDGES: dict[str, tuple[tuple[str, ...], ...]] = {
     "left_edge": (("left",),),
@@ -48,6 +52,7 @@ _EDGES: dict[str, tuple[tuple[str, ...], ...]] = {
 """Edges at which an object must stand to be in a region of the table; any of the choices will do.
 """
 
+_EIGHTH = math.tan(math.pi / 8.0)  # nearer to the diagonal than to either side
 _CLOSE = 1e-5  # accuracy of a gap [m]
 _STEPS = 60  # advances until a gap is that accurate
 
@@ -115,15 +120,18 @@ def region(goal: g.Place, state: WorldState, d: Defaults) -> Region | None:
     if isinstance(reference, g.Point):
         return Spot(reference.x, reference.y, d.place_tolerance)
     if isinstance(reference, str):
+        if goal.distance is not None:
+            assert isinstance(goal.distance, float), "lengths measured in objects are resolved"
+            d = replace(d, edge_gap=goal.distance)
         return table_region(reference, state.table, d)
     objects = tuple(state.objects[ref.id or ""] for ref in reference)
     match goal.relation, objects:
         case "between", (one, other):
             return Between(one, other, d.between_tolerance)
         case "touching", (other,):
-            return Beside(other, None, 0.0, d.touching_gap, d.place_aside)
-        case "next_to" | "at" | "left_of" | "right_of" | "in_front_of" | "behind", (other,):
-            side = SIDES.get(goal.relation)
+            return Beside(other, (), 0.0, d.touching_gap, d.place_aside)
+        case relation, (other,) if relation in SIDES or relation in ("next_to", "at"):
+            side = SIDES.get(relation, ())
             if goal.distance is None:
                 return Beside(other, side, d.place_gap, d.place_gap_tolerance, d.place_aside)
             assert isinstance(goal.distance, float), "lengths measured in objects are resolved"
@@ -165,18 +173,18 @@ class Spot(Region):
 
 @dataclass(frozen=True)
 class Beside(Region):
-    """A place next to an object, on one side of it or on any.
+    """A place next to an object, on one side of it, at one corner or anywhere.
 
     Attributes:
         other: the object.
-        side: direction in which the place lies, seen from `other`; None for any.
+        side: direction in which the place lies, seen from `other`; two for a corner, none for any.
         gap: between the surfaces [m].
         tolerance: of the gap [m].
         aside: share of the offset at which the two would no longer face each other.
     """
 
     other: SeenObject
-    side: str | None
+    side: tuple[str, ...]
     gap: float
     tolerance: float
     aside: float
@@ -184,14 +192,14 @@ class Beside(Region):
     def spots(self, own: SeenObject) -> list[Array]:
         """On its side: straight across from where the object is, and in the middle of the side."""
         here, there = _origin_of(own), _origin_of(self.other)
-        if self.side is None:
+        if not self.side:
             straight = [self._position_against(own, unit(heading_of(here - there))[:2], 0.0)]
             sides = [
                 self._position_against(own, unit(heading)[:2], 0.0) for heading in HEADINGS.values()
             ]
             return _nearest_first(here, straight + sides)
-        u = unit(HEADINGS[self.side])[:2]
-        room = max(self._room(own, u) - self.tolerance, 0.0)
+        u = self._way()
+        room = max(self._room(own, u) - self.tolerance, 0.0) if len(self.side) == 1 else 0.0
         offset = float(np.clip((here - there) @ _across_direction(u), -room, room))
         return _nearest_first(
             here, [self._position_against(own, u, offset), self._position_against(own, u, 0.0)]
@@ -201,17 +209,26 @@ class Beside(Region):
         """The gap, less than nothing on the wrong side; and how far it is from facing the other."""
         name = self.other.name
         apart = gap(footprint(own), footprint(self.other))
-        if self.side is None:
+        if not self.side:
             return (Measure(f"gap to the {name}", "about", self.gap, apart, self.tolerance),)
-        u = unit(HEADINGS[self.side])[:2]
+        u = self._way()
         way = _origin_of(own) - _origin_of(self.other)
         apart = apart if way @ u > 0.0 else -abs(apart)
-        where = {"toward": "in front", "away": "behind"}.get(self.side, f"to the {self.side}")
+        names = {"toward": "in front", "away": "behind"}
+        where = " and ".join(names.get(side, f"to the {side}") for side in self.side)
         offset, room = abs(float(way @ _across_direction(u))), self._room(own, u)
+        part = "side" if len(self.side) == 1 else "corner"
+        if part == "corner":
+            room = min(room, _EIGHTH * max(float(way @ u), 0.0))
         return (
             Measure(f"gap to the {name}, {where}", "about", self.gap, apart, self.tolerance),
-            Measure(f"off the middle of the {name}'s side", "at_most", 0.0, offset, room),
+            Measure(f"off the middle of the {name}'s {part}", "at_most", 0.0, offset, room),
         )
+
+    def _way(self) -> Array:
+        """Unit vector from the other object to the place, shape (2,)."""
+        way = sum((unit(HEADINGS[side])[:2] for side in self.side), start=np.zeros(2))
+        return np.asarray(way / np.linalg.norm(way))
 
     def _room(self, own: SeenObject, u: Array) -> float:
         """Offset across a direction that is allowed [m]."""
