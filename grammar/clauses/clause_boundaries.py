@@ -30,8 +30,7 @@ def clauses_of(parts: Sequence[ph.Part], sentence: Normalised) -> list[Parts]:
     parts = _require_joints_join(_without_requests(parts, sentence), sentence)
     if any(isinstance(part, ph.Ask) for part in parts):
         return [_question_parts(parts, sentence)]
-    polite = any(isinstance(part, ph.Filler) and part.anywhere for part in parts)
-    if sentence.question and not (polite or _is_request(sentence)):
+    if sentence.question and not _is_request(sentence):
         raise _unclear_question_error(sentence)
     clauses: list[Parts] = [[]]
     for part in parts:
@@ -92,14 +91,12 @@ def _joint_error(part: ph.Part, sentence: Normalised) -> ParseError:
 
 
 def _without_requests(parts: Sequence[ph.Part], sentence: Normalised) -> Parts:
-    """Takes "can you" for a polite request, unless a question mark ends it without "please"."""
-    polite = any(isinstance(part, ph.Filler) and part.anywhere for part in parts)
-    asked = sentence.question and not polite
+    """Takes "can you" for a polite request, unless a question mark ends the sentence."""
     return [
         part
         if not isinstance(part, ph.Ask) or part.query is not None
         else replace(part, query="possible")
-        if asked
+        if sentence.question
         else ph.Filler(part.span, False)
         for part in parts
     ]

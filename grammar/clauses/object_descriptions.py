@@ -169,7 +169,10 @@ def _is_description(part: ph.Place, parts: Parts, i: int, before: Parts, lexicon
         # "Lean it against the wall" is no box that stands against the wall.
         return goal is not None and part.relation not in ("touching", "above", "below")
     rest = _without_avoidances(parts[i + 1 :])
-    if any(isinstance(p, ph.Place) and p.relation != "nearest" for p in rest):
+    if any(
+        isinstance(p, ph.Place) and p.relation != "nearest" and not isinstance(before, ph.ThatIs)
+        for before, p in zip([None, *rest], rest, strict=False)
+    ):
         return True
     said = [*parts[:i], *rest]
     directed = any(isinstance(p, ph.Direction) and not p.implied for p in said)
