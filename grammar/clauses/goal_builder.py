@@ -83,13 +83,13 @@ def _displacement(clause: Clause, place: ph.Place | None, share: ph.Share | None
 
 
 def _edge_of(clause: Clause) -> g.TableRegion:
-    """Where "all the way to the left" ends: the edge or the corner in its directions."""
+    """The edge or the corner at which "all the way to the left" ends."""
     sides = tuple({"away": "back", "toward": "front"}.get(d, d) for d in clause.take_directions())
     return cast(g.TableRegion, "_".join((*sides, "edge" if len(sides) == 1 else "corner")))
 
 
 def _place_or_separation(clause: Clause) -> ph.Place | None:
-    """Where to; what is separated goes away from another thing."""
+    """The place to go to, or for what is separated, the thing to go away from."""
     place = clause.take_place()
     if clause.verb.direction != _APART:
         return place
