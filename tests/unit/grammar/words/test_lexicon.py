@@ -155,7 +155,8 @@ def test_vague_words_name_what_is_read() -> None:
 
 FORMS = {
     "push": ("pushed", "pushing"), "shove": ("shoved", "shoving"), "nudge": ("nudged", "nudging"),
-    "sweep": ("swept", "sweeping"), "deliver": ("delivered", "delivering"), "separate": ("separated", "separating"),
+    "sweep": ("swept", "sweeping"), "deliver": ("delivered", "delivering"),
+    "separate": ("separated", "separating"),
     "press": ("pressed", "pressing"), "poke": ("poked", "poking"), "prod": ("prodded", "prodding"),
     "tap": ("tapped", "tapping"), "pull": ("pulled", "pulling"), "drag": ("dragged", "dragging"),
     "draw": ("drawn", "drawing"), "move": ("moved", "moving"), "shift": ("shifted", "shifting"),
