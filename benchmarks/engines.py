@@ -25,7 +25,7 @@ import numpy as np
 
 from benchmarks.predictions import random_pushes, rate
 from benchmarks.pushes import Array, Push, Seen, World, random_push, roll_out
-from nlcontrol.worker_processes import worker_processes
+from nlcontrol.parallel_tasks import run_all
 from objectmodels import PrismModel
 from objectmodels.models.object_model import ObjectModel
 
@@ -76,11 +76,11 @@ def run(engine: str, seed: int, number: int) -> Run:
     return Run(push, roll_out(worlds()[engine](push.model), push))
 
 
-def run_all(engine: str, pushes: int, seed: int, workers: int) -> list[Run]:
+def engine_runs(engine: str, pushes: int, seed: int, workers: int) -> list[Run]:
     """All pushes in one engine; progress goes to standard error."""
-    with worker_processes(workers, initializer=_quiet) as pool:
-        runs = pool.map(partial(run, engine, seed), range(pushes), chunksize=5)
-        return list(_counted(runs, engine, pushes))
+    push = partial(run, engine, seed)
+    runs = run_all(push, range(pushes), workers=workers, initializer=_quiet)
+    return list(_counted(runs, engine, pushes))
 
 
 def _quiet() -> None:
@@ -179,7 +179,8 @@ def main() -> None:
     _quiet()
     engines = worlds()
     runs = {
-        engine: run_all(engine, options.pushes, options.seed, options.workers) for engine in engines
+        engine: engine_runs(engine, options.pushes, options.seed, options.workers)
+        for engine in engines
     }
     print(kinds([item.push for item in runs["Drake"]]))
     print(agreement(runs))

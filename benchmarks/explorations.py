@@ -36,7 +36,6 @@ from nlcontrol.learning.exploration_session import CENTRE_OF_MASS, explore
 from nlcontrol.learning.learning_reports import ExplorationReport
 from nlcontrol.learning.lessons import apply_lesson
 from nlcontrol.reports.exploration_report import with_truth
-from nlcontrol.worker_processes import worker_processes
 from objectmodels import ObjectModel
 from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.identification import initial_belief
@@ -262,8 +261,9 @@ def main(executor: Executor | None = None) -> int:
         for name in options.objects
         for seed in range(options.seeds)
     ]
-    with executor or worker_processes(options.workers) as pool:
-        results = carried_out(run, jobs, pool, Done, record=options.record)
+    results = carried_out(
+        run, jobs, Done, executor=executor, workers=options.workers, record=options.record
+    )
     print(TABLES[question](list(results.values())))
     return 0
 

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nlcontrol.worker_processes import worker_processes
+from nlcontrol.parallel_tasks import run_all
 from objectmodels.mechanics.grasp_stability import Contacts, GraspLoads
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from sim.hands.hand_model import Angles, GraspPosture
@@ -243,8 +243,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     options = parser.parse_args(arguments)
     cases = drawn(options.cases, options.seed)
     started = time.perf_counter()
-    with worker_processes(options.workers) as pool:
-        slips = list(pool.map(slip, cases))
+    slips = list(run_all(slip, cases, workers=options.workers))
     wall = time.perf_counter() - started
     multipliers = np.array([case.multiplier for case in cases])
     total, creep = np.array(slips).T

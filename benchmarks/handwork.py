@@ -33,7 +33,6 @@ from nlcontrol.batches.drawn_scenes import truth_as_believed
 from nlcontrol.checks.trace_measures import tilt_at_end
 from nlcontrol.checks.verdicts import PLANNED_ENDS, Check
 from nlcontrol.learning.lessons import change_contents
-from nlcontrol.worker_processes import worker_processes
 from objectmodels import ObjectModel
 from objectmodels.models.object_parts import Lid, LiftOffLid
 from sim.truth.object_truth import Truth
@@ -291,8 +290,15 @@ def main(executor: Executor | None = None) -> int:
     options = _options()
     seeds = range(options.first, options.first + options.seeds)
     jobs = [Job(sentence, seed) for sentence in options.sentence or TASKS for seed in seeds]
-    with executor or worker_processes(options.workers) as pool:
-        done = carried_out(run, jobs, pool, Done, record=options.record, told=_tell)
+    done = carried_out(
+        run,
+        jobs,
+        Done,
+        executor=executor,
+        workers=options.workers,
+        record=options.record,
+        told=_tell,
+    )
     print(table(list(done.values())))
     return 0
 

@@ -25,7 +25,7 @@ from pathlib import Path
 from typing import Any
 
 from nlcontrol.interruption import EXIT_CODES
-from nlcontrol.worker_processes import worker_processes
+from nlcontrol.parallel_tasks import run_all
 
 COMMANDS: tuple[tuple[float, tuple[str, ...]], ...] = (
     (8.0, ("say", "push the ice tea box away", "--json", "--replay", "run.html")),
@@ -203,13 +203,13 @@ def main() -> int:
     drawn = cases(options.runs, options.seed)
     times: dict[int, list[float]] = collections.defaultdict(list)
     failed, finished = 0, 0
-    with worker_processes(options.workers) as pool:
-        for case, (ending, wrong) in zip(drawn, pool.map(run, drawn), strict=True):
-            times[case.command].append(ending.wall_time)
-            failed += bool(wrong)
-            finished += ending.code is None
-            if wrong:
-                print(f"{case}: {'; '.join(wrong)}\n{ending.error[-500:]}", flush=True)
+    endings = run_all(run, drawn, workers=options.workers)
+    for case, (ending, wrong) in zip(drawn, endings, strict=True):
+        times[case.command].append(ending.wall_time)
+        failed += bool(wrong)
+        finished += ending.code is None
+        if wrong:
+            print(f"{case}: {'; '.join(wrong)}\n{ending.error[-500:]}", flush=True)
     for number, (_, command) in enumerate(COMMANDS):
         ends = sorted(times[number])
         if ends:

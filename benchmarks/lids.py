@@ -18,7 +18,7 @@ import numpy as np
 
 from benchmarks.lidbench import LidBench
 from nlcontrol.batches.drawn_scenes import scene_of
-from nlcontrol.worker_processes import worker_processes
+from nlcontrol.parallel_tasks import run_all
 from objectmodels import CylinderModel
 from objectmodels.containers import lid_forces
 from objectmodels.models.object_parts import FlipLid, Lid, LiftOffLid, ScrewCap
@@ -200,8 +200,7 @@ def main() -> None:
         for kind, share in _SHARES.items()
         for _ in range(round(share * asked.cases))
     ]
-    with worker_processes(asked.workers) as pool:
-        outcomes = list(pool.map(run, cases, chunksize=4))
+    outcomes = list(run_all(run, cases, workers=asked.workers))
     print(table(outcomes))
     for each in outcomes:
         if each.predicted != each.happened:

@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from nlcontrol.worker_processes import worker_processes
+from nlcontrol.parallel_tasks import run_all
 from objectmodels.containers.pour_dynamics import Catch, angle_for, caught_volume, pour
 from objectmodels.geometry.base_shapes import Polygon
 from objectmodels.models.object_parts import Container, Opening
@@ -298,8 +298,8 @@ def main() -> None:
     parser.add_argument("--processes", type=int, default=2)
     given = parser.parse_args()
     start = time.perf_counter()
-    with worker_processes(given.processes) as pool:
-        results = list(pool.map(one, [(given.seed, i) for i in range(given.cases)]))
+    cases = [(given.seed, i) for i in range(given.cases)]
+    results = list(run_all(one, cases, workers=given.processes))
     print(table(results))
     contents = np.array([r.case.source[1] for r in results])
     shares = {q: np.array([r.volumes[q] for r in results]) / contents for q in QUANTITIES}

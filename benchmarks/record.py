@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Hashable, Iterable
-from concurrent.futures import Executor, as_completed
+from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 from pydantic import BaseModel, ConfigDict
+
+from nlcontrol.parallel_tasks import run_all
 
 J = TypeVar("J", bound=Hashable)
 
@@ -58,19 +60,20 @@ def mend(path: Path) -> None:
 def carried_out(
     run: Callable[[J], K],
     jobs: Iterable[J],
-    pool: Executor,
     kind: type[K],
     *,
+    executor: Executor | None = None,
+    workers: int | None = None,
     record: Path | None = None,
     told: Callable[[K], None] | None = None,
 ) -> dict[J, K]:
     """All jobs' results; those that the record lacks are run and added to it.
 
     Args:
-        run: a function of a module, as the pool may be one of other processes.
+        run: a function of a module, as it is carried out elsewhere.
         jobs: which, each once.
-        pool: where.
         kind: of the results.
+        executor, workers: where, as in `nlcontrol.parallel_tasks.run_all`.
         record: file of JSON lines.
         told: of each new result.
     """
@@ -78,16 +81,11 @@ def carried_out(
     known: dict[Hashable, K] = {done.job: done for done in recorded(record, kind)}
     if record is not None:
         mend(record)
-    running = [pool.submit(run, job) for job in jobs if job not in known]
-    try:
-        for future in as_completed(running):
-            done = future.result()
-            known[done.job] = done
-            if record is not None:
-                add(record, done)
-            if told is not None:
-                told(done)
-    finally:
-        for future in running:
-            future.cancel()
+    missing = [job for job in jobs if job not in known]
+    for done in run_all(run, missing, executor=executor, workers=workers):
+        known[done.job] = done
+        if record is not None:
+            add(record, done)
+        if told is not None:
+            told(done)
     return {job: known[job] for job in jobs}

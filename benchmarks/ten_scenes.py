@@ -10,16 +10,16 @@ sensors.
 from __future__ import annotations
 
 import argparse
-import itertools
 import math
 import sys
 from concurrent.futures import Executor
+from functools import partial
 
 import numpy as np
 
 from nlcontrol import Controller, Registry
+from nlcontrol.parallel_tasks import run_all
 from nlcontrol.results.result import Result
-from nlcontrol.worker_processes import worker_processes
 from sim.truth.scene_file import Scene, load_scene
 
 SENTENCE = "push the ice tea box away without toppling it"
@@ -83,10 +83,9 @@ def main(executor: Executor | None = None) -> int:
     parser.add_argument("--sentence", default=SENTENCE)
     options = parser.parse_args()
     seeds = range(options.scenes)
-    with executor or worker_processes(options.workers) as pool:
-        results = dict(
-            zip(seeds, pool.map(run, seeds, itertools.repeat(options.sentence)), strict=True)
-        )
+    say = partial(run, sentence=options.sentence)
+    found = run_all(say, seeds, executor=executor, workers=options.workers)
+    results = dict(zip(seeds, found, strict=True))
     print(table(results))
     return 0 if all(result.ok for result in results.values()) else 1
 

@@ -16,8 +16,8 @@ from concurrent.futures import Executor
 
 from benchmarks.ten_scenes import SENTENCE
 from nlcontrol import Controller, Registry
+from nlcontrol.parallel_tasks import run_all
 from nlcontrol.results.result import Result
-from nlcontrol.worker_processes import worker_processes
 from objectmodels import ObjectModel
 from sim.truth.scene_file import load_scene
 
@@ -67,10 +67,10 @@ def main(executor: Executor | None = None) -> int:
     options = parser.parse_args()
     print("seed  mass  status       moved  felt")
     satisfied = 0
-    with executor or worker_processes(options.workers) as pool:
-        for seed, result in enumerate(pool.map(run, range(options.seeds))):
-            satisfied += result.ok
-            print(line(seed, result), flush=True)
+    results = run_all(run, range(options.seeds), executor=executor, workers=options.workers)
+    for seed, result in enumerate(results):
+        satisfied += result.ok
+        print(line(seed, result), flush=True)
     print(f"satisfied: {satisfied} of {options.seeds}")
     return 0
 

@@ -25,7 +25,6 @@ from benchmarks.goals.tables import report
 from benchmarks.goals.worlds import Job
 from benchmarks.record import carried_out
 from nlcontrol.batches.drawn_scenes import pushable_models
-from nlcontrol.worker_processes import worker_processes
 
 _MOST = 100_000  # numbers that are looked through for cases that are chosen
 
@@ -103,12 +102,22 @@ def main(executor: Executor | None = None) -> int:
             scene, sentence = said(job)
             print(f"{job.seed}-{job.number} ({len(scene.objects)} objects): {sentence.text}")
         return 0
-    with executor or worker_processes(options.workers) as pool:
-        done = carried_out(run, jobs, pool, Done, record=options.record, told=_told)
-        results = list(done.values())
-        print(report(results), flush=True)
-        if options.confirm:
-            print("\n" + confirmed(results, options.confirm, pool, options.record, options.tries))
+    record, workers = options.record, options.workers
+    done = carried_out(
+        run, jobs, Done, executor=executor, workers=workers, record=record, told=_told
+    )
+    results = list(done.values())
+    print(report(results), flush=True)
+    if options.confirm:
+        found = confirmed(
+            results,
+            options.confirm,
+            executor=executor,
+            workers=workers,
+            record=record,
+            tries=options.tries,
+        )
+        print("\n" + found)
     return 0
 
 

@@ -87,20 +87,34 @@ class Confirmation(Kept[Doubt]):
 
 
 def confirmed(
-    results: Sequence[Done], most: int, pool: Executor, record: Path | None, tries: int
+    results: Sequence[Done],
+    most: int,
+    *,
+    executor: Executor | None,
+    workers: int | None,
+    record: Path | None,
+    tries: int,
 ) -> str:
     """Looks into refusals, spread over the classes, and tells about them.
 
     Args:
         results: among which there are refusals.
         most: how many of them.
-        pool: where.
+        executor, workers: where.
         record: of the results; what is found is kept beside it.
         tries: roll-outs in each round of a search.
     """
     doubts = [Doubt(done.job, reason, tries) for done, reason in _sample(results, most)]
     beside = record and record.with_name(f"{record.stem}.confirmed{record.suffix}")
-    found = carried_out(confirm, doubts, pool, Confirmation, record=beside, told=_tell)
+    found = carried_out(
+        confirm,
+        doubts,
+        Confirmation,
+        executor=executor,
+        workers=workers,
+        record=beside,
+        told=_tell,
+    )
     return table(list(found.values()))
 
 

@@ -12,23 +12,19 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Generator, Iterable, Mapping
-from concurrent.futures import (
-    BrokenExecutor,
-    Executor,
-    Future,
-    as_completed,
-)
-from contextlib import closing, nullcontext
+from concurrent.futures import BrokenExecutor, Executor
+from contextlib import closing
 from dataclasses import asdict
+from functools import partial
 from importlib.metadata import version
 from typing import TYPE_CHECKING
 
 from nlcontrol import __version__
 from nlcontrol.errors import error, known_errors_raised
 from nlcontrol.outcome_maps.experiment_record import Record
+from nlcontrol.parallel_tasks import run_all
 from nlcontrol.references.object_names import find_by_name, names_on_table
 from nlcontrol.text_format import enumeration
-from nlcontrol.worker_processes import worker_processes
 from sim.face_experiment import applied_force as appliedforce
 from sim.face_experiment.face_contact import Contact, Touch, TouchResult, Way
 from sim.face_experiment.finger_push import FingerTouch
@@ -140,7 +136,8 @@ class FaceExperiment:
             report: told of the progress.
 
         Raises:
-            ControlError: `worker_lost` if a process ended; what was done by then is kept.
+            ControlError: `worker_lost` if the executor has ended, or a push has ended two processes;
+                what was done by then is kept.
         """
         total = len(self.missing)
         if total:
@@ -155,33 +152,21 @@ class FaceExperiment:
     def _carried_out(
         self, executor: Executor | None, workers: int | None
     ) -> Generator[tuple[str, TouchResult]]:
-        """Results as they come, kept before they are handed on."""
-        lost: BrokenExecutor | None = None
-        with nullcontext(executor) if executor else worker_processes(workers) as pool:
-            futures: dict[Future[TouchResult], str] = {}
-            try:
-                for key, contact in self.missing.items():
-                    push = pool.submit(self._touch, self._scene, contact, seed=self._seed)
-                    futures[push] = key
-                for future in as_completed(futures):
-                    raised = future.exception()
-                    if isinstance(raised, BrokenExecutor):
-                        lost = raised  # others may still hold results
-                        continue
-                    key, result = futures[future], future.result()
+        """Results in the order of the contacts, kept before they are handed on."""
+        touch = partial(self._touch, self._scene, seed=self._seed)
+        results = run_all(touch, self.missing.values(), executor=executor, workers=workers)
+        try:
+            with closing(results):
+                for (key, contact), result in zip(self.missing.items(), results, strict=True):
                     if self._record:
-                        contact = self.missing[key]
                         self._record.add(key, contact, self._by, self._seed, result)
                     yield key, result
-            finally:
-                for future in futures:
-                    future.cancel()
-        if lost is not None:
+        except BrokenExecutor as raised:
             raise error(
                 "worker_lost",
                 "a process that carried out pushes has ended",
                 suggestions=("run it again with --record: what was done is kept there",),
-            ) from lost
+            ) from raised
 
 
 def _digest(*parts: object) -> str:
