@@ -73,7 +73,8 @@ def carried_out(
         run: a function of a module, as it is carried out elsewhere.
         jobs: which, each once.
         kind: of the results.
-        executor, workers: where, as in `nlcontrol.parallel_tasks.run_all`.
+        executor: where; processes of this machine if not given.
+        workers: how many.
         record: file of JSON lines.
         told: of each new result.
     """

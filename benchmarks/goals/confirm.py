@@ -100,7 +100,8 @@ def confirmed(
     Args:
         results: among which there are refusals.
         most: how many of them.
-        executor, workers: where.
+        executor: where; processes of this machine if not given.
+        workers: how many.
         record: of the results; what is found is kept beside it.
         tries: roll-outs in each round of a search.
     """

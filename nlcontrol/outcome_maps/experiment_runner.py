@@ -136,8 +136,8 @@ class FaceExperiment:
             report: told of the progress.
 
         Raises:
-            ControlError: `worker_lost` if the executor has ended, or a push has ended two processes;
-                what was done by then is kept.
+            ControlError: `worker_lost` if the executor has ended, or a push two processes; what was
+                done by then is kept.
         """
         total = len(self.missing)
         if total:
