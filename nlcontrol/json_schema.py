@@ -69,9 +69,9 @@ def schema() -> dict[str, Any]:
 
     `Command` is what `parse` answers, `Result` what `plan` and `say` (its `answer` is that to a
     question, its steps carry a `Lesson` for what each push taught), `PushPrediction` what `predict`
-    does, `FitReport` what `fit` does, `ExplorationReport` what `explore` does, `RowResult` a line of
-    `batch` and `BatchSummary` its summary (`BatchRow` is a row that it takes), `Failure` what any
-    of them does where it got no further. Each document bears `schema_version` and `ok`; a later
+    does, `FitReport` what `fit` does, `ExplorationReport` what `explore` does, `RowResult` a line
+    of `batch` and `BatchSummary` its summary (`BatchRow` is a row that it takes), `Failure` what
+    any of them does where it got no further. Each document bears `schema_version` and `ok`; a later
     minor version adds fields, a later major one renames or removes some. Numbers are in SI units,
     angles in radians, spans are `[start, end)` in code points of the sentence as given.
     `Defaults` is what a scene file's `defaults` and `--set` take, in the units that its names bear.
