@@ -183,16 +183,21 @@ def simulate_pour(
     )
     time, tilt = (np.broadcast_to(x, (*volume.shape, x.shape[-1])) for x in (time, tilt))
     brim, strips = vessel.brim(tilt, heading[..., None]), vessel.strips(heading)
-    left, heads = [volume], []
+    left, heads = [volume], [np.zeros_like(volume)]
     for i in range(time.shape[-1]):
         now = left[-1]
-        heads.append(np.maximum(vessel.liquid_head(now, tilt[..., i], heading, strips), 0.0))
+        if (now > brim[..., i]).any():
+            # It changes little from one sample to the next.
+            head = vessel.liquid_head(now, tilt[..., i], heading, strips, near=heads[-1])
+            heads.append(np.maximum(head, 0.0))
+        else:
+            heads.append(np.zeros_like(now))
         if i + 1 < time.shape[-1]:
             flow = outflow_rate(heads[-1], tilt[..., i], vessel.opening.radius)
             most = np.maximum(now - brim[..., i], 0.0)
             left.append(now - np.minimum(flow * (time[..., i + 1] - time[..., i]), most))
     poured = volume[..., None] - np.stack(left, axis=-1)
-    return Pour(time, tilt, poured, np.stack(heads, axis=-1))
+    return Pour(time, tilt, poured, np.stack(heads[1:], axis=-1))
 
 
 def pour(

@@ -110,15 +110,16 @@ class Vessel:
         tilt: ArrayLike,
         heading: ArrayLike,
         strips: VesselStrips | None = None,
+        near: Array | None = None,
     ) -> Array:
         """Height of the surface of a volume above B's origin [m].
 
         What does not fit into the cavity stands on top of its opening. `strips` are those of the
-        headings, where they are at hand.
+        headings, where they are at hand; `near` is a guess, for speed.
         """
         volume, tilt, heading = _broadcast_arrays(volume, tilt, heading)
         inside = np.clip(volume, 0.0, self.capacity)
-        level = (strips or self.strips(heading)).at_tilt(tilt).level_of(inside)
+        level = (strips or self.strips(heading)).at_tilt(tilt).level_of(inside, near)
         over = (volume - inside) / (np.pi * self.opening.radius**2)
         return np.asarray(level + over)
 
@@ -128,10 +129,17 @@ class Vessel:
         tilt: ArrayLike,
         heading: ArrayLike,
         strips: VesselStrips | None = None,
+        near: Array | None = None,
     ) -> Array:
-        """Height of the surface above the lip; nothing runs out up to zero [m]."""
-        level = self.surface_level(volume, tilt, heading, strips)
-        return level - self.lip_height(tilt, heading)
+        """Height of the surface above the lip; nothing runs out up to zero [m].
+
+        Strips and a guess of the height as of `surface_level`.
+        """
+        lip = self.lip_height(tilt, heading)
+        return (
+            self.surface_level(volume, tilt, heading, strips, None if near is None else lip + near)
+            - lip
+        )
 
     def centroid(self, volume: ArrayLike, tilt: ArrayLike, heading: ArrayLike) -> Array:
         """Centre of a volume that it holds, in B, shape (..., 3) [m].

@@ -90,13 +90,18 @@ class TiltedStrips:
         volume = (area * ((filled - empty) / self._span)).sum(axis=-1)
         return volume, (area * (below - above) / (self._span * self._steep)).sum(axis=-1)
 
-    def level_of(self, volume: Array) -> Array:
-        """Level below which there is a volume [m]; Newton's method in a bracket that shrinks."""
+    def level_of(self, volume: Array, near: Array | None = None) -> Array:
+        """Level below which there is a volume [m]; Newton's method in a bracket that shrinks.
+
+        It begins at the levels `near`, if given.
+        """
         s = self._strips
         ends = s.along[..., 0] - s.half[..., 0], s.along[..., -1] + s.half[..., -1]
         heights = [z * self._cos - end * self._sin for z in (s.floor, s.top) for end in ends]
         low, high = np.min(heights, axis=0), np.max(heights, axis=0)
         level = low + (high - low) * volume / s.capacity
+        if near is not None:
+            level = np.clip(near, low, high)
         with np.errstate(divide="ignore", invalid="ignore"):
             for _ in range(_MOST_STEPS):
                 below, area = self.volume_below(level)
