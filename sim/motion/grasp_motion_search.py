@@ -283,17 +283,19 @@ class GraspMotionSearch:
         open_hand = self._hold.hand_spheres(is_open=True)
 
         def is_free(q: Array) -> NDArray[np.bool_]:
-            self.work += _ROAD
             return self._scenery.is_free(self._mount.robot_spheres(open_hand, q), stands)
+
+        def spend() -> None:
+            self.work += _ROAD
 
         arm, home = self._mount.arm, self._mount.home
         up = np.array([[0.0, 0.0, height] for height in _RAISED])
         raised, valid = way.joint_angles(np.broadcast_to(R_WB, (len(up), 3, 3)), p_WB + up)
         raised = raised[valid]
         places = np.vstack([raised, 0.5 * (home + q), 0.5 * (home + raised)])
-        found = free_path(arm, home, q, places, is_free)
+        found = free_path(arm, home, q, places, is_free, spend)
         if found is None:
-            found = free_path(arm, home, q, sample_configurations(home, q), is_free)
+            found = free_path(arm, home, q, sample_configurations(home, q), is_free, spend)
         return found
 
 

@@ -293,14 +293,16 @@ class PushMotionSearch:
 
         def is_free(q: Array) -> NDArray[np.bool_]:
             # The hand comes back the same way, when the object is where it was pushed.
-            self._work += _ROAD
             robot = found.stance.robot_spheres(q)
             free = self._scenery.is_free(robot)
             if free.any():
                 free[free] = self._pushed[-1].is_clear(robot[free])
             return free
 
-        return free_path(self._mount.arm, self._mount.home, found.above, places, is_free)
+        def spend() -> None:
+            self._work += _ROAD
+
+        return free_path(self._mount.arm, self._mount.home, found.above, places, is_free, spend)
 
     def _come_off(self, hands: PostureSet, solved: IkSolutions) -> NDArray[np.bool_]:
         """Which hands also get off a face that they have turned, and back to the start, (k,)."""

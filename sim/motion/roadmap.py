@@ -3,7 +3,8 @@
 Model: a road map in joint space whose roads are looked at only when a shortest way takes them (a
 lazy probabilistic road map). First the map has a few places that mostly do; if they do not, places
 drawn from a fixed seed are added. How much is looked at is bounded, so that a way that does not
-exist costs little.
+exist costs little; where some roads are blocked, all from the start or to the goal are looked at
+coarsely together, which takes hardly longer than a few.
 """
 
 from __future__ import annotations
@@ -27,11 +28,17 @@ _STEP = 0.05  # largest change of a joint between two poses looked at [rad]
 _COARSE = 8  # of these, the first looked at
 _STOPPING = 0.5  # what coming to rest at a place costs, as an angle to go [rad]
 _DRAWN, _MOST_ROADS = 80, 60  # places drawn, and roads looked at in vain
+_SINGLY = 4  # roads that are looked at one by one
 _BEYOND = 1.0  # how far places are drawn beyond start and goal [rad]
 
 
 def free_path(
-    arm: ArmKinematics, start: Array, goal: Array, places: Array, is_free: IsFree
+    arm: ArmKinematics,
+    start: Array,
+    goal: Array,
+    places: Array,
+    is_free: IsFree,
+    spend: Callable[[], None] = lambda: None,
 ) -> tuple[Array, ...] | None:
     """Arm poses between start and goal, joined by straight lines that are free.
 
@@ -41,15 +48,17 @@ def free_path(
         goal: the same at its end.
         places: that the way may take where the joints have room, shape (n, joints) [rad].
         is_free: what is in the way.
+        spend: called for the places, and whenever a road is looked at, coarsely or closely.
 
     Returns:
         None if no way was found.
     """
     nodes = np.vstack([start, goal, places[arm.joint_room(places) >= LIMIT_MARGIN]])
+    spend()
     free = is_free(nodes)
     if not free[:2].all():
         return None
-    return _shortest_free(nodes[free], is_free)
+    return _shortest_free(_Roads(nodes[free], is_free, spend))
 
 
 def sample_configurations(start: Array, goal: Array) -> Array:
@@ -64,8 +73,41 @@ def interpolate_joints(start: Array, goal: Array) -> Array:
     return np.asarray(start + np.linspace(0.0, 1.0, n)[:, None] * (goal - start))
 
 
-def _shortest_free(nodes: Array, is_free: IsFree) -> tuple[Array, ...] | None:
+class _Roads:
+    """The straight roads between nodes, node 0 the start and node 1 the goal."""
+
+    def __init__(self, nodes: Array, is_free: IsFree, spend: Callable[[], None]) -> None:
+        self.nodes, self._is_free, self._spend = nodes, is_free, spend
+        self._coarsely: dict[tuple[int, int], bool] = {}
+
+    def is_free(self, road: tuple[int, int]) -> bool:
+        """True if all poses of a road are free; most that are not show it in a few."""
+        self._spend()
+        if road not in self._coarsely:
+            self._look_coarsely(road)
+        if not self._coarsely[road]:
+            return False
+        self._spend()
+        return bool(self._is_free(self._poses(road)).all())
+
+    def _poses(self, road: tuple[int, int]) -> Array:
+        return interpolate_joints(self.nodes[road[0]], self.nodes[road[1]])
+
+    def _look_coarsely(self, road: tuple[int, int]) -> None:
+        roads = {road}
+        if len(self._coarsely) >= _SINGLY:
+            roads |= {(0, k) for k in range(1, len(self.nodes))}
+            roads |= {(k, 1) for k in range(2, len(self.nodes))}
+        new = sorted(roads - self._coarsely.keys())
+        poses = [self._poses(each)[::_COARSE] for each in new]
+        free = self._is_free(np.concatenate(poses))
+        first = np.cumsum([0, *map(len, poses[:-1])])
+        self._coarsely |= zip(new, np.logical_and.reduceat(free, first).tolist(), strict=True)
+
+
+def _shortest_free(roads: _Roads) -> tuple[Array, ...] | None:
     """The shortest free way from the first node to the second."""
+    nodes = roads.nodes
     length = np.linalg.norm(nodes[:, None] - nodes, axis=-1) + _STOPPING
     known: set[tuple[int, int]] = set()
     for _ in range(_MOST_ROADS):
@@ -73,19 +115,13 @@ def _shortest_free(nodes: Array, is_free: IsFree) -> tuple[Array, ...] | None:
         if way is None:
             return None
         for road in itertools.pairwise(way):
-            if road not in known and not _is_free_road(nodes[road[0]], nodes[road[1]], is_free):
+            if road not in known and not roads.is_free(road):
                 length[road] = length[road[::-1]] = np.inf
                 break
             known.add(road)
         else:
             return tuple(nodes[way[1:-1]])
     return None
-
-
-def _is_free_road(start: Array, goal: Array, is_free: IsFree) -> bool:
-    """True if all poses of a straight road are free; most that are not show it in a few."""
-    poses = interpolate_joints(start, goal)
-    return all(bool(is_free(some).all()) for some in (poses[::_COARSE], poses))
 
 
 def _shortest_path(length: Array) -> list[int] | None:
