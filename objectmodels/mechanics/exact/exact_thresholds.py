@@ -262,13 +262,20 @@ class _Search:
         else:
             ends = list(np.arange(1, _LOOKS)[:, None] / _LOOKS * found)
         lo, hi, earlier = np.zeros(i.size), found.copy(), np.zeros(i.size, dtype=bool)
-        for end in ends:
-            (k,) = np.nonzero((end < found * (1.0 - _SHORT)) & ~earlier)
+        # Few pushes are looked at at many ends at once.
+        at_once = max(BLOCK // max(len(self.springs.points) * i.size, 1), 1)
+        for start in range(0, len(ends), at_once):
+            r = np.array(ends[start : start + at_once])
+            slides, holds = np.zeros((2, *r.shape), dtype=bool)
+            row, k = np.nonzero((r < found * (1.0 - _SHORT)) & ~earlier)
             if not k.size:
                 continue
-            slides = self.friction_excess(end[k], i[k])[0] < -_PRECISE * self.h[i[k]] * end[k]
-            hi[k[slides]], lo[k[~slides]] = end[k[slides]], end[k[~slides]]
-            earlier[k[slides]] = True
+            excess = self.friction_excess(r[row, k], i[k])[0]
+            slides[row, k] = excess < -_PRECISE * self.h[i[k]] * r[row, k]
+            holds[row, k] = ~slides[row, k]
+            first = np.where(slides, r, np.inf).min(axis=0)
+            lo = np.maximum(lo, np.where(holds & (r < first), r, 0.0).max(axis=0))
+            hi, earlier = np.minimum(hi, first), earlier | slides.any(axis=0)
         return lo[earlier], hi[earlier], earlier
 
     def pressure_centres(self, r: Array, i: Index) -> tuple[Array, Array]:
