@@ -56,9 +56,9 @@ async function start() {
   $("top").append(tablePicker(state, api), sentencePanel(state, api));
   $("below").append(approvalPanel(state, api), timelinePanel(state, api, view, player));
   $("story").append(
-    examplesPanel(state, api), understandingPanel(state, api), answerPanel(state),
-    predictionPanel(state, api, view), runPanel(state, api, view),
-    parametersPanel(state), historyPanel(state, api, view), libraryPanel(state, api, view),
+    runPanel(state, api), examplesPanel(state, api), understandingPanel(state, api),
+    answerPanel(state), predictionPanel(state, api, view), parametersPanel(state),
+    historyPanel(state, api), libraryPanel(state, api, view),
   );
   state.on(["problem"], tellProblem);
   state.on(["session"], () => showTable(state, api, view));

@@ -4,8 +4,8 @@ import { Vector3 } from "./vendor/three.module.min.js";
 import { FrameTrack, bytesOf, series } from "./frame_track.js";
 
 const NEAR = 0.8; // share of the distance from which a contact is looked at
-const FAR = 1.45; // the same, of the whole table with the arm over it
-const OVERVIEW = new Vector3(0, 0, 0.22); // from the table to what is looked at then [m]
+const FAR = 1.6; // the same, of the whole table with the arm over it
+const OVERVIEW = new Vector3(0, 0, 0.3); // from the table to what is looked at then [m]
 const MIDDLE = 0.3; // how much of the table stays the place that is looked at
 const FELT = 0.25; // force from which a finger is shown to press [N]
 const LAG = 0.25; // of a live view, so that it can interpolate [s]
