@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
-PATIENCE = 60.0
+PATIENCE = 120.0
 """Longest time to wait for something, on a machine that has other things to do [s]."""
 
 

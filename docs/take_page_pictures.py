@@ -1,0 +1,93 @@
+"""Takes the pictures of `docs/page.md` and the README's first one from the page as it runs.
+
+    python -m docs.take_page_pictures
+
+It serves, opens the page in Chromium without a display and says sentences, so a push takes as long
+as on a real table.
+"""
+
+from __future__ import annotations
+
+import shutil
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from tests.browser.conftest import FLAGS, NAMES
+from tests.browser.open_page import OpenPage
+from tests.service_process import serving
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, ViewportSize
+
+IMAGES = Path(__file__).parent / "images"
+DESKTOP: ViewportSize = {"width": 1280, "height": 800}
+PHONE: ViewportSize = {"width": 390, "height": 844}
+SENTENCE = "push the ice tea box away without toppling it"
+REFUSED = "push the ice tea box away at the top without toppling it"
+
+
+def main() -> None:
+    """Takes all pictures."""
+    from playwright.sync_api import sync_playwright
+
+    path = next((found for name in NAMES if (found := shutil.which(name))), None)
+    if path is None:
+        sys.exit(f"no browser: none of {', '.join(NAMES)} is installed")
+    with serving() as server, sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=path, args=FLAGS)
+        _take_all(browser, server.url)
+        browser.close()
+
+
+def _take_all(browser: Browser, url: str) -> None:
+    opened = OpenPage.opened(browser, url, viewport=DESKTOP)
+    opened.wait("page.view.viewer?.frames > 0")
+    _take(opened, "page_start")
+    _say(opened, REFUSED)
+    _take(opened, "page_refusal")
+    _say(opened, SENTENCE)
+    _take(opened, "page_plan")
+    _take(opened, "page_plan_phone", scheme="dark", size=PHONE)
+    opened.page.click("#do-it")
+    opened.wait("page.state.get('events').some(({ event }) => event.phase === 'push')")
+    opened.wait(
+        "page.state.get('events').at(-1).event.time > page.state.get('events')"
+        ".findLast(({ event }) => event.phase === 'push').event.time + 2"
+    )
+    _take(opened, "page_run", settled=False)
+    _take(opened, "page_run_dark", scheme="dark", settled=False)
+    opened.wait("page.state.get('result') && !document.querySelector('#controls').hidden")
+    opened.page.locator("#time").fill("9")
+    _take(opened, "page_verdict")
+    _take(opened, "page_verdict_phone", size=PHONE)
+
+
+def _say(opened: OpenPage, text: str) -> None:
+    opened.page.fill("#say", text)
+    opened.page.press("#say", "Enter")
+    opened.wait("page.state.get('offer') && !page.state.get('asking')")
+
+
+def _take(
+    opened: OpenPage,
+    name: str,
+    *,
+    scheme: Literal["light", "dark"] = "light",
+    size: ViewportSize = DESKTOP,
+    settled: bool = True,
+) -> None:
+    """Takes one picture, once what stands still is drawn finely."""
+    opened.ask("page.view.viewer.quality.level = 0")  # as a graphics card draws
+    opened.page.emulate_media(color_scheme=scheme)
+    opened.page.set_viewport_size(size)
+    opened.ask("scrollTo(0, 0), page.view.viewer.invalidate()")
+    time.sleep(0.3)  # in which the page takes its form
+    if settled:
+        opened.wait("page.view.viewer.holder.dataset.settled === String(page.view.viewer.frames)")
+    opened.page.screenshot(path=IMAGES / f"{name}.png")
+
+
+if __name__ == "__main__":
+    main()
