@@ -22,7 +22,11 @@ if TYPE_CHECKING:
 
 def table_answer(view: TableView, detail: bool) -> ToolAnswer:
     """The table as it is believed to be."""
-    seen = [item.model_dump(mode="json", exclude_defaults=True) for item in view.objects]
+    figures = {"mass", "mass_sd", "friction", "friction_sd"}  # for which there are questions
+    seen = [
+        item.model_dump(mode="json", exclude_defaults=True, exclude=figures)
+        for item in view.objects
+    ]
     names = ", ".join(item.name for item in view.objects)
     holds = f"; the hand holds the {view.held}" if view.held else ""
     known = "seen by the camera" if view.source == "camera" else "stated by the caller"

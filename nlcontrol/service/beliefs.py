@@ -88,6 +88,10 @@ def _table_object(seen: SeenObject, model: str) -> TableObject:
         fragile=seen.fragile,
         fixed=seen.fixed,
         lid=None if seen.lid is None else finite_or_none(seen.lid),
+        mass=seen.model.mass,
+        mass_sd=seen.model.mass_sd,
+        friction=seen.model.friction,
+        friction_sd=seen.model.friction_sd,
     )
 
 

@@ -120,6 +120,8 @@ class TableObject(DocumentPart):
         fragile: whether hand and other objects keep well away from it.
         fixed: whether a holder keeps it where it stands.
         lid: how far its lid is seen to be open; null without one.
+        mass, mass_sd: as believed now, and the standard deviation of that [kg].
+        friction, friction_sd: coefficient at the table, likewise.
     """
 
     name: str
@@ -132,6 +134,10 @@ class TableObject(DocumentPart):
     fragile: bool = False
     fixed: bool = False
     lid: float | None = None
+    mass: float
+    mass_sd: float
+    friction: float
+    friction_sd: float
 
 
 class TableView(Document):

@@ -17,7 +17,7 @@ from sim.rotations import Array
 from sim.truth.scene_file import Scene
 from sim.views.liquid_view import COLOUR, triangles
 from sim.views.trace_scene import TraceScene
-from sim.views.visual_additions import FLOOR, box_shapes, furniture, object_shapes
+from sim.views.visual_additions import FLOOR, believed_shapes, furniture, object_shapes
 from sim.worlds.drake.drake_plant import Plant
 
 if TYPE_CHECKING:
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from pydrake.multibody.tree import RigidBody
     from pydrake.systems.framework import Context
 
+    from objectmodels import ObjectModel
     from sim.worlds.ports import Sample
 
 FORMAT = "nlcontrol-viewer-scene/1"
@@ -46,16 +47,16 @@ def viewer_scene(scene: Scene, model: Plant) -> dict[str, Any]:
     return _document(scene.name, bodies)
 
 
-def boxes_scene(name: str, sizes: Mapping[str, Sequence[float]]) -> dict[str, Any]:
-    """Objects of which no more than the box about them is known, as `viewer_scene` has bodies.
+def believed_scene(name: str, models: Mapping[str, ObjectModel]) -> dict[str, Any]:
+    """Objects as they are believed to be, as `viewer_scene` has bodies.
 
     Args:
         name: of the scene.
-        sizes: of the boxes along their own axes, by the names of the objects [m].
+        models: of the objects, by their names there.
     """
     bodies = [
-        {"name": each, "kind": "object", "object": each, "shapes": box_shapes(each, size)}
-        for each, size in sizes.items()
+        {"name": each, "kind": "object", "object": each, "shapes": believed_shapes(each, model)}
+        for each, model in models.items()
     ]
     return _document(name, bodies)
 

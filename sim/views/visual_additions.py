@@ -13,10 +13,14 @@ from typing import Any
 
 import numpy as np
 
+from objectmodels.models.convex_hull import HullModel
+from objectmodels.models.object_model import ObjectModel
+from objectmodels.models.upright_solids import BoxModel, CylinderModel
 from objectmodels.models.vessel import Vessel
 from sim.rotations import quaternion, rot_z
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Scene, SceneObject
+from sim.views.liquid_view import triangles
 
 Shape = dict[str, Any]
 
@@ -58,6 +62,39 @@ def object_shapes(item: SceneObject, shapes: list[Shape]) -> list[Shape]:
         if truth.container is not None and truth.lid is None:
             drawn.append(_spout(truth))
     return drawn
+
+
+def believed_shapes(name: str, model: ObjectModel) -> list[Shape]:
+    """The shapes of an object as it is believed to be, with its name on the sides of a box."""
+    if isinstance(model, BoxModel):
+        return box_shapes(name, model.extents)
+    if isinstance(model, CylinderModel):
+        round_shapes = [_turned(model)]
+        if model.name in _WITH_HANDLE:
+            round_shapes.append(_handle(model.radius, model.top, _WHITE))
+        return round_shapes
+    corners = np.array([(x, y, z) for z in (0.0, model.top) for x, y in model.outline])
+    if isinstance(model, HullModel):
+        corners = np.array(model.vertices)
+    points, faces = triangles([corners])
+    measures = {"corners": points.ravel().round(5).tolist(), "faces": faces.ravel().tolist()}
+    return [{"name": "solid", "kind": "mesh", "pose": _HERE, "colour": _WHITE, **measures}]
+
+
+def _turned(model: CylinderModel) -> Shape:
+    """A cylinder on its foot; hollow if it is a wide container without a lid."""
+    radius, base = model.radius, model.base_radius or model.radius
+    profile = [(0.0, 0.0), (base, 0.0), (radius, radius - base), (radius, model.top)]
+    container = model.container
+    if container and model.lid is None and container.opening.radius > _WIDE * radius:
+        inner, floor = radius - container.wall, container.wall
+        profile += [(inner, model.top), (inner, floor), (0.0, floor)]
+    else:
+        profile.append((0.0, model.top))
+    return {
+        "name": "solid", "kind": "lathe", "pose": _HERE, "colour": _WHITE,
+        "profile": [(round(r, 5), round(z, 5)) for r, z in profile],
+    }  # fmt: skip
 
 
 def box_shapes(name: str, size: Sequence[float]) -> list[Shape]:

@@ -15,6 +15,7 @@ from nlcontrol.service.http.guard.browser_login import BrowserLogin
 from nlcontrol.service.http.openapi_document import PROBLEMS
 from nlcontrol.service.http.request_bodies import LoginBody, ObjectPath
 from nlcontrol.service.http.service_access import Service, document_response
+from nlcontrol.service.live_documents import SceneGeometry
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel
@@ -100,10 +101,12 @@ class ObjectDescription(Document):
     Attributes:
         summary: in a few figures.
         model: every figure, as docs/models.md names them.
+        geometry: its shapes, for a viewer.
     """
 
     summary: ObjectSummary
     model: dict[str, Any]
+    geometry: SceneGeometry
 
 
 @ROUTER.get("/health", operation_id="health", response_model=Health)
@@ -152,11 +155,16 @@ def list_objects(service: Service) -> Response:
 def read_object(name: ObjectPath) -> Response:
     """Tells what is believed about an object, by its name or a synonym."""
     from objectmodels import Registry
+    from sim.views.viewer_scene import believed_scene
 
     with known_errors_raised():
         model = Registry.default().find_one(name)
     return document_response(
-        ObjectDescription(summary=_object_summary(model), model=model.model_dump(mode="json"))
+        ObjectDescription(
+            summary=_object_summary(model),
+            model=model.model_dump(mode="json"),
+            geometry=SceneGeometry(source="belief", **believed_scene(name, {name: model})),
+        )
     )
 
 

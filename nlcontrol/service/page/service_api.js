@@ -39,7 +39,7 @@ export class ServiceApi {
   parse = (text) => this.#call("parse", "POST", "/parse", { text, table: this.table });
   predict = (push) => this.#call("predict", "POST", this.#path("predict"), push);
   map = (face) => this.#call("map", "POST", this.#path("map"), face);
-  affordances = (object) => this.#call("affordances", "POST", this.#path("affordances"), { object });
+  affordances = (object, table) => this.#call("affordances", "POST", "/affordances", { object, table });
 
   // -- runs ---------------------------------------------------------------------------------------
 

@@ -103,14 +103,11 @@ class BelievedTable:
         return self._controller.executor.time
 
     def geometry(self) -> SceneGeometry:
-        """A box about each object."""
-        from sim.views.viewer_scene import boxes_scene
+        """Each object in the shape of its model."""
+        from sim.views.viewer_scene import believed_scene
 
-        sizes = {
-            name: [float(side) for side in model.extents]
-            for name, model in self._controller.models.items()
-        }
-        return SceneGeometry(source="belief", **boxes_scene(self._controller.cell.name, sizes))
+        name, models = self._controller.cell.name, self._controller.models
+        return SceneGeometry(source="belief", **believed_scene(name, models))
 
     def frame(self) -> PoseFrame:
         """Places of the objects as they are believed."""

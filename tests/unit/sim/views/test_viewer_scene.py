@@ -9,15 +9,16 @@ import numpy as np
 import pytest
 
 from nlcontrol.service.live_documents import SceneGeometry
+from objectmodels import Registry
 from sim import load_scene
 from sim.rotations import from_quaternion
 from sim.truth.scene_file import Scene
 from sim.views.trace_scene import TraceScene
 from sim.views.viewer_scene import (
     SceneBodies,
+    believed_scene,
     body_name,
     body_poses,
-    boxes_scene,
     drawn_bodies,
     viewer_scene,
 )
@@ -126,12 +127,30 @@ def test_poses_stand_in_the_order_of_the_bodies(scene: Scene, document: dict[str
         np.testing.assert_allclose(place, [item.pose.x_m, item.pose.y_m, 0.0], atol=1e-9)
 
 
-def test_objects_of_which_a_box_is_known_are_boxes_with_their_names() -> None:
-    (body,) = boxes_scene("mine", {"crate": (0.1, 0.2, 0.3)})["bodies"]
+def test_a_box_is_drawn_with_its_name_as_it_is_believed() -> None:
+    model = Registry.default().find_one("ice tea box")
+    (body,) = believed_scene("mine", {"crate": model})["bodies"]
     solid, *labels = body["shapes"]
-    assert (body["object"], solid["size"]) == ("crate", (0.1, 0.2, 0.3))
-    assert solid["pose"][6] == pytest.approx(0.15)
+    assert (body["object"], solid["size"]) == ("crate", model.extents)
+    assert solid["pose"][6] == pytest.approx(model.top / 2)
     assert {label["text"] for label in labels} == {"crate"}
+
+
+def test_every_model_is_drawn_as_large_as_it_is_believed() -> None:
+
+    models = {model.name: model for model in Registry.default()}
+    for body in believed_scene("all", models)["bodies"]:
+        model, solid = models[body["name"]], body["shapes"][0]
+        match solid["kind"]:
+            case "box":
+                size = tuple(solid["size"])
+            case "lathe":
+                radius, height = np.max(solid["profile"], axis=0)
+                size = (2 * radius, 2 * radius, height)
+            case _:
+                size = tuple(np.ptp(np.reshape(solid["corners"], (-1, 3)), axis=0))
+        # Shapes are told to a hundredth of a millimetre.
+        assert size == pytest.approx(model.extents, abs=2e-5), body["name"]
 
 
 def test_poses_of_a_sample_are_told_by_the_names_of_the_document() -> None:
