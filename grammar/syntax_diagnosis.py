@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Set
+from collections.abc import Sequence, Set
+from functools import lru_cache
 
 from grammar.errors import ParseError
 from grammar.frames.command import Span
@@ -82,7 +83,7 @@ def _missing_verb_error(
         return ParseError("unsupported_verb", message, span, (f"understood are {known}",))
     if not word.isalpha() or word in lexicon.reserved_words | lexicon.first_words:
         return None
-    close = _nearest_words(word, lexicon.verb_words["VERB"], close=65.0)
+    close = _nearest_words(word, sorted(lexicon.verb_words["VERB"]), close=65.0)
     if not (first or close):
         return None
     return ParseError("unknown_verb", f'"{word}" is no known verb', span, close or (EXAMPLE,))
@@ -100,7 +101,7 @@ def _no_unit_error(end: int, sentence: Normalised, lexicon: Lexicon) -> ParseErr
     start = sentence.text[:end].rstrip().rfind(" ") + 1
     span = sentence.original_span(start, len(sentence.text[:end].rstrip()))
     written = sentence.words_as_written(span)
-    close = _nearest_words(written.casefold(), _words_of_terminals(_UNITS, lexicon))
+    close = _nearest_words(written.casefold(), _words_of_terminals(frozenset(_UNITS), lexicon))
     suggestions = close or ("cm", "degrees", "N")
     return sentence.error_at(span, "missing_unit", "is no unit", *suggestions)
 
@@ -121,24 +122,27 @@ def _could_stand_here(expected: Set[str], lexicon: Lexicon) -> tuple[str, ...]:
     return (f"could stand here: {', '.join(labels)}",) if labels else (EXAMPLE,)
 
 
-def _words_of_terminals(expected: Iterable[str], lexicon: Lexicon) -> set[str]:
-    """Every word of the terminals that could have stood here."""
+@lru_cache(maxsize=256)
+def _words_of_terminals(expected: frozenset[str], lexicon: Lexicon) -> tuple[str, ...]:
+    """Every word of the terminals that could have stood here, in alphabetical order."""
     known = [n for n in expected if n in lexicon.terminals or n in lexicon.verb_words]
-    return {w for name in known for p in lexicon.phrases_of(name) for w in p.split() if len(w) > 3}
+    said = {w for name in known for p in lexicon.phrases_of(name) for w in p.split()}
+    return tuple(sorted(word for word in said if len(word) > 3))
 
 
 def words_like(word: str, lexicon: Lexicon) -> tuple[str, ...]:
     """Suggestions for a word that is no word of the language."""
-    return _nearest_words(word.casefold(), _words_of_terminals(lexicon.terminals, lexicon))
+    known = _words_of_terminals(frozenset(lexicon.terminals), lexicon)
+    return _nearest_words(word.casefold(), known)
 
 
-def _nearest_words(word: str, known: Iterable[str], close: float = 75.0) -> tuple[str, ...]:
+def _nearest_words(word: str, known: Sequence[str], close: float = 75.0) -> tuple[str, ...]:
     """The known words nearest to a word; of near ties all, since none is a better guess."""
     from rapidfuzz import fuzz, process
 
     if len(word) <= _SHORT:
         return ()
-    others = sorted(set(known) - {word})
-    found = process.extract(word, others, scorer=fuzz.ratio, score_cutoff=close, limit=3)
+    likest = process.extract(word, known, scorer=fuzz.ratio, score_cutoff=close, limit=4)
+    found = [each for each in likest if each[0] != word][:3]
     near = [name for name, likeness, _ in found if found[0][1] - likeness < _TIE]
     return (f"did you mean {' or '.join(repr(name) for name in near)}?",) if near else ()

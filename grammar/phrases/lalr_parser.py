@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator
-from functools import cache
+from functools import cache, lru_cache
 from hashlib import sha256
 from itertools import chain
 from pathlib import Path
@@ -21,6 +21,9 @@ from grammar.words.phrase_lexer import Accepts, PhraseLexer, Token
 
 RULES = Path(__file__).with_name("nlcontrol.lark")
 STORED = Path(__file__).with_name("parse_table.json")
+
+REMEMBERED = 32768
+"""Steps from states by a terminal that a parser remembers."""
 
 END = "$END"
 """Terminal behind the last token."""
@@ -101,6 +104,8 @@ class LalrParser:
     def __init__(self, table: ParseTable, lexer: PhraseLexer) -> None:
         self._table = table
         self._lexer = lexer
+        # Sentences pass through the same states again and again.
+        self._take_terminal = lru_cache(maxsize=REMEMBERED)(self._read_terminal)
 
     def parse(self, text: str) -> Tree:
         """Parse a text in plain form.
@@ -108,11 +113,12 @@ class LalrParser:
         Raises:
             UnexpectedTokenError: the grammar does not allow it.
         """
-        states, values = [0], list[Any]()
+        states: tuple[int, ...] = (0,)
+        values: list[Any] = []
 
         def acceptance() -> Accepts:
             before = states
-            return cache(lambda terminal: self._take_terminal(before, terminal)[0])
+            return lambda terminal: self._take_terminal(before, terminal)[0]
 
         end = Token(END, "", len(text), len(text))
         for token in chain(self._lexer.tokens(text, acceptance), [end]):
@@ -125,27 +131,27 @@ class LalrParser:
         tree: Tree = values[0]
         return tree
 
-    def _take_terminal(
-        self, states: list[int], terminal: str
-    ) -> tuple[bool, list[int], list[Rule]]:
+    def _read_terminal(
+        self, before: tuple[int, ...], terminal: str
+    ) -> tuple[bool, tuple[int, ...], tuple[Rule, ...]]:
         """Check whether a terminal may come next; the states then, and the rules reduced before it.
 
         A state may reduce on a terminal that cannot stand there after all, so the reductions are
         followed to the end.
         """
-        table, states, rules = self._table, [*states], list[Rule]()
+        table, states, rules = self._table, [*before], list[Rule]()
         while (action := table.states[states[-1]].get(terminal)) is not None:
             if action >= 0:
-                return True, [*states, action], rules
+                return True, (*states, action), tuple(rules)
             rule = table.rules[~action]
             rules.append(rule)
             del states[len(states) - rule.size :]
             states.append(table.states[states[-1]][rule.origin])
             if terminal == END and states[-1] == table.end:
-                return True, states, rules
-        return False, states, rules
+                return True, tuple(states), tuple(rules)
+        return False, tuple(states), tuple(rules)
 
-    def _acceptable_terminals(self, states: list[int]) -> frozenset[str]:
+    def _acceptable_terminals(self, states: tuple[int, ...]) -> frozenset[str]:
         """The terminals that may come next; rules have names in lower case."""
         known = (symbol for symbol in self._table.states[states[-1]] if symbol.isupper())
         return frozenset(t for t in known if self._take_terminal(states, t)[0])

@@ -60,7 +60,7 @@ class Verb:
     which: str | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Lexicon:
     """The language's words.
 
