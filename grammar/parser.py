@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from functools import cache, lru_cache
 
 from grammar.clauses.frame_builder import frames_of
-from grammar.frames.command import Command
+from grammar.frames.command import Command, Frame
 from grammar.paraphrasing.clause_wording import Phrasing
 from grammar.paraphrasing.command_wording import paraphrase
 from grammar.phrases.lalr_parser import LalrParser, Tree, UnexpectedTokenError, parse_table
@@ -45,6 +45,9 @@ class Parser:
             ParseError: if the sentence, or a part of it, is not understood.
         """
         sentence = self._asides.left_out(normalise(text, self.lexicon.contractions))
+        if not sentence.text:
+            thanks = Frame(dialogue="thank", spans=sentence.asides)
+            return Command(text=text, frames=(thanks,), paraphrase="thank you")
         parts = parts_of(self._parse_tree(sentence), self.lexicon, sentence)
         frames = frames_of(parts, self.lexicon, sentence)
         words = paraphrase(frames, self.lexicon)

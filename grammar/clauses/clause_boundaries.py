@@ -28,9 +28,12 @@ def clauses_of(parts: Sequence[ph.Part], sentence: Normalised) -> list[Parts]:
         ParseError: `several_commands`, `unexpected_words`, `incomplete`, `unsupported_question`.
     """
     parts = _require_joints_join(_without_requests(parts, sentence), sentence)
+    if isinstance(parts[0], ph.Separator) and parts[0].word == "and":
+        parts[0] = ph.Filler(parts[0].span, anywhere=False, goes_on=True)
     if any(isinstance(part, ph.Ask) for part in parts):
         return [_question_parts(parts, sentence)]
-    if sentence.question and not _is_request(sentence):
+    remarked = any(isinstance(part, ph.Remark) for part in parts)
+    if sentence.question and not (remarked or _is_request(sentence)):
         raise _unclear_question_error(sentence)
     clauses: list[Parts] = [[]]
     for part in parts:
@@ -73,7 +76,7 @@ def _require_joints_join(parts: Sequence[ph.Part], sentence: Normalised) -> Part
             raise ParseError(
                 "incomplete", f"the sentence ends after {last}", part.span, (suggestion,)
             )
-        if before is None and part.word != ",":
+        if before is None and part.word not in (",", "and"):
             raise _joint_error(part, sentence)
         doubled = isinstance(after, ph.Separator)
         avoids = isinstance(after, ph.Avoid | ph.FurtherNoTouch)

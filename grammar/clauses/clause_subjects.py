@@ -52,7 +52,7 @@ def clause_objects(
     if named:
         spans = named[0].ref.spans + tuple(s for t in things for s in t.ref.spans)
         return [replace(named[0], ref=named[0].ref.model_copy(update={"spans": spans}))]
-    if not things and (remarks or any(part.query == "why" for part in ask)):
+    if not things and (remarks or any(part.query in ("why", "capable") for part in ask)):
         return [NOBODY]
     verb = next(part for part in parts if isinstance(part, ph.Verb))
     if not things:

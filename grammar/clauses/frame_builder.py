@@ -126,6 +126,8 @@ class _ClauseReader:
             self._require_no_condition()
         reader = ActionReader(self._parts, ask, self._lexicon, self._sentence)
         frames = [reader.frame_about(thing) for thing in things]
+        if ask and ask[0].query == "capable" and things == [NOBODY]:
+            frames = [frame.model_copy(update={"object": None}) for frame in frames]
         return self._with_remarks(frames, remarks, excluded)
 
     def _with_remarks(
@@ -198,7 +200,9 @@ class _ClauseReader:
                 ask.span,
                 ('ask, for example, "will it topple if you push it at the top?"',),
             )
-        goal = g.Parameters(which=ask.which, spans=(ask.span,)) if ask.which else g.NoGoal()
+        goal: g.Goal = g.NoGoal()
+        if ask.which:
+            goal = g.Parameters(which=ask.which, than=ask.than, spans=(ask.span,))
         return g.Frame(
             query=ask.query,
             object=None if ask.thing is None else ask.thing.ref,
@@ -212,7 +216,7 @@ class _ClauseReader:
         if len(again) > 1:
             raise unexpected_part(again[1], self._sentence)
         said = {remark.dialogue for remark in remarks}
-        for dialogue in ("correct", "undo", "stop", "repeat", "more"):
+        for dialogue in ("reverse", "correct", "undo", "stop", "do", "same", "repeat", "more"):
             if dialogue in said:
                 return dialogue
         return None
@@ -224,6 +228,14 @@ class _ClauseReader:
         dialogue = self._joint_dialogue(remarks)
         if dialogue is None and excluded and things:
             dialogue = "correct"
+        if (
+            dialogue is None
+            and things
+            and any(isinstance(part, ph.Filler) and part.goes_on for part in self._parts)
+        ):
+            dialogue = "same"
+        if dialogue == "undo" and any(isinstance(p, ph.Length | ph.Amount) for p in self._parts):
+            dialogue = "reverse"  # "go back 2 cm"
         if dialogue is None:
             raise no_verb(self._sentence, [*things, *self._parts])
         if len(things) > 1:
@@ -236,7 +248,7 @@ class _ClauseReader:
             raise unexpected_part((content or remarks)[0], self._sentence)
         if dialogue == "stop" and things:
             raise several_objects(things[0], self._sentence)
-        if dialogue in ("more", "repeat") and things:
+        if dialogue in ("more", "do") and things:
             raise no_verb(self._sentence, things)
         if dialogue == "correct" and not (content or constraints or things):
             raise ParseError(

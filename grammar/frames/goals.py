@@ -270,12 +270,14 @@ class Parameters(BaseGoal):
     Attributes:
         which: the parameters; none named means all.
         method: how: by lifting it, or by pushing and tilting it; None if not said.
+        than: the objects that it is compared with.
     """
 
     words: ClassVar[GoalWords] = GoalWords(verbs={"explore": "explore"})
     kind: Literal["parameters"] = "parameters"
     which: tuple[str, ...] = ()
     method: Method | None = None
+    than: tuple[ObjectRef, ...] = ()
     spans: Spans = ()
 
 

@@ -21,10 +21,18 @@ Action = Literal[
     "push", "pull", "move", "slide", "turn", "tilt", "topple",
     "lift", "place", "open", "close", "pour", "explore", "hand_over",
 ]  # fmt: skip
-Query = Literal["predict", "possible", "how_hard", "where", "why", "value", "affordances"]
-Dialogue = Literal["undo", "stop", "repeat", "correct", "more"]
+Query = Literal[
+    "predict", "possible", "how_hard", "where", "why", "value", "affordances",
+    "compare", "capable", "seen", "did",
+]  # fmt: skip
+Dialogue = Literal[
+    "undo", "stop", "repeat", "correct", "more", "same", "reverse", "do", "thank",
+]  # fmt: skip
 
-Event = Literal["moves", "slides", "tips", "tilts", "turns", "stays_upright", "spills", "holds"]
+Event = Literal[
+    "moves", "slides", "tips", "tilts", "turns", "stays_upright", "spills", "holds",
+    "ends_up",
+]  # fmt: skip
 Method = Literal["lift", "tilt"]
 
 Direction = Literal["away", "toward", "left", "right"]

@@ -130,6 +130,12 @@ class _Speaker(Phrasing):
             return f"{self.phrase_for('WHAT_IS')} {self._property_words(frame, which)}?"
         if query == "affordances" and frame.object is not None:
             return f"{self.phrase_for('WHAT_CAN')} {self.object_words(frame.object)}?"
+        if query in ("did", "seen"):
+            return f"{self.phrase_for('WHAT_DID' if query == 'did' else 'SEEN')}?"
+        if query == "capable":
+            return self._capable_words(frame)
+        if query == "compare":
+            return self._comparison_words(frame)
         if query == "why" and frame.action is None:
             return f"{self.phrase_for('WHY')}?"
         if query == "predict":
@@ -145,6 +151,25 @@ class _Speaker(Phrasing):
             sense = "most"
         return f"{' '.join([self.phrase_for(terminal, sense), clause, *event])}?"
 
+    def _capable_words(self, frame: g.Frame) -> str:
+        thing = frame.object
+        asked = frame.model_copy(update={"object": g.ObjectRef(text="it", pronoun=True)})
+        opening = self.phrase_for("WHICH_CAN")
+        if thing is not None:
+            can = self.phrase_for("CAN_YOU")
+            opening = f"{self.phrase_for('WHICH_OF')} {self.object_words(thing)} {can}"
+        return f"{opening} {self._command_words(asked, name='').replace('  ', ' ').strip()}?"
+
+    def _comparison_words(self, frame: g.Frame) -> str:
+        if not isinstance(frame.goal, g.Parameters) or frame.object is None:
+            raise no_words("a comparison of nothing")
+        (which,), others = frame.goal.which, frame.goal.than
+        if not others:
+            said = f"{which} {' '.join(frame.object.qualities)}"
+            return f"{self.phrase_for('WHICH_IS')} {self.phrase_for('SUPERLATIVE', said)}?"
+        than, more = self.object_words(others[0]), self.phrase_for("COMPARATIVE", which)
+        return f"{self.phrase_for('IS')} {self.object_words(frame.object)} {more} than {than}?"
+
     def _to_make(self, event: g.Event) -> str:
         return f"{self.phrase_for('TO_MAKE')} it {self.phrase_for('EVENT_INFINITIVE', event)}"
 
@@ -153,6 +178,10 @@ class _Speaker(Phrasing):
             return f"{self.phrase_for('WHAT_IF')} you {self._command_words(frame)}"
         if frame.object is None:
             raise no_words(f"event {frame.event} without an object")
+        if frame.event == "ends_up":
+            where, name = self.phrase_for("WHERE_WILL"), self.object_words(frame.object)
+            asked = self._command_words(frame, name="it")
+            return f"{where} {name} {self.phrase_for('ENDS_UP')} if you {asked}"
         happens = self.phrase_for("EVENT_INFINITIVE", frame.event)
         partly = isinstance(frame.goal, g.Pour | g.Open | g.Close)
         name, text = self.object_words(frame.object), frame.object.text
@@ -165,8 +194,14 @@ class _Speaker(Phrasing):
     def _remark_words(self, frame: g.Frame, dialogue: g.Dialogue) -> str:
         if dialogue == "undo" and frame.object is not None:
             return f"{self.phrase_for('UNDO_OF')} {self.object_words(frame.object)}"
-        if dialogue in ("undo", "stop"):
+        if dialogue == "thank":
+            return "thank you"
+        if dialogue in ("undo", "stop", "do"):
             return self.phrase_for(dialogue.upper())
+        if dialogue in ("same", "repeat") and frame.object is not None and frame.action is None:
+            opening = "SAME" if dialogue == "same" else "MIND"
+            about = self.phrase_for(opening, ending="" if opening == "SAME" else "about")
+            return f"{about} {self.object_words(frame.object)}"
         if dialogue == "correct":
             return f"no, {self._correction_words(frame)}"
         word = self.phrase_for(dialogue.upper())

@@ -31,6 +31,10 @@ QUESTIONS: dict[str, dict[str, Any]] = {
     "how_much_spills": {"query": "predict", "event": "spills"},  # how much will spill
     "possible": {"query": "possible"},  # is it possible to
     "how_hard": {"query": "how_hard"},  # how hard must I
+    "which_can": {"query": "capable"},  # which of them can you
+    "destination": {"query": "predict", "event": "ends_up"},  # where will it be
+    "did": {"query": "did", "whole": True},  # what did you do
+    "seen": {"query": "seen", "whole": True},  # what do you see
     "where": {"query": "where"},  # where can I
     "affordances": {"query": "affordances", "whole": True},  # what can you do with the box
 }
@@ -194,6 +198,28 @@ class Questions(TokenReader):
         negated = self.value_of(children, "WHY_DID") == "not"
         whole = children[0].type == "WHY"
         return self.question_part(children, query="why", whole=whole, negated=negated)
+
+    def compare_part(self, children: Children) -> ph.Ask:
+        """Which is heavier, the box or the mug; which is the heaviest."""
+        span, things = self.span_of(children), things_in(children)
+        which, _, quality = (
+            self.value_of(children, "COMPARATIVE") or self.value_of(children, "SUPERLATIVE")
+        ).partition(" ")
+        if not things:
+            word = tokens_in(children, "SUPERLATIVE")[0]
+            at = self.span_of([word])
+            one = g.ObjectRef(text=str(word), spans=(at,), qualities=(cast(g.Quality, quality),))
+            things = [ph.Thing(at, one)]
+        others = tuple(thing.ref for thing in things[1:])
+        return ph.Ask(span, "compare", thing=things[0], which=(which,), than=others, whole=True)
+
+    def same_with_part(self, children: Children) -> list[ph.Part]:
+        """Do the same with the mug."""
+        return [ph.Remark(self.span_of(children[:1]), "same"), *things_in(children)]
+
+    def how_about_part(self, children: Children) -> list[ph.Part]:
+        """How about the mug."""
+        return [ph.Remark(self.span_of(children[:1]), "repeat"), *things_in(children)]
 
     def value_part(self, children: Children) -> ph.Ask:
         """A question: "how heavy is it"."""

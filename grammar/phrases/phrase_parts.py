@@ -38,9 +38,15 @@ class Next(Part):
 
 
 class Filler(Part):
-    """Words without a meaning of their own, and whether they may stand anywhere (please)."""
+    """Words without a meaning of their own.
+
+    Attributes:
+        anywhere: whether they may stand anywhere (please).
+        goes_on: whether with an object alone they mean the same as before (now, as well).
+    """
 
     anywhere: bool
+    goes_on: bool = False
 
 
 class Me(Part):
@@ -284,6 +290,7 @@ class Ask(Part):
         event: what may happen, if the question names it.
         thing: what it is about, if the question itself names it.
         which: the parameters that are asked for.
+        than: what it is compared with.
         whole: whether it needs no action to be said.
         negated: whether it asks why something was not done.
     """
@@ -292,6 +299,7 @@ class Ask(Part):
     event: g.Event | None = None
     thing: Thing | None = None
     which: tuple[str, ...] = ()
+    than: tuple[g.ObjectRef, ...] = ()
     whole: bool = False
     negated: bool = False
 

@@ -44,7 +44,10 @@ _PLAIN: dict[str, tuple[Callable[..., ph.Part], str]] = {
     "settles": (ph.Settles, ""),  # and let it fall back
     "method": (ph.Method, "METHOD"),  # by lifting it
     "if": (ph.If, ""),  # if, when
-    **{dialogue: (ph.Remark, dialogue) for dialogue in ("stop", "repeat", "more", "correct")},
+    **{
+        dialogue: (ph.Remark, dialogue)
+        for dialogue in ("stop", "repeat", "more", "correct", "do", "reverse")
+    },
 }
 """Node → its part, and the terminal whose value the part has; a remark has its own name."""
 
@@ -75,8 +78,9 @@ class Parts(Manners, Outcomes, Questions):
 
     def filler_part(self, children: Children) -> ph.Filler:
         """Please."""
-        polite = self.value_of(children, "FILLER") == "please"
-        return ph.Filler(self.span_of(children), anywhere=polite)
+        value = self.value_of(children, "FILLER")
+        anywhere, goes_on = value in ("please", "next"), value in ("next", "also")
+        return ph.Filler(self.span_of(children), anywhere, goes_on)
 
     # --- the verb and things ------------------------------------------------------------------
 

@@ -59,13 +59,13 @@ class Asides:
         self._phrases = phrases
 
     def left_out(self, sentence: Normalised) -> Normalised:
-        """The sentence without its asides; as it is if nothing else is left."""
+        """The sentence without its asides, empty if it says nothing else."""
         said = sentence
         for kind, pattern in self._patterns.items():
             said = self._without_all(said, kind, pattern)
         said = self._without_all(said, "doubled", _DOUBLED)
         said = self._without_all(said, "stray", _STRAY)
-        if not said.text or said is sentence:
+        if said is sentence:
             return sentence
         kept = {column for span in said.columns for column in range(*span)}
         return replace(said, asides=_gaps(kept, sentence))
@@ -87,7 +87,7 @@ class Asides:
             if shorter is None:
                 start = match.end() if match.end() > start else start + 1
             else:
-                said, start = shorter, 0 if kind in ("before", "stray") else match.start()
+                said, start = shorter, 0 if kind in ("before", "after", "stray") else match.start()
         return said
 
     def _is_named(self, text: str, match: re.Match[str]) -> bool:

@@ -109,6 +109,10 @@ class Lookahead:
             "PARTICLE": self._not_off_a_thing,
             "PART_OF": lambda _phrase, _text, _end, last: last == "VOLUME_UNIT",
             "PORTION": self._of_a_liquid,
+            "THAT_IS": lambda _phrase, _text, _end, last: bool(last),
+            "WHICH_IS": lambda _phrase, text, end, _last: (
+                self._any("COMPARATIVE", text, end + 1) or self._any("SUPERLATIVE", text, end + 1)
+            ),
             "TO_LEVEL": lambda _phrase, text, end, _last: bool(_PERCENT.match(text, end + 1)),
             "FROM_SIDE": lambda _phrase, text, end, _last: self._ends_name(text, end),
             "LENGTH_UNIT": self._no_preposition,

@@ -38,6 +38,7 @@ from nlcontrol.questions.push_prediction import (
     threshold,
 )
 from nlcontrol.questions.push_questions import figures, how_hard, most_favourable, where_answer
+from nlcontrol.questions.scene_answers import answer_about_scene, destination_answer
 from nlcontrol.text_format import enumeration, quantity
 from planner import plan
 from planner.affordances import TURNING_ARM, affordances
@@ -73,6 +74,8 @@ def answer(
             the planner if what is asked about is no push of this robot.
     """
     match frame.query:
+        case "predict" if frame.event == "ends_up":
+            return destination_answer(frame, state, robot(), defaults)
         case "predict" if asks_for_hand(frame):
             return hand_answer(frame, state, robot(), defaults)
         case "predict" if frame.event == "spills":
@@ -87,6 +90,8 @@ def answer(
             return where_answer(frame, state, defaults)
         case "value":
             return property_answer(frame, state, position_sd)
+        case "capable" | "compare" | "seen":
+            return answer_about_scene(frame, state, robot(), defaults)
         case "affordances":
             return _affordances(frame, state, robot(), defaults)
         case _:

@@ -113,8 +113,8 @@ def _references_in(part: BaseModel) -> list[ObjectRef]:
 def _resolve_frame(frame: Frame, around: Surroundings, spoken: tuple[str, ...]) -> Frame:
     """A frame whose objects are bound, given what was spoken of before it."""
     unnamed = frame.object is None or frame.object.pronoun
-    if frame.dialogue in {"undo", "stop"} and unnamed:
-        return frame
+    if (frame.dialogue in {"undo", "stop"} and unnamed) or frame.query == "capable":
+        return frame  # "them", "the boxes": which ones, the answer says
     binder = _Binder(around, Spoken(spoken, spoken[:1]))
     target = frame.object
     if target is not None:

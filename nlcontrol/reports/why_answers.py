@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from nlcontrol.checks.verdicts import HAND_ENDS, PLANNED_ENDS, Check
 from nlcontrol.plan_text import deciding_figures, plan_reason
 from nlcontrol.questions.answer import Answer
-from nlcontrol.text_format import quantity
+from nlcontrol.text_format import enumeration, quantity
 
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result
@@ -32,6 +32,26 @@ def why_answer(result: Result) -> Answer:
     if result.answer:
         return result.answer
     return Answer(text="There was nothing to be done.")
+
+
+def deed_answer(result: Result) -> Answer:
+    """What the last command was, and what was measured of it."""
+    names = dict.fromkeys(f.object.id for f in result.frames if f.object and f.object.id)
+    told = f"I was told to {result.paraphrase or result.text}"
+    about = f" ({enumeration(list(names))})" if names else ""
+    if not result.checks:
+        came = {"planned": "It was planned, not done", "done": "It was done"}
+        why = f": {result.error.message}" if result.error else ""
+        return Answer(
+            query="did", text=f"{told}{about}. {came.get(result.status, 'It was not done')}{why}."
+        )
+    held = [f"{c.quantity}: {_value_text(c.measured, c)}" for c in result.checks]
+    text = f"{told}{about}. {'It was done' if result.ok else 'It failed'}: {'; '.join(held)}."
+    return Answer(query="did", text=text, numbers=_measured_figures(list(result.checks)))
+
+
+def _value_text(value: float | str, check: Check) -> str:
+    return value if isinstance(value, str) else quantity(value, check.unit)
 
 
 def _missed_text(check: Check) -> str:

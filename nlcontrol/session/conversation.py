@@ -12,18 +12,19 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from typing import TYPE_CHECKING, Literal, NoReturn, TypedDict
+from typing import TYPE_CHECKING, Literal, TypedDict
 
-import grammar
 from grammar.frames import command as g
-from nlcontrol.errors import ControlError, error
+from nlcontrol.errors import ControlError
 from nlcontrol.questions.answer import Answer
+from nlcontrol.references.object_names import name_words
 from nlcontrol.references.reference_resolution import Context, parts_within
-from nlcontrol.reports.why_answers import why_answer
+from nlcontrol.reports.why_answers import deed_answer, why_answer
 from nlcontrol.results.result import result_with
 from nlcontrol.session import follow_up_frames as follow_up
 from nlcontrol.session.corrected_sentences import result_with_corrections
 from nlcontrol.session.events import FORCE_RATE, Supervisor
+from nlcontrol.session.follow_up_frames import nothing_before
 from nlcontrol.session.frame_documents import text_of
 from nlcontrol.session.frame_execution import status_of
 from nlcontrol.session.proposals import Approved, Intention, Proposal
@@ -201,6 +202,7 @@ class Conversation:
             self._last = result_with(begun, status=status_of(raised.info), error=raised.info)
             if command is None:
                 self._said = None
+                self._recall_names(text)
             return self._last, None
 
     def _intention(self, command: g.Command) -> Intention | Result:
@@ -209,11 +211,18 @@ class Conversation:
         if remark == "stop":
             # Sentences are carried out before the next one is read, so there is nothing to stop.
             return self._plain_result(command, Answer(text="Nothing is being done."), "done")
+        if remark == "thank":
+            return self._plain_result(command, Answer(text="Gladly."), "done")
+        if remark == "did":
+            done = self._done or nothing_before("nothing was done yet")
+            return self._plain_result(command, deed_answer(done), "answered")
         if remark == "why":
             return self._plain_result(command, self._explain_last(command), "answered")
         if remark == "undo":
             return self._way_back(command)
-        return Intention(self._rewrite_remarks(command), self._notes(command))
+        return Intention(
+            follow_up.meant_command(command, self._said, self._done), self._notes(command)
+        )
 
     def _do(
         self,
@@ -266,45 +275,14 @@ class Conversation:
         names = [ref.id for ref in parts if isinstance(ref, g.ObjectRef) and ref.id is not None]
         self.context = Context(tuple(dict.fromkeys((*names, *self.context.last))))
 
-    # --- repeat, more, correct -----------------------------------------------------------------
+    def _recall_names(self, text: str) -> None:
+        """Remembers the objects that are named where nothing else was understood."""
+        words = " ".join(name_words(text))
+        found = {words.find(n.casefold()): n for n in self.controller.cell.names}
+        named = [name for place, name in sorted(found.items(), reverse=True) if place >= 0]
+        self.context = Context(tuple(dict.fromkeys((*named, *self.context.last))))
 
-    def _rewrite_remarks(self, command: g.Command) -> g.Command:
-        """The command with each remark replaced by the frames that it means."""
-        frames: list[g.Frame] = []
-        for frame in command.frames:
-            if frame.dialogue == "correct":
-                frames += self._correct_frame(frame)
-            elif frame.dialogue == "repeat":
-                before = frames or _frames(self._done if frame.action else self._said or self._done)
-                frames += follow_up.repeat_frames(
-                    before or _nothing("there is nothing to repeat"), frame
-                )
-            elif frame.dialogue == "more":
-                frames.append(self._continue_frame(frames, frame))
-            else:
-                frames.append(frame)
-        if tuple(frames) == command.frames:
-            return command
-        return command.model_copy(
-            update={"frames": tuple(frames), "paraphrase": _in_words(frames, command)}
-        )
-
-    def _continue_frame(self, frames: Sequence[g.Frame], said: g.Frame) -> g.Frame:
-        before = frames or _frames(self._done) or _nothing("nothing was done that could go on")
-        last, heading = follow_up.latest_matching(before, said), None
-        if not frames and self._done and self._done.plan:
-            heading = self._done.steps[-1].heading
-        if isinstance(last.goal, g.Place) and heading is None:
-            _nothing("nothing was pushed there yet, so there is no direction to go on in")
-        return follow_up.continue_frame(last, said, heading)
-
-    def _correct_frame(self, said: g.Frame) -> tuple[g.Frame, ...]:
-        last = self._said
-        if last is None or not last.frames:
-            _nothing("there is no sentence before that could be corrected")
-        unresolved = last.error is not None and last.status == "not_understood"
-        wrong = last.error.span if last.error and unresolved else None
-        return follow_up.correct_frame(last.frames[_stop_index(last) :], said, wrong)
+    # --- corrections ----------------------------------------------------------------------------
 
     def _notes(self, command: g.Command) -> tuple[str, ...]:
         last = self._said
@@ -350,11 +328,13 @@ class Conversation:
             (frame,) = self.controller.resolve(command, self.context).frames
             name = frame.object.id if frame.object else None
             named = [push for push in self.past if push.object == name]
-            return named[-1:] or _nothing(
+            return named[-1:] or nothing_before(
                 f"the {name} was not pushed yet, so there is nothing to undo"
             )
         last = (
-            self.past[-1].of if self.past else _nothing("nothing was pushed that could be undone")
+            self.past[-1].of
+            if self.past
+            else nothing_before("nothing was pushed that could be undone")
         )
         return [push for push in self.past if push.of is last]
 
@@ -372,29 +352,12 @@ class Conversation:
             )
             with suppress(ControlError):
                 asked = self.controller.resolve(asked, self.context)
-            last = self._last.frames if self._last else ()
-            if not any(follow_up.says_all_of(frame, asked.frames[0]) for frame in last):
-                return why_answer(self.controller.carry_out(asked, self.context, plan_only=True))
-        return why_answer(self._last or _nothing("nothing was said or done yet"))
-
-
-def _nothing(message: str) -> NoReturn:
-    raise error(
-        "nothing_before", message, suggestions=("say first what to do, as “push the box away”",)
-    )
-
-
-def _frames(result: Result | None) -> list[g.Frame]:
-    return list(result.frames) if result else []
-
-
-def _stop_index(result: Result) -> int:
-    """The frame at which a result stopped."""
-    return result.steps[-1].frame if result.steps else 0
-
-
-def _in_words(frames: Sequence[g.Frame], command: g.Command) -> str:
-    try:
-        return ", then ".join(grammar.paraphrase(frame) for frame in frames)
-    except ValueError:
-        return command.paraphrase  # not everything that a frame can say has words
+            for told in (self._last, self._done):
+                frames = told.frames if told else ()
+                if told and any(follow_up.says_all_of(each, asked.frames[0]) for each in frames):
+                    return why_answer(told)
+            return why_answer(self.controller.carry_out(asked, self.context, plan_only=True))
+        last = self._last
+        if last and last.answer and last.answer.query in ("value", "seen", "did", "compare"):
+            last = self._done or last  # facts have no reasons
+        return why_answer(last or nothing_before("nothing was said or done yet"))

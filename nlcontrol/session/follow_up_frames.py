@@ -1,27 +1,94 @@
 """Frames that a remark makes of those before it: again, a bit more, no, I meant the other one.
 
-Nothing but frames goes in and out; what was done with them is `nlcontrol.session.conversation`'s
-matter. What is kept of an earlier sentence loses its spans, which point into that sentence, and
-calls each object by its name in the scene, since "it" may mean another one by now.
+What is done with them is `nlcontrol.session.conversation`'s matter. What is kept of an earlier
+sentence loses its spans, which point into that sentence, and calls each object by its name in the
+scene, since "it" may mean another one by now.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar, cast
 
 from pydantic import BaseModel
 
+from grammar import paraphrase
 from grammar.frames import command as g
 from grammar.frames.conflicts import FORBIDS, FORBIDS_BELOW, HOW_FAR, SAME_MATTER
 from nlcontrol.errors import error, whole_span
+from nlcontrol.session.undo_frames import reversed_goal
+
+if TYPE_CHECKING:
+    from nlcontrol.results.result import Result
 
 Part = TypeVar("Part", bound=BaseModel)
 Rename = Callable[[g.ObjectRef], g.ObjectRef]
 
 _WHERE = ("direction", "heading", "toward", "away_from")
 _FAR = ("distance", "angle", "height", "bound", "fraction", "amount")
+_ABOUT_DEEDS = ("why", "did", "seen")
+"""Questions with which nothing else can be asked the same."""
+
 _TURNS = {"left": "ccw", "right": "cw"}
+
+
+def meant_command(command: g.Command, said: Result | None, done: Result | None) -> g.Command:
+    """The command with each remark replaced by the frames that it means.
+
+    Args:
+        command: what is said now.
+        said: what came of what was said last; None if it was not understood.
+        done: what came of the last command.
+
+    Raises:
+        ControlError: `nothing_before`.
+    """
+    frames: list[g.Frame] = []
+    for frame in command.frames:
+        match frame.dialogue:
+            case None:
+                frames.append(frame)
+            case "correct":
+                frames += _corrected_frames(frame, said, done)
+            case "more":
+                frames.append(_continued_frame(frame, frames, done))
+            case remark:
+                last = frames or followed_frames(frame, _frames(said), _frames(done))
+                last = last or nothing_before("there is nothing before that this could be about")
+                frames += _FOLLOW_UPS[remark](last, frame)
+    if tuple(frames) == command.frames:
+        return command
+    words = _words_of(frames, command.paraphrase)
+    return command.model_copy(update={"frames": tuple(frames), "paraphrase": words})
+
+
+def _continued_frame(said: g.Frame, frames: Sequence[g.Frame], done: Result | None) -> g.Frame:
+    before = frames or _frames(done) or nothing_before("nothing was done that could go on")
+    last, heading = latest_matching(before, said), None
+    if not frames and done and done.plan:
+        heading = done.steps[-1].heading
+    if isinstance(last.goal, g.Place) and heading is None:
+        nothing_before("nothing was pushed there yet, so there is no direction to go on in")
+    return continue_frame(last, said, heading)
+
+
+def _corrected_frames(
+    frame: g.Frame, said: Result | None, done: Result | None
+) -> tuple[g.Frame, ...]:
+    followed = followed_frames(frame, _frames(said), _frames(done))
+    last = said if followed == _frames(said) else done
+    if last is None or not last.frames:
+        if frame.action is None or frame.object is None:
+            nothing_before("there is no sentence before that could be corrected")
+        return (frame.model_copy(update={"dialogue": None}),)
+    unresolved = last.error is not None and last.status == "not_understood"
+    wrong = last.error.span if last.error and unresolved else None
+    stopped = last.steps[-1].frame if last.steps else 0
+    return correct_frame(last.frames[stopped:], frame, wrong)
+
+
+def _frames(result: Result | None) -> list[g.Frame]:
+    return list(result.frames) if result else []
 
 
 def repeat_frames(before: Sequence[g.Frame], said: g.Frame) -> tuple[g.Frame, ...]:
@@ -31,6 +98,68 @@ def repeat_frames(before: Sequence[g.Frame], said: g.Frame) -> tuple[g.Frame, ..
         return tuple(map(without_spans, before))
     last = latest_matching(before, said)
     return (merge_frames(without_spans(last, _names_for_kept(last, said)), said),)
+
+
+def followed_frames(
+    said: g.Frame, asked: Sequence[g.Frame], done: Sequence[g.Frame]
+) -> Sequence[g.Frame]:
+    """The frames that a remark is about, given those said last and those of the last command."""
+    if said.dialogue == "do":
+        return [frame for frame in asked if frame.query and frame.action]
+    if said.dialogue == "correct":
+        return asked if not asked or _can_correct(asked[-1], said) else done
+    about_deeds = said.action or said.dialogue in ("same", "reverse", "more")
+    answered = [frame for frame in asked if frame.query not in _ABOUT_DEEDS]
+    return done if about_deeds else answered or done
+
+
+def _can_correct(last: g.Frame, said: g.Frame) -> bool:
+    """Check for a frame in which what a remark says can take the place of something."""
+    if last.action is not None:
+        return last.query is None or said.action is None
+    return last.query == "value" and said.goal.kind == "none" and not said.constraints
+
+
+def reversed_frames(before: Sequence[g.Frame], said: g.Frame) -> tuple[g.Frame, ...]:
+    """The last frame the other way, as far as is said."""
+    last = latest_matching(before, said)
+    goal = reversed_goal(without_spans(last.goal))
+    merged = merge_frames(last.model_copy(update={"goal": goal}), said)
+    return (without_spans(merged),)
+
+
+def asked_as_commands(asked: Sequence[g.Frame], said: g.Frame) -> tuple[g.Frame, ...]:
+    """What was asked about, to be done."""
+    plain = {"query": None, "event": None, "negated": False, "spans": said.spans}
+    return tuple(without_spans(frame).model_copy(update=plain) for frame in asked)
+
+
+_FOLLOW_UPS: dict[str, Callable[[Sequence[g.Frame], g.Frame], tuple[g.Frame, ...]]] = {
+    "repeat": repeat_frames,
+    "same": repeat_frames,
+    "reverse": reversed_frames,
+    "do": asked_as_commands,
+}
+"""Remark → the frames that it makes of those before it."""
+
+
+def nothing_before(message: str) -> NoReturn:
+    """Refuse a remark on what was not said or done.
+
+    Raises:
+        ControlError: `nothing_before`.
+    """
+    raise error(
+        "nothing_before", message, suggestions=("say first what to do, as “push the box away”",)
+    )
+
+
+def _words_of(frames: Sequence[g.Frame], otherwise: str) -> str:
+    """Frames in plain words; other words if not everything that they say has any."""
+    try:
+        return ", then ".join(paraphrase(frame) for frame in frames)
+    except ValueError:
+        return otherwise
 
 
 def latest_matching(before: Sequence[g.Frame], said: g.Frame) -> g.Frame:
@@ -230,9 +359,9 @@ def sole_remark(command: g.Command) -> str | None:
     """
     kinds = [frame.dialogue or frame.query for frame in command.frames]
     if len(kinds) == 1:
-        return kinds[0] if kinds[0] in ("stop", "why", "undo") else None
+        return kinds[0] if kinds[0] in ("stop", "why", "undo", "did", "thank") else None
     for frame, kind in zip(command.frames, kinds, strict=True):
-        if kind in ("stop", "why", "undo", "correct"):
+        if kind in ("stop", "why", "undo", "correct", "did"):
             raise error(
                 "not_alone",
                 f"“{kind}” is about what was said and done before, so it is a sentence of its own",

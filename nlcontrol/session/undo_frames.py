@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from grammar.frames import command as g
+from nlcontrol.errors import error
 from nlcontrol.text_format import quantity
 from objectmodels.geometry.base_shapes import Disc
 from planner.geometry.directions import angle_between, heading_of, phrase
@@ -118,6 +119,39 @@ def _back(now: SeenObject, there: PlanarPose, turns: bool, defaults: Defaults) -
     if distance >= defaults.distance_tolerance:
         goal = g.Displace(heading=heading_of(way), distance=distance)
         yield _frame("push", now, goal)
+
+
+_OTHER_WAY: dict[g.Direction, g.Direction] = {
+    "away": "toward", "toward": "away", "left": "right", "right": "left",
+}  # fmt: skip
+
+
+def reversed_goal(goal: g.Goal) -> g.Goal:
+    """The goal of going the other way.
+
+    Raises:
+        ControlError: `nothing_before` if it has no direction.
+    """
+    if isinstance(goal, g.Rotate):
+        sense = "ccw" if goal.sense == "cw" else "cw"
+        return goal.model_copy(update={"sense": sense})
+    if isinstance(goal, g.Displace) and goal.heading is not None:
+        heading = math.remainder(goal.heading + math.pi, math.tau)
+        return goal.model_copy(update={"heading": heading})
+    if isinstance(goal, g.Displace) and (goal.toward or goal.away_from):
+        update = {"toward": goal.away_from, "away_from": goal.toward, "fraction": None}
+        return goal.model_copy(update=update)
+    if isinstance(goal, g.Displace | g.Topple | g.Tilt):
+        way = goal.direction or "away"
+        other = (
+            tuple(_OTHER_WAY[each] for each in way) if isinstance(way, tuple) else _OTHER_WAY[way]
+        )
+        return goal.model_copy(update={"direction": other})
+    raise error(
+        "nothing_before",
+        "what was done last has no opposite direction",
+        suggestions=("say where to, as “to the left”",),
+    )
 
 
 def undo_text(frames: Sequence[g.Frame]) -> str:

@@ -1,0 +1,103 @@
+"""What the robot sees on the table, and which of two objects has more of something."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from grammar.frames import command as g
+from nlcontrol.questions.answer import Answer
+from nlcontrol.questions.asked_push import target_of
+from nlcontrol.questions.property_values import property_answer
+from nlcontrol.references.object_names import name_words
+from nlcontrol.text_format import enumeration, quantity
+from planner import plan
+from planner.types.plan import Plan
+from planner.types.refusal import Refusal
+
+if TYPE_CHECKING:
+    from planner.types.defaults import Defaults
+    from planner.types.robot import Robot
+    from planner.types.world_state import SeenObject, WorldState
+
+_MORE = {"mass": ("heavier", "kg"), "height": ("taller", "m"), "width": ("wider", "m"),
+         "size": ("bigger", "m³")}  # fmt: skip
+"""Property → who has more of it, and its unit."""
+
+
+def answer_about_scene(
+    frame: g.Frame, state: WorldState, robot: Robot, defaults: Defaults
+) -> Answer:
+    """The answer to a question about several objects."""
+    if frame.query == "capable":
+        return capable_answer(frame, state, robot, defaults)
+    return scene_answer(state) if frame.query == "seen" else comparison_answer(frame, state)
+
+
+def scene_answer(state: WorldState) -> Answer:
+    """The objects on the table, and where each of them stands."""
+    seen = sorted(state.objects.values(), key=lambda each: each.pose.x)
+    lines = tuple(f"the {s.name} at x {s.pose.x:.3f} m, y {s.pose.y:.3f} m" for s in seen)
+    names = enumeration([f"the {each.name}" for each in seen]) or "nothing"
+    held = "" if state.held is None else f" I hold the {state.held.name}."
+    numbers = {"objects": float(len(seen))}
+    return Answer(query="seen", text=f"I see {names}.{held}", lines=lines, numbers=numbers)
+
+
+def comparison_answer(frame: g.Frame, state: WorldState) -> Answer:
+    """Which of two objects is believed to have more of something; of one, how much it has."""
+    one, goal = target_of(frame, state), frame.goal
+    assert isinstance(goal, g.Parameters), "a comparison is about a property"
+    if not goal.than:
+        return property_answer(frame, state, 0.0).model_copy(update={"query": "compare"})
+    (which,), than = goal.which, goal.than[0]
+    assert than.id is not None, "the objects of a question are resolved"
+    other, (word, unit) = state.objects[than.id], _MORE[which]
+    more, less = sorted((one, other), key=lambda each: -_amount(each, which))
+    a, b = _amount(more, which), _amount(less, which)
+    sd = math.hypot(more.model.mass_sd, less.model.mass_sd) if which == "mass" else 0.0
+    sure = "" if a - b > 2.0 * sd else ", as far as I know"
+    figures = f"{quantity(a, unit)} to {quantity(b, unit)}"
+    text = f"The {more.name} is {word} than the {less.name}{sure}: {figures}."
+    return Answer(query="compare", text=text, numbers={"more": a, "less": b})
+
+
+def _amount(seen: SeenObject, which: str) -> float:
+    """The believed value of a property [SI]; of the size, the volume around it."""
+    x, y, z = seen.model.extents
+    return {"mass": seen.model.mass, "height": z, "width": min(x, y), "size": x * y * z}[which]
+
+
+def capable_answer(frame: g.Frame, state: WorldState, robot: Robot, defaults: Defaults) -> Answer:
+    """The objects on the table with which the planner finds a way to do what is asked."""
+    asked = name_words(frame.object.text) if frame.object else ()
+    wanted = {word.removesuffix("es") for word in asked} | {w.removesuffix("s") for w in asked}
+    names = [n for n in state.objects if not wanted or wanted & set(name_words(n))]
+    can = []
+    for name in names:
+        about = {"query": None, "object": g.ObjectRef(text=name, id=name)}
+        made = plan(frame.model_copy(update=about), state, robot, defaults=defaults)
+        can += [] if isinstance(made, Refusal) else [name]
+    cannot = [f"the {name}" for name in names if name not in can]
+    text = f"I can do that with {enumeration([f'the {name}' for name in can]) or 'none of them'}"
+    text += f", not with {enumeration(cannot, 'or')}." if cannot and can else "."
+    numbers = {"can": float(len(can)), "asked": float(len(names))}
+    return Answer(query="capable", text=text, numbers=numbers, yes=bool(can))
+
+
+def destination_answer(
+    frame: g.Frame, state: WorldState, robot: Robot, defaults: Defaults
+) -> Answer:
+    """Where the object would stand after what is asked about, by the plan for it."""
+    target = target_of(frame, state)
+    command = frame.model_copy(update={"query": None, "event": None})
+    made = plan(command, state, robot, defaults=defaults)
+    if isinstance(made, Refusal):
+        text = f"The {target.name} would stay where it is: {made.message}."
+        return Answer(query="predict", text=text, reason=made.reason, suggestions=made.suggestions)
+    aim = made.aim if isinstance(made, Plan) else None
+    if aim is None:
+        return Answer(query="predict", text=f"The {target.name} would stand where it does now.")
+    x, y = aim.x, aim.y
+    text = f"The {target.name} would be at x {x:.3f} m, y {y:.3f} m."
+    return Answer(query="predict", text=text, numbers={"x": x, "y": y})
