@@ -228,11 +228,8 @@ class _ClauseReader:
         dialogue = self._joint_dialogue(remarks)
         if dialogue is None and excluded and things:
             dialogue = "correct"
-        if (
-            dialogue is None
-            and things
-            and any(isinstance(part, ph.Filler) and part.goes_on for part in self._parts)
-        ):
+        goes_on = any(isinstance(part, ph.Filler) and part.goes_on for part in self._parts)
+        if dialogue is None and things and goes_on:
             dialogue = "same"
         if dialogue == "undo" and any(isinstance(p, ph.Length | ph.Amount) for p in self._parts):
             dialogue = "reverse"  # "go back 2 cm"
@@ -248,7 +245,7 @@ class _ClauseReader:
             raise unexpected_part((content or remarks)[0], self._sentence)
         if dialogue == "stop" and things:
             raise several_objects(things[0], self._sentence)
-        if dialogue in ("more", "do") and things:
+        if dialogue in ("more", "do", "repeat") and things and not goes_on:
             raise no_verb(self._sentence, things)
         if dialogue == "correct" and not (content or constraints or things):
             raise ParseError(

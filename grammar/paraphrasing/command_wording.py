@@ -158,7 +158,8 @@ class _Speaker(Phrasing):
         if thing is not None:
             can = self.phrase_for("CAN_YOU")
             opening = f"{self.phrase_for('WHICH_OF')} {self.object_words(thing)} {can}"
-        return f"{opening} {self._command_words(asked, name='').replace('  ', ' ').strip()}?"
+        words = self._command_words(asked, name=" ").split()
+        return f"{opening} {' '.join(words)}?"
 
     def _comparison_words(self, frame: g.Frame) -> str:
         if not isinstance(frame.goal, g.Parameters) or frame.object is None:
@@ -168,7 +169,7 @@ class _Speaker(Phrasing):
             said = f"{which} {' '.join(frame.object.qualities)}"
             return f"{self.phrase_for('WHICH_IS')} {self.phrase_for('SUPERLATIVE', said)}?"
         than, more = self.object_words(others[0]), self.phrase_for("COMPARATIVE", which)
-        return f"{self.phrase_for('IS')} {self.object_words(frame.object)} {more} than {than}?"
+        return f"{self.phrase_for('IS_IT')} {self.object_words(frame.object)} {more} than {than}?"
 
     def _to_make(self, event: g.Event) -> str:
         return f"{self.phrase_for('TO_MAKE')} it {self.phrase_for('EVENT_INFINITIVE', event)}"
@@ -225,6 +226,6 @@ class _Speaker(Phrasing):
 
 def _with_it(frame: g.Frame) -> g.Frame:
     """Adds the object that questions and remarks leave out: "why did you push?", "pull again"."""
-    if frame.action is None or frame.object is not None:
+    if frame.action is None or frame.object is not None or frame.query == "capable":
         return frame
     return frame.model_copy(update={"object": g.ObjectRef(text="it", pronoun=True)})

@@ -299,6 +299,8 @@ class Sampler:
             than, which = (self._draw_thing(),), (self._pick(("mass", "height", "width", "size")),)
             goal = g.Parameters(which=which, than=than)
             return g.Frame(query="compare", object=self._draw_thing(), goal=goal)
+        if query == "capable":
+            return g.Frame(query="capable", action="topple", goal=self._draw_goal("topple"))
         if query == "affordances":
             return g.Frame(query="affordances", object=self._draw_object())
         if query == "why" and self._rng.random() < 0.5:
@@ -311,8 +313,6 @@ class Sampler:
         event = self._pick(events) if asked else None
         stops = query in ("how_hard", "where")
         kept = tuple(c for c in frame.constraints if not (stops and isinstance(c, g.Until)))
-        if query == "capable":
-            frame = frame.model_copy(update={"object": None})
         negated = query == "why" and self._rng.random() < 0.5
         update = {"query": query, "event": event, "constraints": kept, "negated": negated}
         return frame.model_copy(update=update)

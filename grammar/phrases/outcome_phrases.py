@@ -218,8 +218,10 @@ class Questions(TokenReader):
         return [ph.Remark(self.span_of(children[:1]), "same"), *things_in(children)]
 
     def how_about_part(self, children: Children) -> list[ph.Part]:
-        """How about the mug."""
-        return [ph.Remark(self.span_of(children[:1]), "repeat"), *things_in(children)]
+        """The same, asked of another thing: "how about the mug"."""
+        span = self.span_of(children[:1])
+        goes_on = ph.Filler(span, anywhere=False, goes_on=True)
+        return [ph.Remark(span, "repeat"), goes_on, *things_in(children)]
 
     def value_part(self, children: Children) -> ph.Ask:
         """A question: "how heavy is it"."""

@@ -60,7 +60,7 @@ class Verb:
     which: str | None = None
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Lexicon:
     """The language's words.
 
@@ -99,6 +99,8 @@ class Lexicon:
     contractions: Mapping[str, str]
     asides: Mapping[str, tuple[str, ...]]
     labels: Mapping[str, str]
+
+    __hash__ = object.__hash__  # what is made of its words is remembered by the lexicon itself
 
     @classmethod
     def from_file(cls, path: Path) -> Lexicon:

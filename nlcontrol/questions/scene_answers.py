@@ -47,8 +47,7 @@ def scene_answer(state: WorldState) -> Answer:
 def comparison_answer(frame: g.Frame, state: WorldState) -> Answer:
     """Which of two objects is believed to have more of something; of one, how much it has."""
     one, goal = target_of(frame, state), frame.goal
-    assert isinstance(goal, g.Parameters), "a comparison is about a property"
-    if not goal.than:
+    if not isinstance(goal, g.Parameters) or not goal.than:
         return property_answer(frame, state, 0.0).model_copy(update={"query": "compare"})
     (which,), than = goal.which, goal.than[0]
     assert than.id is not None, "the objects of a question are resolved"

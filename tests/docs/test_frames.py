@@ -105,6 +105,7 @@ REFUSED = {
     "duration": "unsupported",
     "set_down": "impossible",  # nothing is held
     "undo": "nothing_before",  # what was planned only is not undone
+    "do": "nothing_before",  # what was said last is no question
 }
 
 

@@ -168,7 +168,6 @@ def pushed(*constraints: Constraint, **goal: Any) -> Frame:
         Frame(query="value", object=BOX),
         Frame(query="value", object=BOX, goal=Parameters(which=("colour",))),
         Frame(query="possible", object=BOX),
-        Frame(dialogue="repeat", object=BOX),
         pushed(toward=BOX, fraction=0.4),
         pushed(distance=RelativeLength(value=1.0, of=BOX)),
         pushed(NoTouch(object=BOX, clearance=0.0)),

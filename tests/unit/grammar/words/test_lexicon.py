@@ -32,6 +32,7 @@ FOLLOWERS = {
     "PORTION": "the",
     "RELATION": "the",
     "SOME_OF": "tea",
+    "WHICH_IS": "heavier",
     "TO_DO": "topple",
     "TO_LEVEL": "80 percent",
     "WHY_DID": "push",
