@@ -79,6 +79,7 @@ def _take(
     settled: bool = True,
 ) -> None:
     """Takes one picture, once what stands still is drawn finely."""
+    level = opened.ask("page.view.viewer.quality.level")
     opened.ask("page.view.viewer.quality.level = 0")  # as a graphics card draws
     opened.page.emulate_media(color_scheme=scheme)
     opened.page.set_viewport_size(size)
@@ -87,6 +88,7 @@ def _take(
     if settled:
         opened.wait("page.view.viewer.holder.dataset.settled === String(page.view.viewer.frames)")
     opened.page.screenshot(path=IMAGES / f"{name}.png")
+    opened.ask(f"page.view.viewer.quality.level = {level}")
 
 
 if __name__ == "__main__":
