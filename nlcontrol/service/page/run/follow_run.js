@@ -56,6 +56,7 @@ async function finish(state, api, id) {
     state.set({ session });
     if (session.state === "idle") state.set({ table: await api.look() });
   } catch (problem) {
-    if (!isGivenUp(problem)) state.set({ problem });
+    const goesOn = problem.code === "busy"; // the next run is quicker than the look
+    if (!goesOn && !isGivenUp(problem)) state.set({ problem });
   }
 }
