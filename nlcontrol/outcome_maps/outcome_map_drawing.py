@@ -1,8 +1,9 @@
 """Outcome maps drawn as in the paper's Fig. 7, alone or beside an experiment.
 
-Each contact of a face is a circle whose area is the force that the object needs there: red where it
-slides, green where it topples, blue where that is undecided; a cross where nothing moves it; a dot
-where a push was not carried out. Experiments stand on the left, the prediction on the right, drawn
+Each contact of a face is a mark whose size is the force that the object needs there: a blue circle
+where it slides, an orange triangle where it topples, a grey square where that is undecided; a cross
+where nothing moves it; a dot where a push was not carried out. Colours and shapes can be told apart
+without red and green. Experiments stand on the left, the prediction on the right, drawn
 to one scale.
 """
 
@@ -26,7 +27,8 @@ if TYPE_CHECKING:
     from objectmodels.geometry.side_faces import Face
     from objectmodels.mechanics.outcome_map import OutcomeMap
 
-COLOURS = {"slide": "#d1342b", "topple": "#2a9d4a", "undecided": "#2f6fd0", "none": "#9a9a9a"}
+COLOURS = {"slide": "#0072b2", "topple": "#d55e00", "undecided": "#7f7f7f", "none": "#9a9a9a"}
+MARKERS = {"slide": "o", "topple": "^", "undecided": "s", "none": "x"}
 _TITLES = {way: f"experiment by\n{words}" for way, words in BY.items()}
 _LARGEST = 190.0  # area of the circle of the largest force [points²]
 _FADED = 0.12  # opacity of a circle whose outcome has no more than even odds
@@ -157,7 +159,7 @@ def _draw_flat(axes: Axes, face: Face, spots: _Spots, largest: float) -> None:
             axes.scatter(
                 1e3 * spots.lateral[i], 1e3 * spots.height[i], s=area[i], c=colour,
                 alpha=spots.opacity[i], linewidths=1.0 if name == "none" else 0.0,
-                marker="x" if name == "none" else "o",
+                marker=MARKERS[name],
             )  # fmt: skip
     axes.set_aspect("equal")
     half = 1e3 * face.width / 2
@@ -171,14 +173,16 @@ def _explain(
 ) -> None:  # fmt: skip
     """The legend below the picture, with circles to read areas by, and what is told above it."""
     handles = [
-        axes.scatter([], [], s=60.0, c=colour, alpha=0.85, linewidths=0.0, label=label)
+        axes.scatter(
+            [], [], s=60.0, c=COLOURS[name], alpha=0.85, linewidths=0.0, label=label,
+            marker=MARKERS[name],
+        )
         for name, label in (
             ("slide", "slides"),
             ("topple", "topples"),
             ("undecided", legend(chart)),
         )
-        if (colour := COLOURS[name])
-    ]
+    ]  # fmt: skip
     handles += [
         axes.scatter([], [], s=_LARGEST * share, c="none", edgecolors="#555555",
                      label=f"{share * largest:.2g} N")
@@ -223,8 +227,11 @@ def _draw_solid(figure: Figure, chart: OutcomeMap, shaded: bool) -> None:
     for name in ("slide", "topple", "undecided"):
         i = (outcome == name) & np.isfinite(z)
         if i.any():
-            axes.scatter(x[i], y[i], z[i], c=COLOURS[name], alpha=opacity[i], s=14, linewidths=0.0,
-                         label=legend(chart) if name == "undecided" else f"{name}s")  # fmt: skip
+            label = legend(chart) if name == "undecided" else f"{name}s"
+            axes.scatter(
+                x[i], y[i], z[i], c=COLOURS[name], alpha=opacity[i], s=14, linewidths=0.0,
+                marker=MARKERS[name], label=label,
+            )  # fmt: skip
     axes.set_xlabel("along the face [mm]")
     axes.set_ylabel("height [mm]")
     axes.set_zlabel("force [N]")

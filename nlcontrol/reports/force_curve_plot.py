@@ -32,7 +32,7 @@ TELLS: Mapping[Kind, str] = {
 MEAN_OVER = 0.1
 """Time over which the running mean is taken [s]."""
 
-_COLOURS = {"front": "#2a6f97", "back": "#e07a5f", "left": "#6a994e", "right": "#8e6c8a"}
+_COLOURS = {"front": "#0072b2", "back": "#d55e00", "left": "#009e73", "right": "#cc79a7"}
 _SAMPLES, _MEAN = 0.12, 0.9  # opacity
 
 

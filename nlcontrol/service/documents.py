@@ -11,7 +11,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from grammar.frames.command import Frame
+from grammar.frames.command import Frame, Spans
 from nlcontrol.errors import ErrorInfo
 from nlcontrol.json_document import Document, DocumentPart
 from nlcontrol.results.result import Result
@@ -189,6 +189,7 @@ class Understanding(Document):
         text: the sentence as given.
         frames: what is to be done, one after the other.
         paraphrase: the frames in plain words, which are read as the same frames.
+        asides: words that change nothing.
         error: why it was not understood.
         explanation: which words set which part of a frame; parameters follow with a plan.
     """
@@ -197,6 +198,7 @@ class Understanding(Document):
     text: str
     frames: tuple[Frame, ...] = ()
     paraphrase: str | None = None
+    asides: Spans = ()
     error: ErrorInfo | None = None
     explanation: tuple[Row, ...] = ()
 

@@ -91,6 +91,7 @@ class Client:
             text=understood.text,
             frames=understood.frames,
             paraphrase=understood.paraphrase or "",
+            asides=understood.asides,
         )
 
     def ask(self, said: str | Frames, *, motion: Motion = "never") -> Result:

@@ -87,6 +87,7 @@ def _understanding(session: PlanningSession, said: str | Frames) -> Understandin
         text=read.text,
         frames=read.frames,
         paraphrase=read.paraphrase,
+        asides=read.asides,
         explanation=reading_explanation(read),
     )
 

@@ -20,7 +20,9 @@ export function understandingPanel(state, api) {
     const same = !read.paraphrase || read.paraphrase.toLowerCase() === read.text.trim().toLowerCase();
     meant.textContent = same ? "" : `understood: ${read.paraphrase}`;
     // A short sentence stands in the field already, where that is wide.
-    panel.dataset.bare = String(same && !error && read.text.length < SHORT);
+    const isShort = read.text.length < SHORT;
+    words.dataset.short = String(isShort);
+    panel.dataset.bare = String(isShort && same && !error);
     problem.replaceChildren(...(error ? problemContent(state, api, read.status, error) : []));
   });
   return panel;
