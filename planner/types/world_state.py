@@ -7,6 +7,7 @@ world's truth: poses come through the camera port, geometry and physics from the
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -123,6 +124,10 @@ class SeenObject:
 
         A lid counts as far as it rises above it, not as far as it stands out.
         """
+        return self._bulk
+
+    @functools.cached_property
+    def _bulk(self) -> tuple[NDArray[np.float64], float]:
         outline, top = self.model.outline, self.model.top
         if self.lid is not None and self.lid_at is None:
             top += lid_rise(self.model, self.lid)
