@@ -1,0 +1,34 @@
+"""Sentences that ask for more speed than a stroke comes to are refused, with what it comes to."""
+
+from __future__ import annotations
+
+import pytest
+
+from planner.types.defaults import DEFAULTS
+from planner.types.speed_profile import reached_speed
+from planner.types.world_state import PlanarPose
+from tests.unit.planner.conftest import planned, refused, world
+
+
+@pytest.mark.parametrize("asked", ["at 12 cm/s", "at at least 12 cm/s"])
+def test_a_short_stroke_is_refused_with_what_it_comes_to(asked: str) -> None:
+    state = world(ice_tea_box=PlanarPose(0.5, 0.0, 0.0))
+    found = refused(f"push the ice tea box 5 cm away {asked}", state)
+    assert found.code == "too_fast"
+    assert found.numbers["most"] == pytest.approx(reached_speed(0.12, found.numbers["stroke"]))
+    most = int(1000.0 * found.numbers["most"]) / 10.0
+    assert found.suggestions == (f"at {most:g} cm/s",)
+    again = planned(f"push the ice tea box 5 cm away {found.suggestions[0]}", state)
+    assert again.push.speed == pytest.approx(most / 100.0)
+
+
+def test_a_stroke_that_comes_to_it_within_half_the_tolerance_is_planned() -> None:
+    state = world(ice_tea_box=PlanarPose(0.5, 0.0, 0.0))
+    made = planned("push the ice tea box 75 mm away at 12 cm/s", state)
+    reached = reached_speed(made.push.speed, made.push.stroke)
+    assert 0.12 - 0.5 * DEFAULTS.speed_tolerance <= reached < 0.12
+
+
+def test_at_most_a_speed_asks_for_none() -> None:
+    state = world(ice_tea_box=PlanarPose(0.5, 0.0, 0.0))
+    planned("push the ice tea box 3 cm away no faster than 8 cm/s", state)
