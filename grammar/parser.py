@@ -6,9 +6,11 @@ The parser is built with the first sentence and kept.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from contextlib import suppress
 from functools import cache, lru_cache
 
 from grammar.clauses.frame_builder import frames_of
+from grammar.errors import ParseError
 from grammar.frames.command import Command, Frame
 from grammar.paraphrasing.clause_wording import Phrasing
 from grammar.paraphrasing.command_wording import paraphrase
@@ -20,6 +22,9 @@ from grammar.words.lexicon import Lexicon
 from grammar.words.lexicon_plugins import installed_lexicon
 from grammar.words.normalisation import Normalised, normalise
 from grammar.words.phrase_lexer import PhraseLexer
+
+_OF_WORDS = ("unexpected_words", "does_not_apply", "several_objects", "missing_unit", "said_twice")
+"""Errors about some words, before which there may be a whole sentence."""
 
 
 class Parser:
@@ -44,6 +49,20 @@ class Parser:
         Raises:
             ParseError: if the sentence, or a part of it, is not understood.
         """
+        try:
+            return self._command(text)
+        except ParseError as error:
+            raise self._with_what_was_understood(error, text) from None
+
+    def _with_what_was_understood(self, error: ParseError, text: str) -> ParseError:
+        """The error, and as a suggestion the sentence up to it, where that alone would do."""
+        if error.code in _OF_WORDS and error.span is not None:
+            with suppress(ParseError):
+                understood = self._command(text[: error.span[0]]).paraphrase
+                error.suggestions += (f'this much is understood: "{understood}"',)
+        return error
+
+    def _command(self, text: str) -> Command:
         sentence = self._asides.left_out(normalise(text, self.lexicon.contractions))
         if not sentence.text:
             thanks = Frame(dialogue="thank", spans=sentence.asides)

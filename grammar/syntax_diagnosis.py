@@ -22,6 +22,9 @@ _SHORT = 2
 
 _UNITS = {"LENGTH_UNIT": "cm", "ANGLE_UNIT": "degrees", "FORCE_UNIT": "N", "SPEED_UNIT": "cm/s",
           "TIME_UNIT": "seconds"}  # fmt: skip
+_JOINING = frozenset({"of", "to", "in", "on", "at", "from", "with", "by", "for", "into", "onto"})
+"""Words that say nothing by themselves; an error is about the phrase that they begin."""
+
 _WORD = re.compile(r"[^ ]+")
 _TAKEN_BY = re.compile(r"\bby (?:its|the) [^ ]+")
 
@@ -57,6 +60,8 @@ def diagnose(error: UnexpectedTokenError, sentence: Normalised, lexicon: Lexicon
         return ParseError("missing_unit", f'"{number}" lacks its unit', span, suggestions)
     if at_end:
         return _incomplete_error(accepts, span, lexicon)
+    if not at_end:
+        span = _span_of_phrase(start, sentence, lexicon)
     out = (f'leave out "{sentence.words_as_written(span)}"',)
     instead = out if "VERB" in accepts else _could_stand_here(accepts, lexicon)
     close = _nearest_words(word, _words_of_terminals(accepts, lexicon))
@@ -67,6 +72,19 @@ def _word_at(sentence: Normalised, position: int) -> tuple[int, str]:
     """The word at a position of the plain form, and where it starts."""
     match = _WORD.search(sentence.text, position)
     return (match.start(), match.group()) if match else (len(sentence.text), "")
+
+
+def _span_of_phrase(start: int, sentence: Normalised, lexicon: Lexicon) -> Span:
+    """The word that starts here; of "the bowl", "in the bowl" all words, not the first alone."""
+    joining = _JOINING | lexicon.terminals["THE"].keys() | lexicon.terminals["A"].keys()
+    words = list(_WORD.finditer(sentence.text, start))
+    end = next((m.end() for m in words if m.group() not in joining), None)
+    if words[0].group() not in joining or end is None:
+        return sentence.original_span(words[0].start(), words[0].end())
+    before = sentence.text[:start].split()[-1:]
+    if before and before[0] in _JOINING:
+        start -= len(before[0]) + 1
+    return sentence.original_span(start, end)
 
 
 def _missing_verb_error(
