@@ -152,9 +152,7 @@ def _strong_enough(
     """The contacts at which the allowed force suffices, and the least force needed at any [N]."""
     strong, least = [], math.inf
     for contacts in rated:
-        needed = np.array(
-            [outcome_prediction.needed_force(problem, step, contact) for contact in contacts]
-        )
+        needed = outcome_prediction.needed_forces(problem, step, contacts)
         least = min(least, float(needed.min()))
         enough = needed <= _largest_force(problem, contacts.fingers)
         enough &= needed >= problem.force.min

@@ -16,9 +16,10 @@ from objectmodels import ObjectModel, Thresholds
 from objectmodels.geometry.base_shapes import Disc
 from objectmodels.mechanics.friction_cone import contact_forces
 from objectmodels.mechanics.margin_search import circle_corners
+from objectmodels.mechanics.push_thresholds import slide_threshold, yaw_arm
 from planner.problem.planning_problem import PushProblem, PushStep
 from planner.problem.tilt_goals import prediction_with_return
-from planner.pushing.contact_sampling import Contact
+from planner.pushing.contact_sampling import Contact, Contacts
 from planner.types.actions import Margins, Prediction, Push, Vector3
 
 _SPINS = 0.15  # share of the force to tip a round object over which it may turn on its rim before
@@ -28,12 +29,20 @@ _CONFIRMING = 8  # directions on the friction cone's boundary that the exact tie
 
 def needed_force(problem: PushProblem, step: PushStep, contact: Contact) -> float:
     """Force along the push that the motion needs, with the probability that plans must have [N]."""
+    return float(needed_forces(problem, step, contact.among)[contact.rank])
+
+
+def needed_forces(problem: PushProblem, step: PushStep, contacts: Contacts) -> NDArray[np.float64]:
+    """The same for all chosen contacts of a face, shape (k,)."""
     model = problem.target.model
     if step.outcome == "topple":
-        largest = float(contact.among.cone.topple_max[contact.index])
-        return largest * (1.0 + contact.among.sigmas * model.mass_sd / model.mass)
-    point = _point_of_pair(model, contact) if contact.among.fingers == 2 else contact.point
-    nominal = float(model.thresholds(point[None], contact.among.side.inward[None]).slide[0])
+        largest = contacts.cone.topple_max[contacts.chosen]
+        return np.asarray(largest * (1.0 + contacts.sigmas * model.mass_sd / model.mass))
+    points, inward = contacts.points[contacts.chosen], contacts.side.inward[None]
+    if contacts.fingers == 2:
+        points = np.array([_point_of_pair(model, contact) for contact in contacts])
+    arm = yaw_arm(points, inward, np.array(model.com))
+    nominal = slide_threshold(inward, arm, model.friction, model.friction_radius, model.weight)
     share = math.hypot(model.friction_sd / model.friction, model.mass_sd / model.mass)
     return nominal * (1.0 + NormalDist().inv_cdf(problem.effort.probability) * share)
 

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from planner.types.actions import Push
 from planner.types.robot import ReachAnswer
-from planner.types.world_state import WorldState
+from planner.types.world_state import TableState
 from sim.collision.collision_scene import (
     LEAST_CLEARANCE,
     OBJECT_CLEARANCE,
@@ -91,16 +91,16 @@ class _Found:
 
 
 class PushMotionSearch:
-    """The search for one push; `spare` [m] as of `CollisionScene.from_state`."""
+    """The search for one push on a table and among the objects that stand there."""
 
     def __init__(
         self,
         mount: Mount,
         push: Push,
         way: FingertipPath,
-        state: WorldState,
+        table: TableState,
+        scenery: CollisionScene,
         effort: Effort,
-        spare: float = 0.0,
     ) -> None:
         self._work = _BEGUN
         self._effort = effort
@@ -110,9 +110,8 @@ class PushMotionSearch:
         self._points = way.points_at()
         self._R_WD = rot_z(way.turns_at()) @ way.R_WD
         self._arms = PushIkSearch(mount, push, self._points, self._R_WD)
-        table = state.table
         self._centre = 0.5 * np.array([table.x_min + table.x_max, table.y_min + table.y_max])
-        self._scenery = CollisionScene.from_state(state, push.object, spare, effort.clearance)
+        self._scenery = scenery
         self._approach = Approach.to_object(
             self._scenery.pushed, self._points[:2], self._R_WD[0], mount.hand,
             push.fingers, push.spread, fine=effort.fine,

@@ -25,7 +25,7 @@ from planner.types.robot import Grip, ReachAnswer, ReachEffort, RobotLimits
 from planner.types.world_state import WorldState
 from sim.arms.arm_kinematics import ArmKinematics
 from sim.cell.cell_description import CellDescription, RobotMount
-from sim.collision.collision_scene import TABLE_CLEARANCE
+from sim.collision.collision_scene import TABLE_CLEARANCE, CollisionScene
 from sim.hands.hand_model import Hand
 from sim.hands.mount import Mount
 from sim.motion.arm_configuration import ArmConfiguration
@@ -144,6 +144,7 @@ class ArmHandReach:
         )
         self._map = reachability_map(cell.robot, arm, hand)
         self._answers: deque[_Answered] = deque(maxlen=_ANSWERS)
+        self._last_scenery: tuple[tuple[str, WorldState, float], CollisionScene] | None = None
 
     def reach(self, push: Push, state: WorldState, effort: ReachEffort = "usual") -> ReachAnswer:
         """Answer whether the whole way of a push is reachable and free."""
@@ -239,7 +240,8 @@ class ArmHandReach:
             if (known.asked, known.state, known.spare) == (asked, state, spare):
                 return known.found
         way = self.fingertip_path(push, state)
-        search = PushMotionSearch(self.mount, push, way, state, self._effort, spare)
+        scenery = self._scenery(push.object, state, spare)
+        search = PushMotionSearch(self.mount, push, way, state.table, scenery, self._effort)
         found = self._best_configuration(push, search)
         if isinstance(found, ReachAnswer):
             found = replace(found, work=search.work)
@@ -247,6 +249,14 @@ class ArmHandReach:
             found = found[0], replace(found[1], work=search.work)
         self._answers.append(_Answered(asked, state, spare, found))
         return found
+
+    def _scenery(self, pushed: str, state: WorldState, spare: float) -> CollisionScene:
+        """What is in the way of pushes of an object; that of the last push is kept."""
+        asked = pushed, state, spare
+        if self._last_scenery is None or self._last_scenery[0] != asked:
+            scenery = CollisionScene.from_state(state, pushed, spare, self._effort.clearance)
+            self._last_scenery = asked, scenery
+        return self._last_scenery[1]
 
     def _best_configuration(
         self, push: Push, search: PushMotionSearch
