@@ -19,6 +19,9 @@ from grammar.words.normalisation import Normalised
 
 _UP_AND_DOWN: dict[str, g.Direction] = {"up": "away", "down": "toward"}
 
+_TOLD_WHERE = (ph.Place, ph.Into, ph.Toward, ph.AwayFrom, ph.Direction, ph.Heading, ph.Me)
+"""Parts that say where to put an object."""
+
 _PUSHED = frozenset({"displace", "contact", "topple", "tilt"})
 """Goals of which "from the left" says that they go to the right, unless by pulling."""
 
@@ -64,8 +67,8 @@ class ActionReader:
         result, rest, event, asked = self._result_and_event(rest, thing)
         if self._query in _ASK_FOR_EVENTS and event is None:
             constraints, event, asked = _without_stops(constraints)
-        if verb.goal in ("place", "set_down", "upright"):
-            self._require_no_touch(constraints)
+        if verb.goal == "place":
+            self._require_no_touch(constraints, any(isinstance(p, _TOLD_WHERE) for p in rest))
         goal = self._goal_of_parts(verb, name, result, rest, thing, spans[0])
         goal, thing = self._of_a_part(goal, thing)
         if verb.action == "push" and is_still(constraints) and not _says_more(goal):
@@ -84,10 +87,16 @@ class ActionReader:
         require_consistent(frame, self._sentence)
         return _with_it_bound(frame)
 
-    def _require_no_touch(self, constraints: Sequence[g.Constraint]) -> None:
-        """Refuse where to touch an object that is put somewhere: "on its left side" of the mug."""
+    def _require_no_touch(self, constraints: Sequence[g.Constraint], placed: bool) -> None:
+        """Refuse where to touch an object in place of where to put it: "put it on its left side".
+
+        Behind a comma a face may be that of the thing that was named last.
+        """
         for clause in constraints:
-            if isinstance(clause, g.ContactRegion):
+            if not isinstance(clause, g.ContactRegion):
+                continue
+            before = self._sentence.original[: clause.spans[0][0]].rstrip()
+            if not placed or (clause.face and before.endswith(",")):
                 message = "says where to touch it, and not where to put it"
                 raise self._sentence.error_at(
                     clause.spans[0], "does_not_apply", message, "left of the mug", "on the left"

@@ -216,6 +216,7 @@ def _with_sides(parts: Parts, lexicon: Lexicon, sentence: Normalised) -> Parts:
         else:
             elsewhere = bool(said) and _PUSHED_TO.get(side) not in (None, *said)
             told = goal not in _TOUCHING or elsewhere or _is_nobody(before, lexicon)
+            told = told and not before.ref.pronoun
             out.append(ph.Side(part.span, side) if told else part)
     return out
 
@@ -229,8 +230,13 @@ def _side_of_table(part: ph.Part, sentence: Normalised) -> g.Quality | None:
     """The side or the middle that may be the table's: "at the front", but no "front face"."""
     if not isinstance(part, ph.Constraint) or not isinstance(part.constraint, g.ContactRegion):
         return None
-    first, *_, last = sentence.words_as_written(part.span).casefold().split()
-    return _SIDES.get(last) if first in ("at", "in", "on") else None
+    return side_of_table_in(sentence.words_as_written(part.span).casefold())
+
+
+def side_of_table_in(phrase: str) -> g.Quality | None:
+    """The side or the middle that a phrase may mean of the table; "its middle" is the object's."""
+    words = phrase.split()
+    return _SIDES.get(words[-1]) if words[0] in ("at", "in", "on") and "its" not in words else None
 
 
 def _without_avoidances(parts: Parts) -> Parts:

@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from decimal import Decimal
 from typing import Any, cast
 
+from grammar.clauses.object_descriptions import side_of_table_in
 from grammar.frames import command as g
 from grammar.words.lexicon import Lexicon
 
@@ -42,9 +43,15 @@ class Phrasing:
         self.lexicon = lexicon
         self._choose = choose or (lambda phrases: phrases[0])
 
-    def phrase_for(self, terminal: str, value: str = "", *, ending: str = "") -> str:
-        """A phrase of the lexicon, with that at its end."""
-        phrases = [p for p in self.lexicon.phrases_for(terminal, value) if p.endswith(ending)]
+    def phrase_for(
+        self, terminal: str, value: str = "", *, ending: str = "", of_object: bool = False
+    ) -> str:
+        """A phrase of the lexicon with that at its end; `of_object`: no side of the table."""
+        phrases = [
+            phrase
+            for phrase in self.lexicon.phrases_for(terminal, value)
+            if phrase.endswith(ending) and not (of_object and side_of_table_in(phrase))
+        ]
         if not phrases:
             raise no_words(f"{value} as {terminal}")
         return _I.sub("I", self._choose(phrases))
@@ -260,14 +267,19 @@ class Phrasing:
         said = constraint.words.terminal == "MANNER"
         return self.phrase_for("MANNER", constraint.kind) if said else None
 
-    def constraint_words(self, constraints: Sequence[g.Constraint], *, directed: bool) -> list[str]:
-        """Everything that must hold on the way."""
+    def constraint_words(
+        self, constraints: Sequence[g.Constraint], *, directed: bool, of_object: bool = False
+    ) -> list[str]:
+        """Everything that must hold on the way.
+
+        Where "in the middle" would tell the object apart, `of_object` asks for "at its middle".
+        """
         words: list[str] = []
         listed = False
         for constraint in constraints:
             avoided = constraint.words.terminal == "AVOIDING"
             if isinstance(constraint, g.ContactRegion):
-                words.append(self._contact_words(constraint, directed=directed))
+                words.append(self._contact_words(constraint, directed, of_object))
             elif avoided:
                 doing = self.phrase_for("AVOIDING", constraint.kind)
                 words.append(f"{'or' if listed else self.phrase_for('WITHOUT')} {doing} it")
@@ -317,16 +329,17 @@ class Phrasing:
             return f"{until} {self.phrase_for('REACHES_EDGE', 'edge')}"
         return f"{until} {self.phrase_for('EVENT', clause.event)}"
 
-    def _contact_words(self, contact: g.ContactRegion, *, directed: bool) -> str:
+    def _contact_words(self, contact: g.ContactRegion, directed: bool, of_object: bool) -> str:
         # "From the left" also means "to the right" unless a direction is said; keep it for then.
         words = []
         if contact.region:
-            words.append(self.phrase_for("REGION", contact.region))
+            words.append(self.phrase_for("REGION", contact.region, of_object=of_object))
         if contact.height:
             words.append(self._height_words(contact.height))
         if contact.face:
             from_side = directed and contact.face != "top"
-            words.append(self.phrase_for("FROM_SIDE" if from_side else "FACE", contact.face))
+            terminal = "FROM_SIDE" if from_side else "FACE"
+            words.append(self.phrase_for(terminal, contact.face, of_object=of_object))
         return " ".join(words)
 
     def _height_words(self, height: g.ContactHeight) -> str:

@@ -14,6 +14,9 @@ from grammar.words.lexicon import Lexicon, default_lexicon
 _LIMITS = ("no_topple", "no_tilt", "no_turn", "no_slide")
 """Constraints with which "how hard" asks for the most, not for the least."""
 
+_TOLD_BY_SIDES = ("lift", "open", "close", "pour", "parameters")
+"""Goals for which "in the middle" behind the object tells it apart."""
+
 _OPENINGS: dict[str, tuple[str, str]] = {
     "possible": ("POSSIBLE", ""),
     "how_hard": ("HOW_HARD", "least"),
@@ -102,7 +105,8 @@ class _Speaker(Phrasing):
     def _constraint_words(self, goal: g.Goal, constraints: Sequence[g.Constraint]) -> list[str]:
         said = ("direction", "heading", "toward", "away_from", "reference")
         directed = any(getattr(goal, field, None) is not None for field in said)
-        return self.constraint_words(constraints, directed=directed)
+        of_object = goal.kind in _TOLD_BY_SIDES
+        return self.constraint_words(constraints, directed=directed, of_object=of_object)
 
     def _exploration_words(self, frame: g.Frame, which: Sequence[str], more: str) -> str:
         words = [f"find out {self._property_words(frame, which)}", *self.goal_words(frame.goal)]

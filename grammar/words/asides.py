@@ -31,13 +31,16 @@ _BEGIN = _LEAD | {"NUMBER", "THING", "IT"}
 """Kinds that begin a group where no other is open."""
 
 _SHAPES = {
-    "fillers": r"(?<![^ ])(?:{0})(?= |$)",
+    "fillers": r"(?<![^ ])(?!(?<=you )like ,)(?:{0})(?= |$)",
     "corrections": r"(?:(?<= )[.,;] )?(?<![^ ])(?:{0})(?:(?: ,)? (?:{0}))*(?: ,)?(?= )",
     "reasons": r"^(?:{0}) [^,;]+?(?= , )|(?<= )(?:{0}) .+?(?=$| [.;] | (?:, )?(?:and )?then )",
     "after": r"(?<![^ ])(?:{0})(?=$| [.;])",
     "before": r"(?:^|(?<=[.;] ))(?:{0})(?= |$)",
 }
-"""Where each kind of aside stands, in the order in which they are left out."""
+"""Where each kind of aside stands, in the order in which they are left out.
+
+"Like," is a filler, but not in "as fast as you like, then".
+"""
 
 _DOUBLED = re.compile(r"(?<![^ ])((?:[a-z]+ ){0,2}[a-z]+|\d+)(?: ,)?(?= \1(?: |$))")
 _STRAY = re.compile(r"^[,.;](?= |$)|(?<= )[,.;]$|(?<= ),(?= [,.;] )|(?<=[.;] )[,.;](?= )")
@@ -114,9 +117,23 @@ class Asides:
                 return None
             if first in self._lexicon.terminals["IT"]:
                 return None  # "push it it" may lack a word between them
+            if self._goes_on(said.text, match):
+                return None
         polite = kind in ("before", "after") and re.search(r"\b(?:you|please)\b", match[0])
         left = _joined(said, (0, start), (end, len(said.text)))
         return replace(left, question=said.question and not polite)
+
+    def _goes_on(self, text: str, doubled: re.Match[str]) -> bool:
+        """Check for words that say more the second time: "at the top at the top face"."""
+        words, phrases = doubled[1], self._phrases.phrases_at
+        for word in WORD.finditer(text, doubled.start(), doubled.start() + len(words)):
+            longest = next((phrase for phrase, _ in phrases(text, word.start())), "")
+            if word.start() + len(longest) > doubled.start() + len(words):
+                return True
+        start = text.index(words, doubled.end())
+        again = [phrase for phrase, _ in phrases(text, start)]
+        more = self._phrases.has_terminal_at("BOUND", text, start + len(words) + 1)
+        return more or (words in again and words != again[0])
 
     # --- corrections --------------------------------------------------------------------------
 

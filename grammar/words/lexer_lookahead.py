@@ -24,6 +24,7 @@ _PERCENT = re.compile(r"[^ %]+ ?(?:%|percent|per cent)(?= |$)")
 _NAMED = re.compile(r" (?:the|my|your|our|its|it|this|that|\")")
 _ARTICLE = re.compile(r"an? ")
 _BEFORE_QUANTITIES = ("in", "under", "above", "below")
+_PLACES = ("RELATION", "BETWEEN", "REGION_OF_TABLE", "TO_X", "INTO", "PARTICLE")
 _QUANTITIES = ("THE_SIDE_OF", "BOUND")
 _MULTIPLES = frozenset({"twice", "double", "its"})
 _NAMES_BEGIN = re.compile(r" (?:the|a|an|my|your|its) ")
@@ -115,11 +116,13 @@ class Lookahead:
             ),
             "TO_LEVEL": lambda _phrase, text, end, _last: bool(_PERCENT.match(text, end + 1)),
             "FROM_SIDE": lambda _phrase, text, end, _last: self._ends_name(text, end),
+            "FROM_TABLE": lambda _phrase, _text, _end, last: last != "LENGTH_UNIT",
             "LENGTH_UNIT": self._no_preposition,
             "NEXT": self._not_next_to,
             "OF": lambda _phrase, text, end, _last: bool(_NAMES_BEGIN.match(text, end)),
             "OR": self._in_a_list,
             "RELATION": self._before_a_thing,
+            "SAME": self._not_to_a_direction,
             "SOME_OF": self._some_of_a_liquid,
             "STROKE": lambda phrase, text, end, _: (
                 self._last_goal(text, end - len(phrase)) == "hand_over"
@@ -171,10 +174,20 @@ class Lookahead:
 
     def _not_into_a_name(self, phrase: str, text: str, end: int, _last: str) -> bool:
         """On the right, but not on the right bottle; put it on the base is no touch."""
-        if phrase.startswith("on the") and self._last_goal(text, end - len(phrase)) == "place":
+        named = phrase.startswith("on the") and not phrase.endswith(("side", "face"))
+        if named and self._wants_a_place(text, end - len(phrase)):
             return False
         word = phrase.rsplit(maxsplit=1)[-1]
         return word not in self._adjectives or self._ends_name(text, end)
+
+    def _wants_a_place(self, text: str, end: int) -> bool:
+        """Check for a verb that puts something somewhere that is not said yet."""
+        if self._last_goal(text, end) != "place":
+            return False
+        said = text[:end]
+        starts = [word.start() for word in WORD.finditer(said)]
+        verb = max(i for i in starts if WORD.match(text, i)[0] in self._verbs)
+        return not any(self._any(kind, said, i) for i in starts if i > verb for kind in _PLACES)
 
     def _not_towards_a_name(self, phrase: str, text: str, end: int, _last: str) -> bool:
         """Towards the left, but not towards the left mug."""
@@ -203,7 +216,9 @@ class Lookahead:
 
     def _before_a_thing(self, phrase: str, text: str, end: int, _last: str) -> bool:
         """Over to the mug, in a box, but not away from the left, in a second, above the table."""
-        if phrase in _BEFORE_QUANTITIES and self._begins_a_quantity(text, end + 1):
+        if phrase.rpartition(" ")[2] in _BEFORE_QUANTITIES and self._begins_a_quantity(
+            text, end + 1
+        ):
             return False
         if phrase.endswith(("above", "below")) and stands_at("the table", text, end + 1):
             return False
@@ -223,6 +238,12 @@ class Lookahead:
         start = end - len("to")
         purpose = self._any("TO_MAKE", text, start) or self._any("EVENT_INFINITIVE", text, end + 1)
         return not (phrase.endswith(" to") and purpose)
+
+    def _not_to_a_direction(self, phrase: str, text: str, end: int, _last: str) -> bool:
+        """The same to the mug, but not the same, to the left."""
+        start = end - len("to")
+        ways = ("DIRECTION", "REGION_OF_TABLE")
+        return not (phrase.endswith(" to") and any(self._any(way, text, start) for way in ways))
 
     def _some_of_a_liquid(self, phrase: str, text: str, end: int, last: str) -> bool:
         """A bit of the milk, but not a bit, of its front side; pour some milk, no little box."""

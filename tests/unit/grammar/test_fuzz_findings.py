@@ -24,6 +24,7 @@ LONGEST_S = 0.05
             "push the tin at half the height of the mug",
             "push the tin at half the height of the mug",
         ),
+        ("push the tin low", "push the tin at the bottom"),
         ("push robot, away", 'push "robot" away'),
         ("push the tin at two box heights", "push the tin at twice the height of the box"),
     ],
