@@ -184,10 +184,10 @@ class Lookahead:
         """Check for a verb that puts something somewhere that is not said yet."""
         if self._last_goal(text, end) != "place":
             return False
-        said = text[:end]
-        starts = [word.start() for word in WORD.finditer(said)]
-        verb = max(i for i in starts if WORD.match(text, i)[0] in self._verbs)
-        return not any(self._any(kind, said, i) for i in starts if i > verb for kind in _PLACES)
+        words = list(WORD.finditer(text, 0, end))
+        verb = max(word.start() for word in words if word.group() in self._verbs)
+        behind = [word.start() for word in words if word.start() > verb]
+        return not any(self._any(kind, text[:end], i) for i in behind for kind in _PLACES)
 
     def _not_towards_a_name(self, phrase: str, text: str, end: int, _last: str) -> bool:
         """Towards the left, but not towards the left mug."""
