@@ -54,6 +54,7 @@ export class Viewer {
     await this.renderer.compileAsync(this.scene, this.orbit.camera);
     this.scene.remove(...marks);
     if (this.ended) return;
+    this.orbit.update(0);
     this.#draw(); // takes the programs of shadows with it
     this.compiled = true;
     this.invalidate();
