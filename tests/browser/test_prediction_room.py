@@ -98,6 +98,7 @@ def test_a_refusal_is_drawn_with_its_numbers(opened: OpenPage) -> None:
     for name in ("critical_height", "critical_height_worst", "lowest_asked"):
         assert any(f"{1e3 * numbers[name]:.0f} mm" in text for text in told), (name, told)
     assert opened.page.locator("#prediction .marks li").count() == len(told)
+    assert opened.ask(f"{OFFER}.result.error.message") in opened.page.inner_text("#approval")
     assert not opened.page.is_visible("#do-it")
     assert opened.ask("page.view.viewer.ghosts.children.length") == 0
 
@@ -115,7 +116,7 @@ def test_what_is_approved_is_carried_out_once(opened: OpenPage, server: ServerPr
 
 
 def test_a_plan_that_was_used_can_be_made_again(opened: OpenPage) -> None:
-    opened.wait("page.api.run(page.state.get('run').run_id).then(({ state }) => state === 'ended')")
+    opened.wait("Boolean(page.state.get('result'))")
     opened.ask("page.state.set({ run: null, result: null, offer: { ...page.state.get('offer') } })")
     opened.page.click("#do-it")
     opened.wait("page.state.get('problem')?.code === 'used_plan'")

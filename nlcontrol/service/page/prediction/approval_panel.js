@@ -38,9 +38,12 @@ export function approvalPanel(state, api) {
 }
 
 // An offer in one line.
-function summary({ status, steps }) {
+function summary({ status, steps, error }) {
   const plan = steps.at(-1)?.plan;
-  if (!plan) return [element("span", { class: "badge", "data-ok": String(status === "planned") }, status.replaceAll("_", " "))];
+  if (!plan) {
+    const badge = element("span", { class: "badge", "data-ok": String(status === "planned") }, status.replaceAll("_", " "));
+    return status === "refused" ? [badge, ` ${error.message}`] : [badge];
+  }
   const [first] = plan.actions;
   const verb = ENDS[first.ends_on] ?? OUTCOMES[first.prediction?.outcome];
   const what = verb ? `The ${plan.object} ${verb}` : `To ${plan.task} the ${plan.object}`;
