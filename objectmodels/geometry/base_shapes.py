@@ -11,6 +11,7 @@ Frame: everything in the x, y of B, whose origin is the centre of the base.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from math import asinh, hypot
@@ -191,12 +192,20 @@ class Polygon(Base):
     ) -> Array:
         """Least of s_k = (G d_k − n_k·m) / (n_k·e + w d_k) over its edges; see `Base`."""
         least: Array | None = None
-        for n, d in zip(self.normals, self.offsets, strict=True):
-            holding = weight * (d - np.abs(n) @ np.broadcast_to(shift, 2)) - dot(n, m)
-            force = _first_crossing(np.maximum(holding, 0.0), dot(n, e) + w * d)
+        (m_x, m_y), (e_x, e_y) = (m[..., 0], m[..., 1]), (e[..., 0], e[..., 1])
+        for n_x, n_y, d, nearer in self._edges(shift):
+            holding = weight * (d - nearer) - (n_x * m_x + n_y * m_y)
+            growing = n_x * e_x + n_y * e_y + w * d
+            force = _first_crossing(np.maximum(holding, 0.0), growing)
             least = force if least is None else np.minimum(least, force, out=least)
         assert least is not None
         return least
+
+    def _edges(self, shift: ArrayLike) -> Iterator[tuple[float, float, float, float]]:
+        """Normal and offset of each edge, and by how much a shift brings it nearer [m]."""
+        moved = np.broadcast_to(shift, 2)
+        for n, d in zip(self.normals, self.offsets.tolist(), strict=True):
+            yield *n.tolist(), d, float(np.abs(n) @ moved)
 
     def nearest_edge(self, q: Array) -> tuple[Array, NDArray[np.int64]]:
         """See `Base`."""
@@ -212,9 +221,10 @@ class Polygon(Base):
     ) -> Array:
         """See `Base`."""
         least: Array | None = None
-        for n, d in zip(self.normals, self.offsets, strict=True):
-            room = d * load - np.abs(n) @ np.broadcast_to(shift, 2) - dot(n, m + e)
-            height = _first_crossing(room, dot(n, rise))
+        (x, y), (rise_x, rise_y) = np.moveaxis(m + e, -1, 0), np.moveaxis(rise, -1, 0)
+        for n_x, n_y, d, nearer in self._edges(shift):
+            room = d * load - nearer - (n_x * x + n_y * y)
+            height = _first_crossing(room, n_x * rise_x + n_y * rise_y)
             least = height if least is None else np.minimum(least, height)
         assert least is not None
         return least

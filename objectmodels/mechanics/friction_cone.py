@@ -19,6 +19,7 @@ undercuts it by 0.1 % of the weight.
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal
@@ -320,7 +321,7 @@ def worst_probability(
     Contact points p_BC [m] and the faces' outward unit normals are (n, 3); it turns only if `yaw`.
     """
     shares = cone_directions(p, normals, np.array(model.com), model.finger_friction, SEARCH_RING)
-    few, many = (draw_parameters(model, normal_nodes(k), yaw=yaw) for k in (SEARCH_NODES, NODES))
+    few, many = (_drawn_at_nodes(model, k, yaw) for k in (SEARCH_NODES, NODES))
     worst = np.empty(len(p))
     for i in range(0, len(p), BLOCK):
         block = slice(i, i + BLOCK)
@@ -329,6 +330,12 @@ def worst_probability(
         chosen = tried[np.arange(len(q)), rough.argmin(axis=1)]
         worst[block] = _direction_probability(model, q, n, chosen[:, None, :], outcome, many)[:, 0]
     return worst
+
+
+@functools.lru_cache(maxsize=64)
+def _drawn_at_nodes(model: PushedBody, count: int, yaw: bool) -> Draws:
+    """Parameters at so many normal nodes, kept, since models never change."""
+    return draw_parameters(model, normal_nodes(count), yaw=yaw)
 
 
 def _direction_probability(

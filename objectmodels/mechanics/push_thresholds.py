@@ -83,7 +83,9 @@ def slide_threshold(
         weight: G [N].
     """
     h, w = np.hypot(u[..., 0], u[..., 1]), u[..., 2]
-    h, w, a, mu = np.broadcast_arrays(h, w, np.abs(arm) / radius, friction)
+    a, mu = np.abs(arm) / radius, np.asarray(friction)
+    if mu.ndim or h.shape != a.shape:
+        h, w, a, mu = np.broadcast_arrays(h, w, a, mu)
     r = _load_ratio(h.ravel(), w.ravel(), a.ravel(), mu.ravel()).reshape(h.shape)
     return force_at(r, w, weight)
 
@@ -103,7 +105,10 @@ def ratio_at(s: Array, w: Array, weight: float) -> Array:
 
 
 def _load_ratio(h: Array, w: Array, a: Array, mu: Array) -> Array:
-    """Smallest r > 0 with r sqrt(h² + (1 + r w)² a²) = μ, shape (n,); inf if there is none."""
+    """Smallest r > 0 with r sqrt(h² + (1 + r w)² a²) = μ, shape (n,); inf if there is none.
+
+    One μ, shape (1,), may stand for all.
+    """
     h2, a2 = h * h, a * a
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         flat = mu / np.sqrt(h2 + a2)  # exact for a horizontal force, else near by
@@ -121,7 +126,7 @@ def _load_ratio(h: Array, w: Array, a: Array, mu: Array) -> Array:
     if sure.all():
         return r
     (i,) = np.nonzero(~sure)
-    r[i] = _careful_load_ratio(h[i], w[i], a[i], mu[i])
+    r[i] = _careful_load_ratio(h[i], w[i], a[i], np.broadcast_to(mu, h.shape)[i])
     return r
 
 
