@@ -23,6 +23,9 @@ UNCERTAIN = ("mass", "friction", "finger_friction", "friction_radius", "com_x", 
 class PushedBody(Protocol):
     """A rigid object that stands on a table, with what is not known of it."""
 
+    def __hash__(self) -> int:
+        """Its values never change."""
+
     @property
     def name(self) -> str:
         """Its name, for messages."""

@@ -22,7 +22,7 @@ from __future__ import annotations
 import functools
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
@@ -45,6 +45,8 @@ from objectmodels.mechanics.push_thresholds import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from objectmodels.geometry.pushed_body import PushedBody
@@ -169,6 +171,14 @@ def cone_directions(p: Array, normals: Array, c: Array, reach: float, ring: int)
     return np.concatenate((np.broadcast_to(fixed, (len(p), *fixed.shape)), through), axis=1)
 
 
+class _Toppling(NamedTuple):
+    """The part of `ConeThresholds` that only who wants to topple asks for."""
+
+    most: Array
+    height_above: Array
+    search: MarginSearch
+
+
 @dataclass(frozen=True)
 class ConeThresholds:
     """Extremes over a fingertip's friction cone and the parameters; arrays over n contacts.
@@ -179,10 +189,8 @@ class ConeThresholds:
 
     Attributes:
         slide_max: largest force needed until it slides.
-        topple_max: largest force needed until it topples.
         height_below: contact height below which all of them make it slide first; inf if none on
             this face topples it, 0 if sliding is certain nowhere.
-        height_above: contact height above which all topple it first; inf if there is none.
         slides_most, topples_most: unit directions in the cone, shape (n, 3), in which sliding comes
             longest before toppling, and the other way round: the best and the worst one for who
             wants it to slide. Of the fixed directions, with parameters at `sigmas`.
@@ -191,14 +199,12 @@ class ConeThresholds:
     """
 
     slide_max: Array
-    topple_max: Array
     height_below: Array
-    height_above: Array
     critical_height: Array
     slides_most: Array
     topples_most: Array
     _slide_search: MarginSearch = field(repr=False)
-    _topple_search: MarginSearch = field(repr=False)
+    _toppling: Callable[[], _Toppling] = field(repr=False)
     _contacts: tuple[PushedBody, Array, Array, bool] = field(repr=False)
 
     @property
@@ -210,6 +216,20 @@ class ConeThresholds:
     def topples(self) -> NDArray[np.bool_]:
         """Every one of the forces topples the object before it slides, shape (n,)."""
         return self.topple_margin > 0.0
+
+    @cached_property
+    def _topples(self) -> _Toppling:
+        return self._toppling()
+
+    @property
+    def topple_max(self) -> Array:
+        """Largest force needed until it topples, shape (n,)."""
+        return self._topples.most
+
+    @property
+    def height_above(self) -> Array:
+        """Contact height above which all topple it first; inf if there is none, shape (n,)."""
+        return self._topples.height_above
 
     @cached_property
     def slide_margin(self) -> Array:
@@ -225,7 +245,7 @@ class ConeThresholds:
 
         −inf if some never topple it. Refined when first read.
         """
-        return self._topple_search.least_margin()
+        return self._topples.search.least_margin()
 
     @cached_property
     def probability_slide(self) -> Array:
@@ -258,16 +278,14 @@ def cone_thresholds(
     f = contact_forces(facing[:, None, :], reach * shares)
     slide_most = tippy.slide_force(foot[:, None, :], f)
     below = _height_below(tippy, foot[:, None, :], f, slide_most)
-    slide_least = slippery.slide_force(foot[:, None, :], f)
-    above = slippery.equal_height(foot[:, None, :], f, slide_least).max(axis=1)
+    all_round = f
 
     shares = cone_directions(foot, facing, tippy.com, reach, RING)
     f = contact_forces(facing[:, None, :], reach * shares)
     slide_gap = force_gap(
         tippy.slide_force(foot[:, None, :], f)[at], tippy.topple_force(p[:, None, :], f[at])
     )
-    topple_most = slippery.topple_force(p[:, None, :], f[at])
-    topple_gap = force_gap(topple_most, slippery.slide_force(foot[:, None, :], f)[at])
+    near, radius = NEAR * model.weight, 1.0 / np.cos(np.pi / RING)
 
     def slide_margin(i: Index, x: Array) -> Array:
         slide, topple = tippy.thresholds(p[i, None], contact_forces(normals[i, None], reach * x))
@@ -277,19 +295,27 @@ def cone_thresholds(
         slide, topple = slippery.thresholds(p[i, None], contact_forces(normals[i, None], reach * x))
         return force_gap(topple, slide)
 
-    near, radius = NEAR * model.weight, 1.0 / np.cos(np.pi / RING)
+    def toppling() -> _Toppling:
+        slide_least = slippery.slide_force(foot[:, None, :], all_round)
+        above = slippery.equal_height(foot[:, None, :], all_round, slide_least).max(axis=1)
+        most = slippery.topple_force(p[:, None, :], f[at])
+        gap = force_gap(most, slippery.slide_force(foot[:, None, :], f)[at])
+        return _Toppling(
+            most.max(axis=1),
+            _contact_height(above, model.top)[at],
+            MarginSearch.begin(gap, shares[at], topple_margin, near, radius),
+        )
+
     nominal = Case.from_model(model, 0.0, yaw=yaw)
     critical = nominal.equal_height(foot, -facing, nominal.slide_force(foot, -facing))
     return ConeThresholds(
         slide_max=slide_most.max(axis=1)[at],
-        topple_max=topple_most.max(axis=1),
         height_below=_contact_height(below, model.top)[at],
-        height_above=_contact_height(above, model.top)[at],
         critical_height=_contact_height(critical, model.top)[at],
         slides_most=_chosen_directions(f[at], slide_gap.argmax(axis=1)),
         topples_most=_chosen_directions(f[at], slide_gap.argmin(axis=1)),
         _slide_search=MarginSearch.begin(slide_gap, shares[at], slide_margin, near, radius),
-        _topple_search=MarginSearch.begin(topple_gap, shares[at], topple_margin, near, radius),
+        _toppling=toppling,
         _contacts=(model, p, normals, yaw),
     )
 

@@ -81,11 +81,10 @@ def distance_to_box(spheres: Array, low: Array, high: Array) -> Array:
         low: its corner of least coordinates, shape (3,) [m].
         high: the opposite corner.
     """
-    x, y, z, radius = np.moveaxis(spheres, -1, 0)
-    x, y, z = (np.maximum(low[i] - each, each - high[i]) for i, each in enumerate((x, y, z)))
+    x, y, z = (np.maximum(low[i] - spheres[..., i], spheres[..., i] - high[i]) for i in range(3))
     far = np.sqrt(np.maximum(x, 0.0) ** 2 + np.maximum(y, 0.0) ** 2 + np.maximum(z, 0.0) ** 2)
     near = np.minimum(np.maximum(np.maximum(x, y), z), 0.0)
-    return np.asarray(far + near - radius)
+    return np.asarray(far + near - spheres[..., 3])
 
 
 def distance_to_prism(spheres: Array, outline: Array, height: float) -> Array:

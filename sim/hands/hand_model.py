@@ -12,7 +12,7 @@ from __future__ import annotations
 import functools
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from importlib.resources.abc import Traversable
 from typing import Protocol
 
@@ -122,8 +122,11 @@ class PostureSet:
         return len(self.which)
 
     def __getitem__(self, chosen: NDArray[np.bool_] | NDArray[np.intp] | slice) -> PostureSet:
-        each = (getattr(self, field.name)[chosen] for field in fields(self)[2:])
-        return PostureSet(self.postures, self.spheres, *each)
+        return PostureSet(
+            self.postures, self.spheres, self.which[chosen], self.R_DP[chosen],
+            self.strength[chosen], self.palm[chosen], self.lowest_points[chosen],
+            self.extents[chosen], self.number[chosen],
+        )  # fmt: skip
 
     def posture_at(self, index: int) -> Posture:
         """Posture of one of them."""

@@ -18,7 +18,7 @@ from importlib import resources
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.rotations import Array, cross, rot_x, rot_y, rot_z
+from sim.rotations import Array, cross, rot_x, rot_y
 
 SHOULDER, UPPER_ARM, FOREARM, FLANGE = 0.31, 0.40, 0.39, 0.078
 """Heights of the shoulder above the base and lengths of the links [m]."""
@@ -38,7 +38,6 @@ _WRIST_BEND = 0.15  # |q6| stays above this where the arm is to move on [rad]
 _SHARES = np.linspace(0.0, 1.0, 8)[:, None]  # of a link, where its spheres are
 _ELBOW_STEP = 15.0  # between elbow angles worth trying [degrees]
 
-_TURNS = (rot_z, rot_y, rot_z, rot_y, rot_z, rot_y, rot_z)
 _SIGNS = np.array([1.0, 1.0, 1.0, -1.0, 1.0, 1.0, 1.0])  # joint 4 turns about −y
 _AXES = _SIGNS[:, None] * np.eye(3)[[2, 1, 2, 1, 2, 1, 2]]
 
@@ -156,11 +155,26 @@ def _link_frames(q: Array) -> Iterator[tuple[Array, Array]]:
     """R and p [m] in A of each joint's frame before it turns, and of the flange at last."""
     R = np.broadcast_to(np.eye(3), (*q.shape[:-1], 3, 3))
     p = np.zeros((*q.shape[:-1], 3))
-    for joint, (turn, offset) in enumerate(zip(_TURNS, JOINT_OFFSETS, strict=True)):
+    turns = _joint_rotations(q)
+    for joint, offset in enumerate(JOINT_OFFSETS):
         p = p + R[..., :, 2] * offset
         yield R, p
-        R = R @ turn(_SIGNS[joint] * q[..., joint])
+        R = R @ turns[joint] if joint else turns[0]
     yield R, p
+
+
+def _joint_rotations(q: Array) -> Array:
+    """Rotation of each joint, shape (7, ..., 3, 3)."""
+    angles = np.moveaxis(_SIGNS * q, -1, 0)
+    cos, sin = np.cos(angles), np.sin(angles)
+    R = np.zeros((*angles.shape, 3, 3))
+    about_z, about_y = slice(0, None, 2), slice(1, None, 2)
+    R[about_z, ..., 2, 2] = R[about_y, ..., 1, 1] = 1.0
+    R[..., 0, 0] = cos
+    R[about_z, ..., 1, 1], R[about_y, ..., 2, 2] = cos[about_z], cos[about_y]
+    R[about_z, ..., 1, 0], R[about_z, ..., 0, 1] = sin[about_z], -sin[about_z]
+    R[about_y, ..., 0, 2], R[about_y, ..., 2, 0] = sin[about_y], -sin[about_y]
+    return R
 
 
 def shoulder_to_wrist(q4: float) -> float:
