@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Protocol
 import grammar
 from nlcontrol.errors import ControlError, ErrorInfo, refusal_error
 from nlcontrol.results.result import result_with
-from nlcontrol.session.exploration_commands import Explorer, state_once_explored
+from nlcontrol.session.executor import Explorer
 from nlcontrol.session.follow_up_frames import correct_frame, without_spans
 from nlcontrol.session.stoppable_robot import StoppableRobot
 from planner import plan
@@ -227,6 +227,8 @@ class _Trials:
         robot = StoppableRobot(self._controller.robot, self._stop, self._controller.time_limit)
         for frame in frames:
             if frame.action == "explore":
+                from nlcontrol.session.exploration_commands import state_once_explored
+
                 state = state_once_explored(self._controller, frame, state)
             elif frame.query is None:
                 made = planner(frame, state, robot, defaults=self._defaults)

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from grammar.frames.command import Frame
+    from nlcontrol.questions.answer import Answer
     from objectmodels import ObjectModel
     from planner.touch_experiments import Experiment
     from planner.types.defaults import Defaults
@@ -117,3 +118,20 @@ class Planner(Protocol):
         notify: Callable[[str], None] = lambda _: None,
     ) -> PlanningResult:
         """A plan that satisfies a frame, or why there is none; see `planner.plan`."""
+
+
+class Explorer(Protocol):
+    """Robot that finds something out: a `nlcontrol.session.controller.Controller`."""
+
+    executor: Executor
+    models: dict[str, ObjectModel]
+    defaults: Defaults
+
+    def answer(self, frame: Frame) -> Answer:
+        """The answer to a question."""
+
+    def plan(self, frame: Frame) -> PlanningResult:
+        """A plan for a frame, or the reason why there is none."""
+
+    def execute(self, plan: Plan, progress: Progress | None = None) -> Trace:
+        """Carries out a plan."""

@@ -12,7 +12,7 @@ down where it stood. What was believed before, perhaps from tilting it, stands b
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import grammar
 from grammar.frames import command as g
@@ -43,31 +43,11 @@ from planner.types.refusal import Refusal
 from sim.supervision import Stopped
 
 if TYPE_CHECKING:
-    from nlcontrol.session.executor import Executor
+    from nlcontrol.session.executor import Explorer
     from objectmodels import ObjectModel
-    from planner.types.defaults import Defaults
-    from planner.types.plan import PlanningResult
     from planner.types.robot import RobotLimits
     from planner.types.world_state import WorldState
     from sim.supervision import Progress
-    from sim.traces.trace import Trace
-
-
-class Explorer(Protocol):
-    """Robot that finds something out: a `nlcontrol.session.controller.Controller`."""
-
-    executor: Executor
-    models: dict[str, ObjectModel]
-    defaults: Defaults
-
-    def answer(self, frame: g.Frame) -> Answer:
-        """The answer to a question."""
-
-    def plan(self, frame: g.Frame) -> PlanningResult:
-        """A plan for a frame, or the reason why there is none."""
-
-    def execute(self, plan: Plan, progress: Progress | None = None) -> Trace:
-        """Carries out a plan."""
 
 
 BY_TOUCH: dict[str, tuple[str, ...]] = {

@@ -30,7 +30,7 @@ def _json(capsys: pytest.CaptureFixture[str], *args: str) -> tuple[int, Any]:
 def test_parse_answers_with_text_frames_and_paraphrase(capsys: pytest.CaptureFixture[str]) -> None:
     status, document = _json(capsys, "parse", SENTENCE)
     assert status == 0
-    assert list(document) == ["schema_version", "ok", "text", "frames", "paraphrase"]
+    assert list(document) == ["schema_version", "ok", "text", "frames", "paraphrase", "asides"]
     assert document["text"] == SENTENCE
     (frame,) = document["frames"]
     assert frame["action"] == "push"
