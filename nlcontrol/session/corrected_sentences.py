@@ -45,8 +45,8 @@ if TYPE_CHECKING:
 MOST = 3
 """Sentences for one error."""
 
-MOST_WORK, MOST_EACH = 2500, 500
-"""Work of all plans by which sentences are tried, and of each: some two seconds of a quiet core."""
+MOST_WORK, MOST_EACH = 1500, 500
+"""Work of all plans by which sentences are tried, and of each: about a second of a quiet core."""
 
 MOST_GRASPS = 30
 """Grasps that are tried for each of them."""

@@ -41,10 +41,19 @@ def needed_forces(problem: PushProblem, step: PushStep, contacts: Contacts) -> N
     points, inward = contacts.points[contacts.chosen], contacts.side.inward[None]
     if contacts.fingers == 2:
         points = np.array([_point_of_pair(model, contact) for contact in contacts])
-    arm = yaw_arm(points, inward, np.array(model.com))
-    nominal = slide_threshold(inward, arm, model.friction, model.friction_radius, model.weight)
+    nominal = _nominal_slides(model, tuple(points.ravel().tolist()), tuple(inward[0].tolist()))
     share = math.hypot(model.friction_sd / model.friction, model.mass_sd / model.mass)
     return nominal * (1.0 + NormalDist().inv_cdf(problem.effort.probability) * share)
+
+
+@functools.lru_cache(maxsize=1024)
+def _nominal_slides(
+    model: ObjectModel, places: tuple[float, ...], inward: Vector3
+) -> NDArray[np.float64]:
+    """Forces at which nominal parameters slide at places, one after the other; kept, as below."""
+    u = np.array([inward])
+    arm = yaw_arm(np.reshape(places, (-1, 3)), u, np.array(model.com))
+    return slide_threshold(u, arm, model.friction, model.friction_radius, model.weight)
 
 
 def prediction(problem: PushProblem, step: PushStep, contact: Contact) -> Prediction:
