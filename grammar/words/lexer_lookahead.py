@@ -102,7 +102,7 @@ class Lookahead:
             "CUPS": self._no_cup,
             "DOES_NOT": self._no_can,
             "FILLER": lambda phrase, text, end, _last: (
-                phrase != "go" or self._any("VERB", text, end + 1)
+                phrase != "go" or end == len(text) or self._any("VERB", text, end + 1)
             ),
             "FILLED": self._behind_fill,
             "FILLED_WITH": self._behind_fill,

@@ -62,6 +62,7 @@ class PhraseLexer:
         self._reserved = lexicon.reserved_words
         self._ends_names = lexicon.ends_names
         self._nobodies = lexicon.nobodies
+        self._later_verbs = frozenset(lexicon.later_verbs)
         self._openers = lexicon.openers
 
     def tokens(self, text: str, acceptance: Callable[[], Accepts]) -> Iterator[Token]:
@@ -103,7 +104,9 @@ class PhraseLexer:
                     if kind == "VERB" and name.words and may_name:
                         return "WORD", end
                     return kind, after
-            fallback = fallback or (kinds[0], after)
+            # "Go" of "go home" is no filler, but a verb that is not understood.
+            unknown = phrase in self._later_verbs and kinds[0] == "FILLER"
+            fallback = fallback or ("UNKNOWN" if unknown else kinds[0], after)
         digits = DIGITS.match(text, start) if accepts("NUMBER") else None
         if digits and self._ends_number(text, digits.end()):
             return "NUMBER", digits.end()
