@@ -84,7 +84,8 @@ def _with_meant_verb(parts: Sequence[ph.Part], lexicon: Lexicon) -> Parts:
     given = verb is not None and lexicon.verbs.get(verb.word) == lexicon.verbs["give"]
     if verb is not None and given and len(strokes) == 1:
         word = strokes[0].verb
-        return [replace(verb, word=word) if part is verb else part for part in rest]
+        meant = replace(verb, word=word, completed=strokes[0].span)
+        return [meant if part is verb else part for part in rest]
     if strokes or not wishes or verb is not None:
         return [part for part in parts if not isinstance(part, ph.Wish)]
     if any(isinstance(part, _GOES_ON) for part in rest):

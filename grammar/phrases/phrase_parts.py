@@ -66,7 +66,7 @@ class Verb(Part):
     Attributes:
         word: the verb.
         passive: whether something is said to be done.
-        completed: where the rest of it stands, in "make it slide".
+        completed: where the rest of it stands, in "make it slide", "give it a push".
     """
 
     word: str

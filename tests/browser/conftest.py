@@ -18,20 +18,26 @@ NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
 
 
 @pytest.fixture(scope="session")
-def browser() -> Iterator[Browser]:
+def browser_path() -> str:
     path = next((found for name in NAMES if (found := shutil.which(name))), None)
     if path is None:
         pytest.skip(f"NO BROWSER: none of {', '.join(NAMES)} is installed, the page is not tried")
+    return path
+
+
+# Not for the whole session: Playwright has a loop in its thread, beside which asyncio starts none.
+@pytest.fixture(scope="module")
+def browser(browser_path: str) -> Iterator[Browser]:
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as playwright:
-        started = playwright.chromium.launch(executable_path=path, args=FLAGS)
+        started = playwright.chromium.launch(executable_path=browser_path, args=FLAGS)
         yield started
         started.close()
 
 
 @pytest.fixture(scope="session")
-def server(browser: Browser) -> Iterator[ServerProcess]:
+def server(browser_path: str) -> Iterator[ServerProcess]:
     """A server of the service, which all that try its page share."""
     with serving() as started:
         yield started

@@ -73,8 +73,8 @@ def test_one_repetition_found_told_kept_and_used(
 
     assert found["files"] == {"picture": str(picture), "model": str(output)}
     pixels = np.asarray(Image.open(picture).convert("RGB")).astype(int)
-    blue = np.abs(pixels - (42, 111, 151)).max(axis=2) < 30
-    assert blue.sum() > 500
+    front = np.abs(pixels - (0, 114, 178)).max(axis=2) < 30  # colour of that face's curves
+    assert front.sum() > 200
     assert found["saved"] == str(objects_folder / "ice_tea_box.yaml")
     assert found["instead_of"].startswith("built in")
     assert output.read_text(encoding="utf-8") == Path(found["saved"]).read_text(encoding="utf-8")
