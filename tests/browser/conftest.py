@@ -36,8 +36,8 @@ def browser(browser_path: str) -> Iterator[Browser]:
         started.close()
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def server(browser_path: str) -> Iterator[ServerProcess]:
-    """A server of the service, which all that try its page share."""
+    """A server of the service, whose runs are those of one module."""
     with serving() as started:
         yield started
