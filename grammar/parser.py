@@ -69,7 +69,12 @@ class Parser:
             return Command(text=text, frames=(thanks,), paraphrase="thank you")
         parts = parts_of(self._parse_tree(sentence), self.lexicon, sentence)
         frames = frames_of(parts, self.lexicon, sentence)
-        words = paraphrase(frames, self.lexicon)
+        try:
+            words = paraphrase(frames, self.lexicon)
+        except ValueError as raised:
+            message = "these words together make no sentence"
+            hints = ("say it in two sentences", "leave something out")
+            raise ParseError("does_not_apply", message, None, hints) from raised
         return Command(text=text, frames=frames, paraphrase=words, asides=sentence.asides)
 
     def _parse_tree(self, sentence: Normalised) -> Tree:

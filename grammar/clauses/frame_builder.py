@@ -63,9 +63,9 @@ def _complete_clause(
     clause: Parts, previous: Parts, lexicon: Lexicon, sentence: Normalised
 ) -> Parts:
     """A clause without its verb ("then to the left") goes on with verb and object of the last."""
-    if not any(isinstance(part, _GOES_ON) for part in clause):
+    head = next((part for part in previous if isinstance(part, ph.Verb)), None)
+    if head is None or not any(isinstance(part, _GOES_ON) for part in clause):
         raise no_verb(sentence, clause)
-    head = next(part for part in previous if isinstance(part, ph.Verb))
     particle = next((part for part in previous if isinstance(part, ph.Particle)), None)
     verb: Parts = [head]
     if particle is not None and lexicon.find_verb(head.word, particle.word):
@@ -246,7 +246,8 @@ class _ClauseReader:
             raise unexpected_part((content or remarks)[0], self._sentence)
         if dialogue == "stop" and things:
             raise several_objects(things[0], self._sentence)
-        if dialogue in ("more", "do", "repeat") and things and not goes_on:
+        is_about = dialogue == "repeat" and goes_on
+        if dialogue in ("more", "do", "repeat", "reverse") and things and not is_about:
             raise no_verb(self._sentence, things)
         if dialogue == "correct" and not (content or constraints or things):
             raise ParseError(

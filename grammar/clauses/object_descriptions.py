@@ -272,6 +272,8 @@ def _attach_to_last(part: ph.Side | ph.Place, out: Parts, sentence: Normalised) 
             told = _described_thing(ph.Thing(owner.span, owner.target), part).ref
             out[i] = replace(owner, target=told)
             return
+        if isinstance(part, ph.Place) and not isinstance(part.reference, tuple):
+            break  # a part of the table tells no objects apart
         if isinstance(owner, ph.Thing):
             out[i] = _described_thing(owner, part)
             return
