@@ -227,6 +227,8 @@ def plan_pushes(
     """
     so_far: list[FailedStrategy] = []
     budget, untried = problem.budget, 0
+    if budget.is_used_up:
+        raise budget.dead_end(problem.target.name, len(STRATEGIES))
     for strategy in STRATEGIES:
         if not strategy.applies(problem, so_far):
             continue

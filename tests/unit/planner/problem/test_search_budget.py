@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import pytest
 
 from planner import plan
+from planner.problem.search_budget import SearchBudget
 from planner.types.actions import Push
 from planner.types.defaults import DEFAULTS, with_settings
 from planner.types.plan import PlanningResult
@@ -61,6 +62,14 @@ def test_all_strategies_share_one_budget(kitchen: WorldState) -> None:
     bounded = Laborious(work=100)
     made(bounded, kitchen, 1000)
     assert len(bounded.asked) <= 10 < len(free.asked)
+
+
+def test_a_budget_that_others_used_up_is_told(kitchen: WorldState) -> None:
+    spent = SearchBudget(100)
+    spent.spend(100)
+    found = plan(frame_of(SENTENCE), kitchen, RuledReach(), budget=spent)
+    assert isinstance(found, Refusal)
+    assert (found.code, found.reason) == ("work_used_up", "out_of_time")
 
 
 @pytest.mark.parametrize("most", [400, 1_000_000])
