@@ -17,7 +17,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from grammar.frames import command as g
-from planner.problem.frame_interpretation import grasp_problem, interpret_frame, require_upright
+from planner.problem.frame_interpretation import (
+    grasp_problem,
+    interpret_frame,
+    require_other_objects,
+    require_upright,
+)
 from planner.problem.place_regions import region
 from planner.problem.planning_problem import is_handled
 from planner.problem.search_budget import SearchBudget
@@ -59,6 +64,7 @@ def plan(
     budget = SearchBudget(defaults.most_work) if budget is None else budget
     only_pushes = robot.limits.grasp_widths is None or previous is not None
     try:
+        require_other_objects(frame)
         if not only_pushes and is_handled(frame) and not _is_placed(frame, state, defaults):
             grasps = Alternatives()
             with grasps:

@@ -162,3 +162,19 @@ def require_upright(target: SeenObject) -> None:
     if face != "bottom":
         side = face if face.startswith(("face", "nothing")) else f"its {face} side"
         raise no_plan("lies", object=target.name, side=side)
+
+
+def require_other_objects(frame: g.Frame) -> None:
+    """Make sure that a place is told by other objects than the one that goes there.
+
+    Raises:
+        NoPlanError: the place is at the object itself, or between one object.
+    """
+    goal, own = frame.goal, frame.object
+    if not isinstance(goal, g.Place) or isinstance(goal.reference, str | g.Point) or own is None:
+        return
+    names = [other.id for other in goal.reference]
+    if own.id in names:
+        raise no_plan("place_at_itself", spans=goal.spans, object=own.id)
+    if len(names) > len(set(names)):
+        raise no_plan("between_one", spans=goal.spans, object=own.id, other=names[0])

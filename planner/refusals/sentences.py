@@ -60,6 +60,10 @@ _PUSHES = {
     "contradiction": impossible("{message}", ("leave one of the two out",)),
     "too_fast": impossible("{speed:mm/s} are asked; {what} {most:mm/s}", ("at {most:cm/s_down}",)),
     "moves_itself": impossible("the {object} cannot move {way} itself", (_ANOTHER_WAY,)),
+    "place_at_itself": impossible("the place of the {object} is told by itself", (_ANOTHER_PLACE,)),
+    "between_one": impossible(
+        "a place between takes two objects, not the {other} twice", ("next to the {other}",)
+    ),
     "never_met": impossible(
         "the {object} does not come to the {other} in that direction",
         ("push it towards the {other}",),

@@ -297,3 +297,13 @@ def test_a_heavy_object_is_too_much_for_the_fingers(kitchen: WorldState) -> None
 def test_the_same_question_has_the_same_answer(kitchen: WorldState, reach: RuledReach) -> None:
     text = "topple the coffee box"
     assert planned(text, kitchen, reach) == planned(text, kitchen, reach)
+
+
+@pytest.mark.parametrize(
+    "text", ["put the mug next to the mug", "push the mug between the ice tea and the ice tea"]
+)
+def test_a_place_is_told_by_other_objects(kitchen: WorldState, text: str) -> None:
+    refused = plan(frame_of(text), kitchen, RuledReach())
+    assert isinstance(refused, Refusal)
+    assert refused.code == "impossible"
+    assert refused.spans == frame_of(text).goal.spans
