@@ -50,7 +50,7 @@ _SETTLED = 1e-4  # step in standard deviations
 
 _HALVINGS = 6  # of the step of the centre of mass
 _WAYS: tuple[Moved, ...] = ("slide", "topple")
-_FAR = 6.0  # standard deviations from which on the hazard is taken from its asymptote
+_FAR = 30.0  # standard deviations from which on the hazard is taken from its series
 
 
 @dataclass(frozen=True)
@@ -257,5 +257,6 @@ def _force_distance(model: ObjectModel, trial: Trial, moved: Moved) -> tuple[flo
 def _normal_hazard(z: float) -> float:
     """λ = φ(z) / (1 − Φ(z))."""
     if z > _FAR:
-        return z + 1.0 / z
+        # The third term counts: without it λ(λ − z) is above one, and a variance below zero.
+        return z + 1.0 / z - 2.0 / z**3
     return exp(-0.5 * z * z) / sqrt(2.0 * pi) / (0.5 * erfc(z / sqrt(2.0)))
