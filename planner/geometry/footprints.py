@@ -11,10 +11,16 @@ Frames: everything in W's table plane [m].
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
+from numpy.typing import NDArray
 
 from objectmodels.geometry.base_shapes import Array
 from planner.types.world_state import SeenObject, TableState
+
+_TOUCHING = 1e-9  # that much nearer than a clearance still counts as apart [m]
+_NONE = np.empty(0)
 
 
 def footprint(seen: SeenObject) -> Array:
@@ -39,9 +45,60 @@ def landing_strip(seen: SeenObject, direction_W: Array) -> Array:
 
 
 def _normals(polygon: Array) -> Array:
-    edges = np.roll(polygon, -1, axis=0) - polygon
-    normals = np.column_stack([edges[:, 1], -edges[:, 0]])
-    return np.asarray(normals / np.linalg.norm(normals, axis=1, keepdims=True))
+    edges = _edges(polygon)
+    return np.asarray((edges / np.hypot(*edges.T)[:, None])[:, ::-1] * (1.0, -1.0))
+
+
+def _edges(polygon: Array) -> Array:
+    return np.concatenate((polygon[1:], polygon[:1])) - polygon
+
+
+class Separations:
+    """Translations at which a convex polygon is closer to others than clearances.
+
+    Args:
+        moving: its corners in W, shape (n, 2) [m].
+        standing: corners of the m others, shape (k, 2) each [m].
+        clearances: distance to be kept from each, along the edges' normals [m].
+    """
+
+    def __init__(
+        self, moving: Array, standing: Sequence[Array], clearances: Sequence[float]
+    ) -> None:
+        own, axes, low, high = _normals(moving), [np.empty((0, 2))], [], []
+        for other, clearance in zip(standing, clearances, strict=True):
+            axes.append(np.concatenate((own, _normals(other))))
+            a, b = moving @ axes[-1].T, other @ axes[-1].T
+            low.append(b.min(axis=0) - clearance - a.max(axis=0))
+            high.append(b.max(axis=0) + clearance - a.min(axis=0))
+        self._axes = np.concatenate(axes)
+        self._low, self._high = np.concatenate([_NONE, *low]), np.concatenate([_NONE, *high])
+        self._first = np.cumsum([len(each) for each in axes[:-1]], dtype=np.intp)
+
+    def free_travels(self, moved: Array, direction: Array) -> Array:
+        """Way before it is too close to each of the others, shape (m,) [m].
+
+        It starts translated by `moved` and goes along a unit direction, shape (2,) each. The way is
+        0 where it is too close already, inf where they never meet.
+        """
+        at, speed = self._axes @ moved, self._axes @ direction
+        low, high = self._low - at, self._high - at
+        still = np.abs(speed) < 1e-12
+        # Along an axis on which it does not move it is too close all the way or never.
+        never = still & ((low >= 0.0) | (high <= 0.0))
+        speed = np.where(still, 1.0, speed)
+        low, high = low / speed, high / speed
+        enter = np.where(never, np.inf, np.where(still, -np.inf, np.minimum(low, high)))
+        leave = np.where(still, np.inf, np.maximum(low, high))
+        enter = np.maximum.reduceat(enter, self._first)
+        leave = np.minimum.reduceat(leave, self._first)
+        return np.where((enter >= leave) | (leave <= 0.0), np.inf, np.maximum(enter, 0.0))
+
+    def are_free(self, translations: Array) -> NDArray[np.bool_]:
+        """Which translations, shape (..., 2) [m], bring it too close to none, shape (...)."""
+        along = translations @ self._axes.T
+        apart = (along <= self._low + _TOUCHING) | (along >= self._high - _TOUCHING)
+        return np.asarray(np.logical_or.reduceat(apart, self._first, axis=-1).all(axis=-1))
 
 
 def free_travel(moving: Array, standing: Array, direction: Array, clearance: float) -> float:
@@ -56,16 +113,8 @@ def free_travel(moving: Array, standing: Array, direction: Array, clearance: flo
     Returns:
         The distance [m]: 0 if they are too close already, inf if they never meet.
     """
-    axes = np.vstack([_normals(moving), _normals(standing)])
-    a, b = moving @ axes.T, standing @ axes.T
-    low, high = b.min(axis=0) - clearance - a.max(axis=0), b.max(axis=0) + clearance - a.min(axis=0)
-    speed = axes @ direction
-    still = np.abs(speed) < 1e-12
-    if np.any(still & ((low >= 0.0) | (high <= 0.0))):
-        return np.inf
-    at = np.stack([low[~still], high[~still]]) / speed[~still]
-    enter, leave = float(at.min(axis=0).max()), float(at.max(axis=0).min())
-    return np.inf if enter >= leave or leave <= 0.0 else max(enter, 0.0)
+    separation = Separations(moving, [standing], [clearance])
+    return float(separation.free_travels(np.zeros(2), direction)[0])
 
 
 def travel_to_edge(corners: Array, table: TableState, direction: Array, margin: float) -> float:
@@ -121,7 +170,7 @@ def _apart(a: Array, b: Array) -> float:
 
 def _to_edges(points: Array, polygon: Array) -> float:
     """Least distance of points from the edges of a polygon [m]."""
-    edges = np.roll(polygon, -1, axis=0) - polygon
+    edges = _edges(polygon)
     from_corner = points[:, None] - polygon
     share = np.clip((from_corner * edges).sum(axis=2) / (edges**2).sum(axis=1), 0.0, 1.0)
     return float(np.linalg.norm(from_corner - share[..., None] * edges, axis=2).min())

@@ -1,10 +1,9 @@
 """Ways around what stands on the table, along the faces of an object.
 
 Model: the object keeps its heading and moves along the normals of two of its faces, so its origin
-goes along the lines of a grid in these two directions. A place is free if the origin lies in no
-obstacle's configuration-space polygon (the Minkowski difference of the two footprints, grown by the
-clearance along its edges' normals). The shortest way is searched with A* (Hart, Nilsson and Raphael
-1968); a turn costs as much as a piece of way, since it takes another push.
+goes along the lines of a grid in these two directions. A place is free if the footprint keeps the
+clearance there, along the edges' normals. The shortest way is searched with A* (Hart, Nilsson and
+Raphael 1968); a turn costs as much as a piece of way, since it takes another push.
 
 Frames: W, its table plane.
 """
@@ -17,11 +16,10 @@ from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull
 
 from objectmodels.geometry.base_shapes import Array
 from planner.geometry.directions import unit
-from planner.geometry.footprints import footprint
+from planner.geometry.footprints import Separations, footprint
 from planner.types.world_state import SeenObject, WorldState
 
 STEP = 0.02
@@ -108,14 +106,8 @@ def _free_places(
     low = np.array([table.x_min, table.y_min]) + margin - own.min(axis=0)
     high = np.array([table.x_max, table.y_max]) - margin - own.max(axis=0)
     free = np.asarray(((grid >= low) & (grid <= high)).all(axis=-1))
-    for name, apart in clearances.items():
-        other = footprint(state.objects[name])
-        corners = (other[:, None] - own[None]).reshape(-1, 2)
-        # Rows of n · x + d, negative inside.
-        planes = ConvexHull(corners).equations
-        inside = (grid @ planes[:, :2].T + planes[:, 2] < apart - 1e-9).all(axis=-1)
-        free &= ~inside
-    return free
+    others = [footprint(state.objects[name]) for name in clearances]
+    return free & Separations(own, others, [*clearances.values()]).are_free(grid)
 
 
 def _cheapest_path(

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from objectmodels.geometry.base_shapes import Disc
 from planner.geometry.directions import angle_between, heading_of, unit
-from planner.geometry.footprints import footprint, free_travel, leading_point, travel_to_edge
+from planner.geometry.footprints import Separations, footprint, leading_point, travel_to_edge
 from planner.problem.place_regions import object_at
 from planner.refusals.refusal_marks import length_mark
 from planner.types.actions import Aim
@@ -164,36 +164,39 @@ def sidestep_paths(
     return sorted(found, key=lambda way: sum(segment.distance for segment in way))
 
 
-def first_stop(
-    target: SeenObject,
-    way: tuple[PathSegment, ...],
-    state: WorldState,
-    clearances: dict[str, float],
-    margin: float,
-) -> SegmentEnd | None:
-    """The first thing that stands in a path; None if the path is free.
+class Obstructions:
+    """Everything that may stand in the ways of an object.
 
     Args:
-        target: the object, where the way begins.
-        way: its segments.
+        target: the object, where the ways begin.
         state: what is believed.
         clearances: distance kept from each other object [m].
         margin: distance kept from the table's edge [m].
     """
-    here, free = footprint(target), 0.0
-    others = {name: footprint(state.objects[name]) for name in clearances}
-    for segment in way:
-        u = unit(segment.heading)[:2]
-        room: list[tuple[float, str | None]] = [
-            (travel_to_edge(here, state.table, u, margin), None)
-        ]
-        for name, corners in others.items():
-            room.append((free_travel(here, corners, u, clearances[name]), name))
-        least, other = min(room, key=lambda each: each[0])
-        if least < segment.distance:
-            return SegmentEnd(free + max(least, 0.0), segment, other)
-        here, free = here + segment.distance * u, free + segment.distance
-    return None
+
+    def __init__(
+        self, target: SeenObject, state: WorldState, clearances: dict[str, float], margin: float
+    ) -> None:
+        self._own, self._table, self._margin = footprint(target), state.table, margin
+        self._names = [*clearances]
+        others = [footprint(state.objects[name]) for name in clearances]
+        self._others = Separations(self._own, others, [*clearances.values()])
+
+    def first_stop(self, way: tuple[PathSegment, ...]) -> SegmentEnd | None:
+        """The first thing that stands in a path of segments; None if the path is free."""
+        moved, free = np.zeros(2), 0.0
+        for segment in way:
+            u = unit(segment.heading)[:2]
+            least = travel_to_edge(self._own + moved, self._table, u, self._margin)
+            other = None
+            rooms = self._others.free_travels(moved, u).tolist()
+            for name, room in zip(self._names, rooms, strict=True):
+                if room < least:
+                    least, other = room, name
+            if least < segment.distance:
+                return SegmentEnd(free + max(least, 0.0), segment, other)
+            moved, free = moved + segment.distance * u, free + segment.distance
+        return None
 
 
 def free_length_mark(

@@ -8,7 +8,7 @@ refusal is that of the first.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import islice
 
@@ -16,16 +16,20 @@ import numpy as np
 
 from planner.geometry.directions import heading_of, unit
 from planner.geometry.footprints import footprint, gap, room_to_edge
+from planner.geometry.visibility_graph import shortest_detour
 from planner.problem.place_regions import object_at
 from planner.problem.planning_problem import PushProblem, PushStep
 from planner.pushing import push_paths, turn_planner
 from planner.pushing.contact_planner import PushCandidate, best_push
+from planner.pushing.push_paths import Obstructions, PathSegment, SegmentEnd
 from planner.pushing.reach_search import ReachSearch
 from planner.refusals.refusal_builder import no_plan
 from planner.types.actions import Aim, Push
 from planner.types.plan import Reached
 from planner.types.refusal import Alternatives, NoPlanError
 from planner.types.world_state import SeenObject
+
+FirstStop = Callable[[tuple[PathSegment, ...]], SegmentEnd | None]
 
 _PATHS = 5  # free ways for which the hand's reach is asked
 _ASIDE = 0.15  # way to a place where it may be turned instead [m]
@@ -211,18 +215,17 @@ class PushSequencePlanner:
     def _straight_pushes(self, target: SeenObject) -> list[PushCandidate]:
         """The pushes of the first path that the hand can make."""
         attempts = Alternatives()
-        free = (
-            path for path in self._paths_to_aim(target) if self._first_stop(target, path) is None
-        )
+        first_stop = self._first_stops(target)
+        free = (path for path in self._paths_to_aim(target) if first_stop(path) is None)
         for path in islice(free, _PATHS):
             with attempts:
                 return self._path_pushes(target, path)
             # Paths that come later are longer.
             if attempts.last.refusal.reason == "out_of_time":
                 raise attempts.last
-        raise attempts.first if attempts else self._dead_end(target)
+        raise attempts.first if attempts else self._dead_end(target, first_stop)
 
-    def _paths_to_aim(self, target: SeenObject) -> Iterator[tuple[push_paths.PathSegment, ...]]:
+    def _paths_to_aim(self, target: SeenObject) -> Iterator[tuple[PathSegment, ...]]:
         """Paths to the aim: straight to it, around what stands there, and with a side step."""
         problem = self._problem
         straight = push_paths.direct_paths(target, self._aim, self._within, self._largest)
@@ -239,12 +242,10 @@ class PushSequencePlanner:
         aside = push_paths.sidestep_paths(target, self._aim, self._within, self._largest)
         yield from sorted([*self._detour_paths(target), *aside], key=_path_cost)
 
-    def _detour_paths(self, target: SeenObject) -> Iterator[tuple[push_paths.PathSegment, ...]]:
+    def _detour_paths(self, target: SeenObject) -> Iterator[tuple[PathSegment, ...]]:
         headings = push_paths.push_headings(target, self._aim)
         if len(headings) < 2 or self._distance_to_aim(target) < _NEAR:
             return
-        from planner.geometry.visibility_graph import shortest_detour
-
         found = shortest_detour(
             target,
             (self._aim.x, self._aim.y),
@@ -255,22 +256,23 @@ class PushSequencePlanner:
             push_paths.ANOTHER_PUSH,
         )
         if found is not None:
-            yield tuple(push_paths.PathSegment(heading, length) for heading, length in found)
+            yield tuple(PathSegment(heading, length) for heading, length in found)
 
-    def _first_stop(
-        self, target: SeenObject, path: tuple[push_paths.PathSegment, ...]
-    ) -> push_paths.SegmentEnd | None:
-        met, state, margin = None, self._problem.state, self._problem.defaults.clearance
-        if self._problem.goal.meets is not None:
-            met = push_paths.first_stop(target, path[:-1], state, self._apart, margin)
-        return met or push_paths.first_stop(target, path, state, self._clearances, margin)
+    def _first_stops(self, target: SeenObject) -> FirstStop:
+        """The query for the first thing that stands in a path of an object."""
+        problem, margin = self._problem, self._problem.defaults.clearance
+        way = Obstructions(target, problem.state, self._clearances, margin)
+        if problem.goal.meets is None:
+            return way.first_stop
+        before = Obstructions(target, problem.state, self._apart, margin)
+        return lambda path: before.first_stop(path[:-1]) or way.first_stop(path)
 
-    def _dead_end(self, target: SeenObject) -> NoPlanError:
+    def _dead_end(self, target: SeenObject, first_stop: FirstStop) -> NoPlanError:
         """Dead end since something stands in all paths: that of the first, the shortest."""
         path = next(self._paths_to_aim(target), None)
         if path is None:
             return no_plan("no_way", object=target.name)
-        met = self._first_stop(target, path)
+        met = first_stop(path)
         assert met is not None, "a free path would have been taken"
         distance = sum(segment.distance for segment in path)
         # What is to be brought to a place would not be there after a shorter way.
@@ -285,7 +287,7 @@ class PushSequencePlanner:
         return no_plan(code, numbers, marks=marks, object=target.name, other=met.other)
 
     def _path_pushes(
-        self, target: SeenObject, path: tuple[push_paths.PathSegment, ...]
+        self, target: SeenObject, path: tuple[PathSegment, ...]
     ) -> list[PushCandidate]:
         """A push for each segment, or for parts of it where the hand cannot make it at one go."""
         problem = self._problem
@@ -309,7 +311,7 @@ class PushSequencePlanner:
         )
 
     def _segment_push(
-        self, target: SeenObject, segment: push_paths.PathSegment, *, last: bool
+        self, target: SeenObject, segment: PathSegment, *, last: bool
     ) -> PushCandidate:
         goal = self._problem.goal
         turn = self._turn_to_aim(target) if target is self._problem.target else 0.0
@@ -324,7 +326,7 @@ class PushSequencePlanner:
         return best_push(self._problem.with_target(target), step, self._search)
 
 
-def _path_cost(path: tuple[push_paths.PathSegment, ...]) -> float:
+def _path_cost(path: tuple[PathSegment, ...]) -> float:
     """Length of a path, and what its pushes cost [m]."""
     return sum(segment.distance for segment in path) + push_paths.ANOTHER_PUSH * len(path)
 

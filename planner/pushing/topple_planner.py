@@ -15,8 +15,8 @@ from dataclasses import replace
 from planner.problem.planning_problem import PushProblem, PushStep
 from planner.pushing.contact_planner import PushCandidate, best_push
 from planner.pushing.push_paths import (
+    Obstructions,
     PathSegment,
-    first_stop,
     moved_along,
     obliqueness,
     push_headings,
@@ -128,11 +128,11 @@ class TopplePlanner:
         if bound or problem.motion.duration:
             raise no_plan("no_way", object=problem.target.name)
         few = replace(problem, effort=replace(problem.effort, contacts=_CONTACTS))
-        kept = path_clearances(problem)
         margin = problem.defaults.clearance + _FORESIGHT
+        way = Obstructions(problem.target, problem.state, path_clearances(problem), margin)
         places = Alternatives()
         for segment in _segments_aside(problem.target):
-            if first_stop(problem.target, (segment,), problem.state, kept, margin) is not None:
+            if way.first_stop((segment,)) is not None:
                 continue
             with places:
                 then = self._fall_from(few, moved_along(problem.target, segment))
