@@ -11,7 +11,9 @@ each source, by the hash of the text, is for developing; the other half is for j
 only the classes of failures are printed.
 
 A sentence of the domain is read as meant, refused, or read wrongly. One outside the domain should
-be refused; "accepted" of such a one means that only the name of its object stands against it.
+be refused: by its words, by the name of a capability that is missing, or, since some name what no
+table has, by the name of an object. What is read so far is resolved in the scene `kitchen`, as for a
+user; nothing moves before every object is found. "Accepted", and "wrong", could be carried out.
 """
 
 from __future__ import annotations
@@ -23,7 +25,7 @@ import random
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from functools import partial
+from functools import cache, partial
 from hashlib import sha256
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -31,7 +33,10 @@ from typing import Any, NamedTuple
 import yaml
 
 from grammar.errors import ParseError
+from grammar.frames.command import Command
 from grammar.parser import default_parser
+from nlcontrol import Controller
+from nlcontrol.errors import ControlError
 
 Pattern = Mapping[str, Any]
 """Part of a frame as JSON: what it says has to be there; of a set, any of its values."""
@@ -327,7 +332,7 @@ def _gpsr_label(text: str) -> Sentence:
 _MISSING = {"in", "out_of", "off", "on"}
 """Places that are understood, and refused by the name of the capability that is missing."""
 
-_RIGHT = ("as meant", "refused rightly", "refused for a capability")
+_RIGHT = ("as meant", "refused rightly", "refused for a capability", "refused at a name")
 
 SOURCES = (_language_table, _calvin, _rlbench, _gpsr)
 
@@ -355,10 +360,26 @@ def outcome_of(sentence: Sentence) -> str:
     for meaning in sentence.meanings:
         if len(meaning) == len(frames) and all(map(agrees, frames, meaning)):
             return "as meant"
-    if sentence.meanings:
-        return "wrong"
     places = {frame["goal"].get("relation") for frame in frames}
-    return "refused for a capability" if places & _MISSING else "accepted"
+    if not sentence.meanings and places & _MISSING:
+        return "refused for a capability"
+    if sentence.meanings:
+        return "wrong" if _finds_objects(command) else "wrong, but refused at a name"
+    return "accepted" if _finds_objects(command) else "refused at a name"
+
+
+@cache
+def _kitchen() -> Controller:
+    return Controller("kitchen")
+
+
+def _finds_objects(command: Command) -> bool:
+    """Check for a command whose objects all stand in the kitchen."""
+    try:
+        _kitchen().resolve(command)
+    except ControlError:
+        return False
+    return True
 
 
 def in_half(text: str, half: str) -> bool:

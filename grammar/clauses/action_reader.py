@@ -119,10 +119,8 @@ class ActionReader:
             )
         if verb.goal not in _PUSHED or verb.action == "pull":
             rest = [p for p in rest if not (isinstance(p, ph.Direction) and p.implied)]
-        if verb.goal not in ("pour", "fill"):
-            rest = [
-                ph.Place(p.span, "in", (p.target,)) if isinstance(p, ph.Into) else p for p in rest
-            ]
+        poured = verb.goal in ("pour", "fill")
+        rest = [_into_or_place(part, poured) for part in rest]
         clause = Clause(rest, verb, self._sentence, span)
         goal = goal_builder_for(verb, result, clause)(clause)
         clause.require_all_taken(name)
@@ -242,6 +240,15 @@ def _with_stop_as_constraint(parts: Parts) -> Parts:
     stop = g.Until(event=event, object=place.reference[0], spans=(place.span,))
     until = ph.Constraint(place.span, stop, ends.subject)
     return [until if part is place else part for part in parts if part is not ends]
+
+
+def _into_or_place(part: ph.Part, poured: bool) -> ph.Part:
+    """Takes "pour it to the mug" for into the mug, "put it into the mug" for a place."""
+    if poured and isinstance(part, ph.Place) and part.relation == "to":
+        return ph.Into(part.span, cast("tuple[g.ObjectRef, ...]", part.reference)[0])
+    if not poured and isinstance(part, ph.Into):
+        return ph.Place(part.span, "in", (part.target,))
+    return part
 
 
 def _says_more(goal: g.Goal) -> bool:

@@ -198,6 +198,27 @@ def _with_owner_of_lid(
     return [p for part in said for p in (moved if part is place else [part])]
 
 
+def with_lid_as_pronoun(clause: Parts, previous: Parts, lexicon: Lexicon) -> Parts:
+    """Takes "it" in "…, and put it on the jar" for the lid that the clause before it was about."""
+    lid = next((part for part in previous if isinstance(part, ph.Thing)), None)
+    it = next((part for part in clause if isinstance(part, ph.Thing)), None)
+    placed = any(isinstance(part, ph.Place) and part.relation == "on" for part in clause)
+    if lid is None or it is None or not (it.ref.pronoun and placed):
+        return clause
+    if lid.ref.text.casefold() not in lexicon.lids:
+        return clause
+    named = ph.Thing(it.span, lid.ref.model_copy(update={"spans": it.ref.spans}))
+    return [named if part is it else part for part in clause]
+
+
+def sets_lid_down(frame: g.Frame, before: g.Frame, lexicon: Lexicon) -> bool:
+    """Check for a lid that is set down once it is off: "…, and set it down"."""
+    opened = isinstance(before.goal, g.Open) and before.goal.part in lexicon.lids
+    it = frame.object is not None and frame.object.pronoun
+    down = isinstance(frame.goal, g.SetDown) and not frame.constraints
+    return opened and it and down and not (frame.query or frame.dialogue)
+
+
 def _with_lid_of_known_object(
     parts: Sequence[ph.Part], verb: ph.Verb, asks: Verb | None, off: Verb | None, lid: ph.Lid
 ) -> Parts:

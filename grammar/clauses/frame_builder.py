@@ -15,7 +15,13 @@ from grammar.clauses.clause_parts import (
     several_objects,
     unexpected_part,
 )
-from grammar.clauses.clause_subjects import NOBODY, attach_objects, clause_objects
+from grammar.clauses.clause_subjects import (
+    NOBODY,
+    attach_objects,
+    clause_objects,
+    sets_lid_down,
+    with_lid_as_pronoun,
+)
 from grammar.clauses.consistency import require_consistent
 from grammar.clauses.constraint_builder import constraints_of
 from grammar.clauses.goal_builder import goal_builder_for
@@ -46,7 +52,13 @@ def frames_of(
         said = clause
         if frames and not headed:
             said = _complete_clause(clause, previous, lexicon, sentence)
-        frames += _ClauseReader(said, lexicon, sentence).read_frames()
+        said = with_lid_as_pronoun(said, previous, lexicon)
+        read = _ClauseReader(said, lexicon, sentence).read_frames()
+        if frames and sets_lid_down(read[0], frames[-1], lexicon):
+            opened = frames.pop()  # as it does anyway
+            spans = tuple(sorted((*opened.spans, *read[0].spans, *read[0].goal.spans)))
+            read = [opened.model_copy(update={"spans": spans})]
+        frames += read
         previous = said
     return tuple(frames)
 

@@ -27,6 +27,10 @@ _SENSES: dict[g.Direction, g.Sense] = {"left": "ccw", "right": "cw"}
 
 def _displace_goal(clause: Clause) -> g.Displace | g.Place:
     clause.take_all(ph.LetGo)
+    source = clause.first_part(ph.Place)
+    fetched = clause.verb.direction == "toward" and not clause.has_part(ph.Length, ph.Share)
+    if fetched and source is not None and source.relation in _SOURCES:
+        return _taking_goal(clause)
     place = _place_or_separation(clause)
     if place is not None and place.relation not in ("away_from", "to"):
         return _place_goal_at(clause, place)

@@ -26,6 +26,7 @@ _ARTICLE = re.compile(r"an? ")
 _BEFORE_QUANTITIES = ("in", "under", "above", "below")
 _PLACES = ("RELATION", "BETWEEN", "REGION_OF_TABLE", "TO_X", "INTO", "PARTICLE")
 _QUANTITIES = ("THE_SIDE_OF", "BOUND")
+_BEFORE_PARTICLES = ("VERB", "WORD", "IT", "QUOTED")
 _MULTIPLES = frozenset({"twice", "double", "its"})
 _NAMES_BEGIN = re.compile(r" (?:the|a|an|my|your|its) ")
 
@@ -99,6 +100,7 @@ class Lookahead:
                 ("DIRECTION", "TOWARD_REGION", "AWAY_FROM_REGION"), self._not_towards_a_name
             ),
             "AMOUNT": self._no_little_box,
+            "CAUSE": self._makes_it_happen,
             "CUPS": self._no_cup,
             "DOES_NOT": self._no_can,
             "FILLER": lambda phrase, text, end, _last: (
@@ -268,9 +270,16 @@ class Lookahead:
         put = self._last_goal(text, end - len(phrase)) in ("place", "set_down")
         return put and self._ends_name(text, end)
 
+    def _makes_it_happen(self, phrase: str, text: str, end: int, _last: str) -> bool:
+        """Get the mug to slide, but not get the mug from the shelf."""
+        ends = (m.end() for m in re.finditer(" to ", text[end:]))
+        return phrase != "get" or any(self._any("EVENT_INFINITIVE", text, end + i) for i in ends)
+
     def _not_off_a_thing(self, phrase: str, text: str, end: int, last: str) -> bool:
-        """Take the lid off, but not off the jar; take off the lid."""
-        if not phrase.endswith(("on", "off")) or last == "VERB":
+        """Take the lid off, but not off the jar; take off the lid; pull it open, and open it."""
+        if phrase in self._verbs and last not in _BEFORE_PARTICLES:
+            return False
+        if not phrase.endswith(("on", "off", "open", "shut", "closed")) or last == "VERB":
             return True
         follower = WORD.match(text, end + 1)
         return self._ends_name(text, end) and not (
