@@ -12,8 +12,8 @@ only the classes of failures are printed.
 
 A sentence of the domain is read as meant, refused, or read wrongly. One outside the domain should
 be refused: by its words, by the name of a capability that is missing, or, since some name what no
-table has, by the name of an object. What is read so far is resolved in the scene `kitchen`, as for a
-user; nothing moves before every object is found. "Accepted", and "wrong", could be carried out.
+table has, by the name of an object. What is read is resolved in the scene `kitchen`, as for a user;
+nothing moves before every object is found. "Accepted", and "wrong", could be carried out.
 """
 
 from __future__ import annotations

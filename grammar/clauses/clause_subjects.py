@@ -167,7 +167,7 @@ def _with_owner_of_lid(
 ) -> Parts:
     """Takes what is done to a lid for something done to the object that it belongs to."""
     thing = next((part for part in parts if isinstance(part, ph.Thing)), None)
-    if thing is None:
+    if thing is None or any(isinstance(part, ph.FromTable) for part in parts):
         return list(parts)
     place = next((part for part in parts if isinstance(part, ph.Place)), None)
     off = lexicon.find_verb(verb.word, "off")
@@ -181,12 +181,17 @@ def _with_owner_of_lid(
         name, span, whole = parted
         own: Parts = [] if removes else [ph.Particle(verb.span, "off")]
         own += [ph.Lid(span, name), whole]
-        return [p for part in parts for p in (own if part is thing else [part])]
+        said = [p for p in parts if not (isinstance(p, ph.Particle) and p.word == "up")]
+        return [p for part in said for p in (own if part is thing else [part])]
     if place is None:
         return _with_lid_of_known_object(parts, verb, asks, off, ph.Lid(thing.span, words))
     particle = _MOVED_BY.get(place.relation, "")
     known = lexicon.find_verb(verb.word, particle)
-    opens = asks is not None and asks.goal in ("open", "remove") and particle == "off"
+    goal = None if asks is None else asks.goal
+    opens = (goal in ("open", "remove") and particle == "off") or (goal, particle) == (
+        "close",
+        "on",
+    )
     closes_or_opens = known is not None and known.goal in ("open", "remove", "close")
     if not isinstance(place.reference, tuple) or not (opens or closes_or_opens):
         return list(parts)

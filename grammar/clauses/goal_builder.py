@@ -245,7 +245,10 @@ def _taking_goal(clause: Clause) -> g.Place:
 
 
 def open_goal(clause: Clause) -> g.Open:
-    """Take the lid off the jar."""
+    """Take the lid off the jar; open it all the way, which it is anyway."""
+    share = clause.first_part(ph.Share)
+    if share is not None and share.of_way and share.value == 1.0:
+        clause.take_only(ph.Share)
     return g.Open(part=clause.take_value(ph.Lid), spans=clause.all_spans)
 
 

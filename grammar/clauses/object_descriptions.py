@@ -50,6 +50,9 @@ _OF = re.compile(
 )
 
 
+_COMPOUND = re.compile(r"(?P<whole>.+?)(?:['’]s)?\s+(?P<part>\w+)(?P<of>)", re.DOTALL)
+
+
 def attach_descriptions(parts: Sequence[ph.Part], lexicon: Lexicon, sentence: Normalised) -> Parts:
     """The parts of a clause, with the places that tell objects apart given to the objects.
 
@@ -106,11 +109,11 @@ def part_and_owner(
 ) -> tuple[str, g.Span, ph.Thing] | None:
     """Split "the lid of the cup" into the part, its span, and the whole."""
     start, end = thing.span
-    match = _OF.fullmatch(sentence.original[start:end])
-    quoted = sentence.original[:start].endswith(QUOTES)
+    name, quoted = sentence.original[start:end], sentence.original[:start].endswith(QUOTES)
+    match = _OF.fullmatch(name) or _compound(name, lexicon)
     if match is None or quoted:
         return None
-    span = start + match.start("whole"), end
+    span = start + match.start("whole"), start + match.end("whole")
     text = sentence.words_as_written(span)
     update: dict[str, object] = {"text": text, "spans": (span, *thing.ref.spans[1:])}
     if thing.ref.qualities:
@@ -122,7 +125,17 @@ def part_and_owner(
         update["noun"] = " ".join(nouns) if update["qualities"] else ""
     ref = thing.ref.model_copy(update=update)
     part = " ".join(match["part"].casefold().split())
-    return part, (start, start + match.end("of")), ph.Thing(span, ref, thing.contents)
+    words_of_part = start + match.start("part"), start + match.end("of")
+    return part, words_of_part, ph.Thing(span, ref, thing.contents)
+
+
+def _compound(name: str, lexicon: Lexicon) -> re.Match[str] | None:
+    """A lid named behind what it belongs to: "the jar lid", "the jar's lid"; no "red lid"."""
+    match = _COMPOUND.fullmatch(name)
+    if match is None or match["part"].casefold() not in lexicon.lids:
+        return None
+    told = match["whole"].casefold().split()
+    return None if all(word in lexicon.adjectives for word in told) else match
 
 
 def _contact_region(where: str, lexicon: Lexicon) -> g.ContactRegion | None:

@@ -176,7 +176,12 @@ FORMS = {
     "grasp": ("grasped", "grasping"), "hold": ("held", "holding"), "take": ("taken", "taking"),
     "remove": ("removed", "removing"), "screw": ("screwed", "screwing"),
     "unscrew": ("unscrewed", "unscrewing"), "explore": ("explored", "exploring"),
-    "weigh": ("weighed", "weighing"),
+    "weigh": ("weighed", "weighing"), "fetch": ("fetched", "fetching"), "get": ("got", "getting"),
+    "grip": ("gripped", "gripping"), "seize": ("seized", "seizing"),
+    "clutch": ("clutched", "clutching"), "catch": ("caught", "catching"),
+    "swing": ("swung", "swinging"), "seal": ("sealed", "sealing"),
+    "uncover": ("uncovered", "uncovering"), "uncap": ("uncapped", "uncapping"),
+    "uncork": ("uncorked", "uncorking"), "unseal": ("unsealed", "unsealing"),
 }  # fmt: skip
 """Participle and gerund of every verb, from the dictionary."""
 
