@@ -78,6 +78,8 @@ class Clause:
     def take_all(self, kind: type[P]) -> list[P]:
         """Takes all parts of a kind; their words become the goal's."""
         taken = [part for part in self._left if isinstance(part, kind)]
+        if not taken:
+            return []
         self._left = [part for part in self._left if not isinstance(part, kind)]
         self.spans += [part.span for part in taken]
         return taken

@@ -24,7 +24,7 @@ def constraints_of(
     rest: list[ph.Part] = []
     constraints: list[g.Constraint] = []
     previous: ph.Part | None = None
-    for part in _with_bounds(_with_ranges(_with_particles(parts, lexicon))):
+    for part in _with_bounds(_with_ranges(parts)):
         if isinstance(part, ph.Avoid | ph.FurtherNoTouch):
             _require_opened(part, previous, sentence)
         if isinstance(part, ph.Avoid):
@@ -85,7 +85,7 @@ def _may_be_continued(constraint: g.Constraint) -> bool:
     return isinstance(constraint, g.NoTouch) or constraint.kind in limits
 
 
-def _with_particles(parts: Sequence[ph.Part], lexicon: Lexicon) -> list[ph.Part]:
+def complete_avoidances(parts: Sequence[ph.Part], lexicon: Lexicon) -> list[ph.Part]:
     """Gives "over" in "without knocking it over" to the verb that it stands behind."""
     out: list[ph.Part] = []
     for part in parts:

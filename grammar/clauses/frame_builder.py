@@ -23,7 +23,7 @@ from grammar.clauses.clause_subjects import (
     with_lid_as_pronoun,
 )
 from grammar.clauses.consistency import require_consistent
-from grammar.clauses.constraint_builder import constraints_of
+from grammar.clauses.constraint_builder import complete_avoidances, constraints_of
 from grammar.clauses.goal_builder import goal_builder_for
 from grammar.clauses.object_descriptions import attach_descriptions
 from grammar.errors import ParseError
@@ -111,7 +111,7 @@ class _ClauseReader:
     def __init__(self, parts: Sequence[ph.Part], lexicon: Lexicon, sentence: Normalised) -> None:
         self._lexicon = lexicon
         self._sentence = sentence
-        parts = _with_meant_verb(parts, lexicon)
+        parts = complete_avoidances(_with_meant_verb(parts, lexicon), lexicon)
         self._parts = attach_descriptions(
             attach_objects(parts, lexicon, sentence), lexicon, sentence
         )
@@ -157,6 +157,8 @@ class _ClauseReader:
         if restored:  # "stand it up again" repeats nothing
             dialogue = None
         spans = tuple(part.span for part in (*remarks, *excluded))
+        if not spans:
+            return frames
         return [
             frame.model_copy(update={"dialogue": dialogue, "spans": spans + frame.spans})
             for frame in frames
@@ -166,7 +168,8 @@ class _ClauseReader:
 
     def _take_parts(self, *kinds: type[ph.Part]) -> list[Any]:
         taken = [part for part in self._parts if isinstance(part, kinds)]
-        self._parts = [part for part in self._parts if not isinstance(part, kinds)]
+        if taken:
+            self._parts = [part for part in self._parts if not isinstance(part, kinds)]
         return taken
 
     def _require_there_is_clear(self, ask: Sequence[ph.Ask]) -> None:

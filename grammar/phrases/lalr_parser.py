@@ -159,9 +159,10 @@ class LalrParser:
 
 def _reduce(values: list[Any], rule: Rule) -> None:
     """Put the node of a rule in the place of its children."""
-    first, children = len(values) - rule.size, list[Any]()
-    for i, value in enumerate(values[first:]):
-        children += value.children if i in rule.inlined else [value]
+    first = len(values) - rule.size
+    children = values[first:]
+    for i in reversed(rule.inlined):
+        children[i : i + 1] = children[i].children
     single = rule.is_expanded and len(children) == 1
     values[first:] = [children[0] if single else Tree(rule.name, children)]
 

@@ -30,6 +30,11 @@ _LEAD = _ALONE | {"AT", "BETWEEN", "BY", "FACE", "FROM_SIDE", "IN", "INTO", "NEX
 _BEGIN = _LEAD | {"NUMBER", "THING", "IT"}
 """Kinds that begin a group where no other is open."""
 
+_OPEN = frozenset({"A", "AT", "BETWEEN", "BY", "FILLED_WITH", "FROM", "GAP", "IN", "INTO",
+                   "NEXT", "OF", "PART_OF", "RANGE", "RELATION", "THE", "TO_DO", "TO_LEVEL",
+                   "TOWARD", "UNTIL", "WITH", "WITHOUT"})  # fmt: skip
+"""Terminals that say nothing by themselves, so that one said twice is stammered."""
+
 _SHAPES = {
     "fillers": r"(?<![^ ])(?!(?<=you )like ,)(?:{0})(?= |$)",
     "corrections": r"(?:(?<= )[.,;] )?(?<![^ ])(?:{0})(?:(?: ,)? (?:{0}))*(?: ,)?(?= )",
@@ -126,11 +131,14 @@ class Asides:
     def _goes_on(self, text: str, doubled: re.Match[str]) -> bool:
         """Check for words that say more the second time: "at the top at the top face"."""
         words, phrases = doubled[1], self._phrases.phrases_at
+        start = text.index(words, doubled.end())
+        stammered = all(_OPEN.issuperset(ks) for phrase, ks in phrases(words, 0) if phrase == words)
+        if stammered and not self._phrases.has_terminal_at("BOUND", text, start):
+            return False
         for word in WORD.finditer(text, doubled.start(), doubled.start() + len(words)):
             longest = next((phrase for phrase, _ in phrases(text, word.start())), "")
             if word.start() + len(longest) > doubled.start() + len(words):
                 return True
-        start = text.index(words, doubled.end())
         again = [phrase for phrase, _ in phrases(text, start)]
         more = self._phrases.has_terminal_at("BOUND", text, start + len(words) + 1)
         return more or (words in again and words != again[0])

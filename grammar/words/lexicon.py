@@ -227,7 +227,16 @@ class Lexicon:
 
     def phrases_for(self, terminal: str, value: str = "") -> list[str]:
         """The phrases by which a terminal says a value; paraphrases use the first."""
-        return [phrase for phrase, meaning in self.terminals[terminal].items() if meaning == value]
+        return self._phrases_by_value[terminal].get(value, [])
+
+    @cached_property
+    def _phrases_by_value(self) -> Mapping[str, Mapping[str, list[str]]]:
+        by_value: dict[str, dict[str, list[str]]] = {}
+        for terminal, known in self.terminals.items():
+            said = by_value[terminal] = {}
+            for phrase, value in known.items():
+                said.setdefault(value, []).append(phrase)
+        return by_value
 
     def declarations(self) -> str:
         """The terminals, declared for a lark grammar whose lexer finds them itself."""

@@ -11,7 +11,6 @@ import re
 import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
 
 from grammar.errors import ParseError
 from grammar.frames.command import Span
@@ -25,16 +24,13 @@ _PUNCTUATION = frozenset(".,!?'\"-/°&_+%;")
 _SPACED = frozenset(",.!?'\"-;")
 _ALIKE = frozenset({"CYRILLIC", "GREEK", "ARMENIAN", "CHEROKEE"})
 _WORD = re.compile(r"[^ ]+")
+_READY = re.compile(r"[A-Za-z0-9 ,.'\"-]*")
 _MINUS = re.compile(r"(?<![^ ])-(?=[.\d])|(?<=\de)-(?=\d)")
 _RANGE = re.compile(r"(?<=\d)-(?=[.\d])")
 
 
-class _Letter(NamedTuple):
-    """A character of the plain form and the columns it came from."""
-
-    char: str
-    start: int
-    end: int
+_Letter = tuple[str, int, int]
+"""A character of the plain form, and the start and end of the columns it came from."""
 
 
 @dataclass(frozen=True)
@@ -85,9 +81,9 @@ def normalise(text: str, contractions: Mapping[str, str]) -> Normalised:
             (MAX_LENGTH, len(text)),
             ("say it in one short sentence",),
         )
-    letters = [_Letter(c, i, i + 1) for i, char in enumerate(text) for c in _plain_letters(char, i)]
-    question = "".join(letter.char for letter in letters).rstrip(" .!").endswith("?")
-    while letters and letters[-1].char in " .!?,;":
+    letters = _letters_of(text)
+    question = _text_of(letters).rstrip(" .!").endswith("?")
+    while letters and letters[-1][0] in " .!?,;":
         letters.pop()
     letters = _spell_out(_space_out(letters), contractions)
     _require_one_script(letters)
@@ -95,34 +91,46 @@ def normalise(text: str, contractions: Mapping[str, str]) -> Normalised:
         raise ParseError(
             "empty", "the sentence is empty", None, ('say, for example, "push the box away"',)
         )
-    quotes = [letter for letter in letters if letter.char == '"']
+    quotes = [(start, end) for char, start, end in letters if char == '"']
     if len(quotes) % 2:
         raise ParseError(
             "unbalanced_quote",
             "a quotation mark has no partner",
-            (quotes[-1].start, quotes[-1].end),
+            quotes[-1],
             ("close the quotation, or leave the mark out",),
         )
     return Normalised(
         original=text,
-        text="".join(letter.char for letter in letters),
-        columns=tuple((letter.start, letter.end) for letter in letters),
+        text=_text_of(letters),
+        columns=tuple([(start, end) for _, start, end in letters]),
         question=question,
     )
 
 
+def _text_of(letters: list[_Letter]) -> str:
+    return "".join([char for char, _, _ in letters])
+
+
+def _letters_of(text: str) -> list[_Letter]:
+    """The characters of the plain form, one space or mark still as good as another."""
+    if _READY.fullmatch(text):
+        return list(zip(text.lower(), range(len(text)), range(1, len(text) + 1), strict=True))
+    return [(c, i, i + 1) for i, char in enumerate(text) for c in _plain_letters(char, i)]
+
+
 def _require_one_script(letters: list[_Letter]) -> None:
     """Refuses words of Latin and other letters that look alike, since names would differ unseen."""
-    if all(letter.char.isascii() for letter in letters):
+    text = _text_of(letters)
+    if text.isascii():
         return
-    for match in _WORD.finditer("".join(letter.char for letter in letters)):
+    for match in _WORD.finditer(text):
         word = letters[match.start() : match.end()]
-        scripts = {unicodedata.name(w.char, "").partition(" ")[0] for w in word if w.char.isalpha()}
+        scripts = {unicodedata.name(c, "").partition(" ")[0] for c in match[0] if c.isalpha()}
         if "LATIN" in scripts and scripts & _ALIKE:
             raise ParseError(
                 "unexpected_character",
                 "a word mixes letters of two alphabets",
-                (word[0].start, word[-1].end),
+                (word[0][1], word[-1][2]),
                 ("write the word in Latin letters",),
             )
 
@@ -160,31 +168,30 @@ def _plain_letters(char: str, column: int) -> str:
 
 def _space_out(letters: list[_Letter]) -> list[_Letter]:
     """Sets punctuation apart, opens hyphens, and turns single quotes around words into double."""
+    plain = _text_of(letters)
+    if _SPACED.isdisjoint(plain):
+        return letters
     out: list[_Letter] = []
-    plain = "".join(letter.char for letter in letters)
     minus = {m.start() for m in _MINUS.finditer(plain)}
     ranges = {m.start() for m in _RANGE.finditer(plain)} - minus
     quoted = within = False
     for i, letter in enumerate(letters):
-        if letter.char not in _SPACED:
+        char, start, end = letter
+        if char not in _SPACED:
             out.append(letter)
             continue
-        before = letters[i - 1].char if i else " "
-        after = letters[i + 1].char if i + 1 < len(letters) else " "
-        within ^= letter.char == '"'
+        before = plain[i - 1] if i else " "
+        after = plain[i + 1] if i + 1 < len(letters) else " "
+        within ^= char == '"'
         if i in ranges:
-            out += [_Letter(c, letter.start, letter.end) for c in " to "]
-        elif letter.char == "-" and i not in minus:
-            out.append(_Letter(" ", letter.start, letter.end))
-        elif (
-            letter.char == "'"
-            and not within
-            and (before == " " or (quoted and not after.isalnum()))
-        ):
+            out += [(c, start, end) for c in " to "]
+        elif char == "-" and i not in minus:
+            out.append((" ", start, end))
+        elif char == "'" and not within and (before == " " or (quoted and not after.isalnum())):
             quoted = not quoted
-            out.append(_Letter('"', letter.start, letter.end))
-        elif letter.char in ",;!?" or (letter.char == "." and not after.isdigit()):
-            out += [_Letter(c, letter.start, letter.end) for c in (" ", letter.char, " ")]
+            out.append(('"', start, end))
+        elif char in ",;!?" or (char == "." and not after.isdigit()):
+            out += [(c, start, end) for c in (" ", char, " ")]
         else:
             out.append(letter)
     return out
@@ -193,12 +200,12 @@ def _space_out(letters: list[_Letter]) -> list[_Letter]:
 def _spell_out(letters: list[_Letter], contractions: Mapping[str, str]) -> list[_Letter]:
     """Spells out contractions and leaves one space between words."""
     out: list[_Letter] = []
-    for match in _WORD.finditer("".join(letter.char for letter in letters)):
+    for match in _WORD.finditer(_text_of(letters)):
         word = letters[match.start() : match.end()]
-        start, end = word[0].start, word[-1].end
+        start, end = word[0][1], word[-1][2]
         if out:
-            out.append(_Letter(" ", start, start))
+            out.append((" ", start, start))
         if match.group() in contractions:
-            word = [_Letter(char, start, end) for char in contractions[match.group()]]
+            word = [(char, start, end) for char in contractions[match.group()]]
         out += word
     return out

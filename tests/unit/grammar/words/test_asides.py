@@ -47,3 +47,22 @@ def test_words_of_names_and_quotations_are_no_fillers() -> None:
 def test_a_reason_that_is_a_restriction_is_none() -> None:
     (frame,) = parse("push the mug so that it stays upright, because it is full").frames
     assert [clause.kind for clause in frame.constraints] == ["no_topple"]
+
+
+@pytest.mark.parametrize(
+    ("text", "plain"),
+    [
+        ("slide the jar to to the left", "slide the jar to the left"),
+        ("push the jar next next to the tin", "push the jar next to the tin"),
+        ("pull the jar a a little away with with at most 5 N",
+         "pull the jar a little away with at most 5 N"),
+    ],
+)  # fmt: skip
+def test_the_first_word_of_a_phrase_said_twice_is_stammered(text: str, plain: str) -> None:
+    assert parse(text).paraphrase == parse(plain).paraphrase
+
+
+def test_what_is_not_to_be_knocked_over_is_pushed_to_its_place() -> None:
+    (frame,) = parse("push the mug next to the tin without knocking it over").frames
+    assert frame.goal.kind == "place"
+    assert [clause.kind for clause in frame.constraints] == ["no_topple"]
