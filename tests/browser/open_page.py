@@ -46,10 +46,10 @@ class OpenPage:
         """The value of an expression in the page."""
         return self.page.evaluate(expression)
 
-    def wait(self, expression: str) -> None:
-        """Waits until an expression is true."""
+    def wait(self, expression: str, patience: float = PATIENCE) -> None:
+        """Waits until an expression is true, for so long at most [s]."""
         # The page's policy forbids what `wait_for_function` does.
-        ends = time.monotonic() + PATIENCE
+        ends = time.monotonic() + patience
         while not self.ask(expression):
             assert time.monotonic() < ends, (expression, self.complaints)
             time.sleep(0.05)

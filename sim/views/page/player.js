@@ -13,6 +13,8 @@ const LATEST = 1; // lag that is let go instead of being made up for [s]
 const HURRY = 3; // by which a live view is the faster, the later it is [1/s]
 
 class Player {
+  shares = false; // whether what is shown is being worked out
+
   constructor(viewer, track) {
     this.viewer = viewer;
     this.track = track;
@@ -24,6 +26,7 @@ class Player {
   // Moves the bodies from now on, and nobody else does.
   take() {
     this.viewer.onframe = (now) => this.tick(now);
+    this.viewer.shares = this.shares;
     this.viewer.invalidate();
   }
 
@@ -120,6 +123,8 @@ function decoded(form) {
 export class LivePlayer extends Player {
   constructor(viewer) {
     super(viewer, new FrameTrack());
+    this.shares = true;
+    this.take();
     this.follow(null);
   }
 

@@ -7,6 +7,7 @@ import { OrbitCamera } from "./orbit_camera.js";
 import { DrawingFence, RenderQuality, newRenderer } from "./render_quality.js";
 
 const SETTLES = 250; // after which what does not move is drawn finely [ms]
+const LONGEST_REST = 100; // between two frames of what happens now [ms]
 const THEMES = {
   light: { sky: 0xe9eef3, floor: 0xd9dfe5, hemisphere: 2.05, sun: 2.1 },
   dark: { sky: 0x14181d, floor: 0x23292f, hemisphere: 0.95, sun: 1.75 },
@@ -38,6 +39,8 @@ export class Viewer {
     this.scene.add(this.liquid, this.ghosts);
     this.onframe = null; // is asked for each frame, with its time [ms]; true if things move
     this.ondrawn = null; // is called after each frame, when the camera stands where it is
+    this.shares = false; // whether what is shown is being worked out on this machine, or may be
+    this.took = null; // the last frame, until it was drawn [ms]
     this.scriptTime = 0; // of the last frame [ms]
     this.frames = 0;
     this.size = [1, 1];
@@ -161,14 +164,15 @@ export class Viewer {
 
   #frame(now) {
     const began = performance.now();
-    if (!this.fence.isDown) {
+    if (!this.fence.isDown || this.#rests(now)) {
       this.waiting = requestAnimationFrame((later) => this.#frame(later));
       return;
     }
     clearTimeout(this.settling);
     const moves = this.onframe ? this.onframe(now) : false;
     const step = this.last ? Math.min((now - this.last) / 1e3, 0.1) : 0;
-    if (moves && this.moved) this.quality.feel((now - this.last) / 1e3);
+    if (moves && this.moved) this.quality.feel(this.took / 1e3);
+    this.took = null;
     this.moved = moves;
     this.last = now;
     const glides = this.orbit.update(step);
@@ -180,6 +184,14 @@ export class Viewer {
     this.waiting = null; // what was put in place by this frame asks for no further one
     if (moves || glides) this.invalidate();
     else this.settling = setTimeout(() => this.#settle(), SETTLES);
+  }
+
+  // True while it is left to others what the last frame took. Who draws in software takes the
+  // processor from the simulation that is being watched.
+  #rests(now) {
+    this.took ??= this.last ? now - this.last : 0;
+    const rest = this.shares && this.quality.software ? Math.min(this.took, LONGEST_REST) : 0;
+    return now < this.last + this.took + rest;
   }
 
   // Draws what does not move once more, finely.
