@@ -87,6 +87,24 @@ class Face:
         points = c + y[..., None] * t + back * level + rise * up
         return points, np.broadcast_to(n, points.shape).copy()
 
+    def set_back(self, lateral: ArrayLike, radius: float = 0.0) -> tuple[Array, Array]:
+        """Where a ball that comes along the normal touches at lateral places, (...) [m].
+
+        Args:
+            lateral: of its middle, shape (...) [m].
+            radius: of the ball [m].
+
+        Returns:
+            How far behind its place in the middle of the face it is then [m], and the angle between
+            the normals here and there [rad], shape (...) each.
+        """
+        y = np.asarray(lateral, float)
+        if not self.curvature:
+            return np.zeros(y.shape), np.zeros(y.shape)
+        around = 1.0 / self.curvature + radius
+        angle = np.arcsin(np.clip(y / around, -1.0, 1.0))
+        return around * (1.0 - np.cos(angle)), angle
+
     def contains(
         self, lateral: ArrayLike, height: ArrayLike, margin: float = 0.0
     ) -> NDArray[np.bool_]:

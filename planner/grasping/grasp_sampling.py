@@ -36,7 +36,7 @@ _HEADINGS = np.radians(np.arange(0.0, 180.0, 22.5))  # in W, across which a roun
 _BORDER = 0.004  # distance of a contact from the border of its side [m]
 _OVER = 0.0015  # between fingertips and what a knob stands on [m]
 _SQUARE = np.array([0.0, math.pi / 2.0])  # pitches at which the fingers come: level, from above
-_ASKEW = np.radians([30.0, 45.0, 60.0])
+_ASKEW = np.radians([30.0, 37.5, 45.0, 60.0])
 _HEIGHTS = 3  # at which each side is tried
 _UP = np.array([0.0, 0.0, 1.0])
 _DOWN = -_UP
@@ -54,6 +54,8 @@ class Candidate:
         approach: unit direction of the straight fingers, shape (3,).
         width: between the sides [m].
         grip: how the hand closes about that width.
+        turned: largest angle between the closing direction and the sides' normals where the
+            fingertips touch [rad].
     """
 
     part: Literal["body", "lid"]
@@ -62,6 +64,7 @@ class Candidate:
     approach: Array
     width: float
     grip: Grip
+    turned: float = 0.0
 
     def is_crowded(self, target: SeenObject, state: WorldState) -> bool:
         """Return True if something stands where the knuckles would be, as seen from above."""
@@ -95,6 +98,7 @@ class _Sides:
         along: ẑ × normal, shape (3,).
         middle: of the line across, shape (3,) at height 0 [m].
         width: between them [m].
+        face: one of them.
         extent: between which they may be touched along `along`, from the middle [m].
     """
 
@@ -102,6 +106,7 @@ class _Sides:
     along: Array
     middle: Array
     width: float
+    face: Face
     extent: tuple[float, float]
 
 
@@ -132,9 +137,7 @@ def body_candidates(problem: GraspProblem) -> list[Candidate]:
     # Where neither level nor upright fingers find room, those that come down askew may.
     for pitches in (_SQUARE, _ASKEW):
         for pair, grip in closing:
-            found += _candidates_about(
-                target, pair, grip, (low, high), robot.limits.lowest_grasp, pitches
-            )
+            found += _candidates_about(target, pair, grip, (low, high), robot, pitches)
         if found:
             break
     else:
@@ -232,7 +235,7 @@ def _opposite_sides(target: SeenObject) -> Iterator[_Sides]:
             axis = np.array(face.centre) - n / face.curvature
             half = 0.5 * face.width
             yield _Sides(
-                n, np.array(face.tangent), axis * _LEVEL, 2 / face.curvature, (-half, half)
+                n, np.array(face.tangent), axis * _LEVEL, 2 / face.curvature, face, (-half, half)
             )
             continue
         for other in upright[number + 1 :]:
@@ -254,7 +257,7 @@ def _pair_of_sides(one: Face, other: Face) -> _Sides | None:
     across = 0.5 * (a @ n + b @ n)
     middle = across * n + 0.5 * (low + high) * along
     half = 0.5 * float(high - low) - _BORDER
-    return _Sides(n, along, middle * _LEVEL, float((a - b) @ n), (-half, half))
+    return _Sides(n, along, middle * _LEVEL, float((a - b) @ n), one, (-half, half))
 
 
 def _candidates_about(
@@ -262,10 +265,10 @@ def _candidates_about(
     pair: _Sides,
     grip: Grip,
     limits: tuple[float, float],
-    level: float,
+    robot: Robot,
     pitches: Array,
 ) -> Iterator[Candidate]:
-    """All ways to hold a pair of sides between two heights, from beside not below a level."""
+    """All ways to hold a pair of sides between two heights, from beside not too low."""
     for closing, approach in product(
         (pair.normal, -pair.normal), _approach_directions(pair, pitches)
     ):
@@ -275,13 +278,16 @@ def _candidates_about(
         if heights is None or laterals is None:
             continue
         if approach[2] == 0.0:
-            heights = (max(heights[0], level), heights[1])
+            heights = (max(heights[0], robot.limits.lowest_grasp), heights[1])
             if heights[0] > heights[1]:
                 continue
         balanced = (np.array(target.model.com) - pair.middle) @ pair.along
+        _, turned = pair.face.set_back(offsets @ pair.along, robot.limits.fingertip_radius)
+        most = float(np.abs(turned).max())
         at = pair.middle + float(np.clip(balanced, *laterals)) * pair.along
         for height in np.unique(np.linspace(*heights, _HEIGHTS)):
-            yield Candidate("body", at + height * _UP, closing, approach, pair.width, grip)
+            middle = at + height * _UP
+            yield Candidate("body", middle, closing, approach, pair.width, grip, most)
 
 
 def _approach_directions(pair: _Sides, pitches: Array) -> list[Array]:

@@ -86,7 +86,7 @@ class GraspLoad:
             [ahead * math.cos(self.lean), ahead * math.sin(self.lean), -np.cos(tilts) * ones], -1
         )
         R_BG = np.column_stack([closing, np.cross(approach, closing), approach])
-        grasp = Contacts(contacts, shares)
+        grasp = Contacts(contacts, shares, each.turned)
         return Lifted(borne, grasp, each.middle, R_BG, down, ACCELERATION)
 
 
@@ -256,7 +256,7 @@ class _GraspBeliefs:
             (np.array(model.com) - lifted.p_BG) @ R,
             spread,
             lifted.down_B @ R,
-            np.array([model.mass, model.mass_sd]),
+            np.array([model.mass, model.mass_sd, lifted.contacts.turned]),
         )
         return b"".join((np.round(part, 7) + 0.0).tobytes() for part in parts)
 

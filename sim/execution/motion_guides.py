@@ -138,7 +138,7 @@ def _grasp_guide(plan: Plan, state: WorldState, robot: Robot) -> GraspGuide:
     R_WB, p_WB = handled.start_pose
     middle = p_WB + R_WB @ np.array(grasp.p_BG)
     off = withdrawal_vectors(grasp, handled.held)[0]
-    thumb, *fingers = _contacts(grasp, middle, robot)
+    thumb, *fingers = _contacts(handled, middle, robot)
     steps = step_segments(handled)
     return GraspGuide(
         object=handled.name,
@@ -158,13 +158,15 @@ def _grasp_guide(plan: Plan, state: WorldState, robot: Robot) -> GraspGuide:
     )
 
 
-def _contacts(grasp: Grasp, middle: Array, robot: Robot) -> tuple[Vector3, ...]:
+def _contacts(handled: HeldObject, middle: Array, robot: Robot) -> tuple[Vector3, ...]:
     """Contacts of the thumb and of the fingers that touch, in W [m]."""
+    grasp = handled.grasp
     grip = robot.grasp(grasp.width, pinch=grasp.part != "body")
     assert grip is not None, "it was planned with a grip"
     closing, approach = np.array(grasp.closing_W), np.array(grasp.approach_W)
     aside = np.cross(approach, closing)
     sides = np.where(np.arange(len(grip.contacts)) == 0, 0.5, -0.5) * grasp.width
+    sides += handled.set_back(grip.contacts, robot.limits.fingertip_radius)
     points = (
         middle
         + sides[:, None] * closing

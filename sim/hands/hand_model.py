@@ -223,12 +223,14 @@ class GraspPosture(ABC):
         middle: of the grasp in P, shape (3,) [m].
         opening: distance of the fingertips from each side before they close [m].
         grip: as the planner knows it.
+        bow: how far behind the middle one the outer fingers touch, if a side is round [m].
     """
 
     width: float
     middle: Array
     opening: float
     grip: Grip
+    bow: float = 0.0
 
     @property
     @abstractmethod

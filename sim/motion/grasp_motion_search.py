@@ -17,9 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer
-from planner.types.world_state import WorldState
 from sim.collision.collision_scene import (
     OBJECT_CLEARANCE,
     TABLE_CLEARANCE,
@@ -300,8 +298,8 @@ class GraspMotionSearch:
 
 
 def best_grasp_motion(
-    mount: Mount, plan: Plan, grip: GraspPosture, state: WorldState, spare: float = 0.0
+    mount: Mount, handled: HeldObject, grip: GraspPosture, spare: float = 0.0
 ) -> GraspMotion | ReachAnswer:
     """The best way through a plan with a grasp, or why there is none; see `GraspMotionSearch`."""
-    search = GraspMotionSearch(mount, HeldObject.from_plan(plan, state), grip, spare)
+    search = GraspMotionSearch(mount, handled, grip, spare)
     return replace(search.best_motion(), work=search.work)

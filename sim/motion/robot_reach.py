@@ -34,6 +34,7 @@ from sim.motion.grasp_motion_search import GraspMotion, best_grasp_motion
 from sim.motion.ik_search import in_range, solve_poses
 from sim.motion.push_motion_search import THOROUGH, USUAL, Effort, PushMotionSearch
 from sim.paths.fingertip_path import FingertipPath
+from sim.paths.held_object_path import HeldObject
 from sim.rotations import Array, rot_z
 
 CELL = 0.04
@@ -224,7 +225,9 @@ class ArmHandReach:
                 f"{grasp.squeeze:.1f} N are needed",
                 numbers={"strength": grip.grip.strongest, "force": grasp.squeeze},
             )
-        return best_grasp_motion(self.mount, plan, grip, state, spare)
+        handled = HeldObject.from_plan(plan, state)
+        grip = replace(grip, bow=handled.set_back(grip.grip.contacts, hand.tip_radius).max())
+        return best_grasp_motion(self.mount, handled, grip, spare)
 
     def push_configuration(
         self, push: Push, state: WorldState, spare: float = 0.0

@@ -125,6 +125,21 @@ class HeldObject:
         pose = self.held.pose
         return pose.R_WB, pose.p_WB + np.array([0.0, 0.0, self.height])
 
+    def set_back(self, contacts: Array, tip_radius: float) -> Array:
+        """How far a round side lies back where fingers touch it beside its middle, (k,) [m].
+
+        Args:
+            contacts: as of `planner.types.robot.Grip`, shape (k, 2) [m].
+            tip_radius: of the fingertips [m].
+        """
+        R_BG, _ = grasp_frame(self.grasp, self.held.pose.R_WB)
+        closing, aside, approach = R_BG.T
+        offsets = contacts @ np.array([approach, aside])
+        faces = self.held.model.faces(np.array([math.atan2(closing[1], closing[0])]))
+        side = min(faces, key=lambda face: float(closing @ face.normal))
+        behind, _ = side.set_back(offsets @ np.array(side.tangent), tip_radius)
+        return behind
+
     @property
     def grasped_obstacle(self) -> Obstacle:
         """Obstacle about which the hand closes, where it is taken."""

@@ -3,7 +3,8 @@
 Model: no finger is spread, so that each moves in its own plane across the palm. The fingertips
 touch at one height along the straight fingers, thumb against the other three, and close along a
 line: a posture is a width. Of all places where they meet, the one that bears the largest squeeze is
-taken, with a fingertip leading each finger and room for something deep before the palm.
+taken, with a fingertip leading each finger and room for something deep before the palm. About a
+round side index and ring finger go on as far as that lies back beside the middle finger.
 
 Frames: P is the palm; x is the closing direction, from the fingers' side to the thumb's.
 """
@@ -42,6 +43,8 @@ SHARES = np.array([1.0, 1 / 3, 1 / 3, 1 / 3])
 PINCH = np.array([1.0, 0.0, 1.0, 0.0])
 """The same where thumb and middle finger alone close about a knob, past which the others go."""
 
+_OUTER = ("index", "ring")  # beside the middle finger, which is opposite the thumb
+
 NARROWEST, WIDEST = 0.008, 0.100
 """Widths that the hand closes about [m]."""
 
@@ -78,7 +81,8 @@ class FourFingerGrasp(GraspPosture):
         """The hand with its fingertips off each side; the others are curled up."""
         name = f"grip of {1e3 * self.width:.0f} mm"
         x, _, z = self.middle.tolist()
-        return _closed_posture(name, self.width + 2.0 * opening, x, z, self.touching_fingers)
+        width = self.width + 2.0 * opening
+        return _closed_posture(name, width, x, z, self.touching_fingers, self.bow)
 
     def touch_point(self, finger: str) -> Array:
         """Place at which a finger touches, in P, shape (3,) [m]."""
@@ -162,7 +166,7 @@ def _grasp_at(width: float, x: float, z: float, shares: Array) -> FourFingerGras
     opening = next((o for o in openings if _finger_angles(width + 2.0 * o, x, z, holding)), None)
     if opening is None:
         return None
-    return FourFingerGrasp(width, np.array([x, 0.0, z]), float(opening), _UNKNOWN, shares)
+    return FourFingerGrasp(width, np.array([x, 0.0, z]), float(opening), _UNKNOWN, shares=shares)
 
 
 def _planner_grip(found: FourFingerGrasp, wrist: float) -> Grip:
@@ -202,12 +206,12 @@ def _bent_finger(finger: str, width: float, x: float, z: float) -> Angles | None
 
 @functools.lru_cache(maxsize=64)
 def _closed_posture(
-    name: str, width: float, x: float, z: float, holding: tuple[str, ...]
+    name: str, width: float, x: float, z: float, holding: tuple[str, ...], bow: float
 ) -> Posture:
     """The hand about a width, wherever its fingers get; those that do not hold are curled up."""
     angles = dict.fromkeys(FINGERS, CURLED)
     for finger in holding:
-        bent = _bent_finger(finger, width, x, z)
+        bent = _bent_finger(finger, width - 2.0 * bow * (finger in _OUTER), x, z)
         assert bent is not None, "a grip is about a width that the fingers reach"
         angles[finger] = bent
     return touching_posture(name, angles, holding)

@@ -140,3 +140,15 @@ def test_grasps_searched_together_are_those_searched_alone() -> None:
     alone = [least_squeezes([grasp]) for grasp in grasps]
     for together, each in zip(least_squeezes(grasps), zip(*alone, strict=True), strict=True):
         np.testing.assert_array_equal(together, np.concatenate(each))
+
+
+def test_a_side_that_turns_away_takes_friction_for_itself() -> None:
+    turned, squeeze = 0.3, 5.0
+    flat = _loads(DOWN, MIDDLE).critical_friction(squeeze)[0]
+    contacts = replace(CONTACTS, turned=turned)
+    needed = GraspLoads.on_contacts(contacts, DOWN, MIDDLE).critical_friction(squeeze)[0]
+    # The closing direction and, along the axis of the side, what a flat one bears.
+    force, normal = np.array([1.0, 0.0, flat]), np.array([np.cos(turned), np.sin(turned), 0.0])
+    press = force @ normal
+    assert needed == pytest.approx(np.linalg.norm(force - press * normal) / press)
+    assert needed > np.tan(turned)

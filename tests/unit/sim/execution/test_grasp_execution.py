@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from objectmodels.models.upright_solids import CylinderModel
-from planner.types.actions import Aim, Carry, LiftUp, SetDown
+from planner.types.actions import Aim, Carry, Grasp, LiftUp, SetDown
 from planner.types.plan import Plan
 from sim.simulated_executor import SimulatedExecutor
 from sim.traces.trace import Trace
@@ -82,3 +82,32 @@ def test_the_same_seed_gives_the_same_trace() -> None:
     made = plan(LiftUp(height=0.02), SetDown())
     one, two = _run(made)[0], _run(made)[0]
     np.testing.assert_array_equal(one.poses["carton"], two.poses["carton"])
+
+
+def test_a_round_thing_held_askew_hangs_upright() -> None:
+    """With its centre of mass off the line across: two fingertips alone would let it pivot."""
+    pitch = np.radians(37.5)
+    of = Grasp(
+        p_BG=(0.0, 0.0, 0.048),
+        closing_W=(0.0, 1.0, 0.0),
+        approach_W=(float(np.cos(pitch)), 0.0, -float(np.sin(pitch))),
+        width=0.08,
+        squeeze=3.0,
+        needed=1.4,
+        strongest=11.0,
+    )
+    mug = MODELS["mug"].model_copy(update={"com": (0.006, 0.0, 0.037)})
+    made = plan(LiftUp(height=0.05), of=of).model_copy(update={"object": "mug"})
+    truth = scene()
+    heavy_side = [
+        each.model_copy(
+            update={"truth": each.truth.model_copy(update={"centre_of_mass_m": mug.com})}
+        )
+        if each.name == "mug"
+        else each
+        for each in truth.objects
+    ]
+    trace, _, _ = _run(made, truth.model_copy(update={"objects": tuple(heavy_side)}))
+    assert trace.end == "handled"
+    # Its springs let it lean by two or three degrees; a pendulum would hang 29° askew.
+    assert trace.tilt("mug").max() < np.radians(5.0)

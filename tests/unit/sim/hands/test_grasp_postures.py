@@ -1,8 +1,11 @@
 """The hand closes about widths: where its fingertips are, and what its joints bear."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from objectmodels.models.upright_solids import CylinderModel
 from sim.hands.four_finger.grasp_postures import (
     HOLDING,
     NARROWEST,
@@ -103,3 +106,18 @@ def test_springs_that_bear_a_weight_exert_it() -> None:
     wanted = np.array([0.5, 3.0, -1.0])
     forces = _forces(grip, grip.force_offsets(wanted))
     np.testing.assert_allclose(forces.sum(axis=0), wanted, atol=1e-9)
+
+
+def test_about_a_round_side_all_fingertips_touch() -> None:
+    radius = 0.04
+    grip = _grip(2.0 * radius)
+    side = CylinderModel(
+        name="mug", radius=radius, height=0.08, mass=0.1, friction=0.3, finger_friction=0.6
+    ).faces([0.0])[0]
+    behind, _ = side.set_back(grip.grip.contacts[:, 1], TIP_RADIUS)
+    posture = replace(grip, bow=float(behind.max())).posture_at()
+    for finger in FINGERS:
+        tip = finger_points(finger, posture.angles[finger])[3]
+        # The axis of the side stands across the plane in which they are side by side.
+        off = np.hypot(*(tip - grip.middle)[:2])
+        assert off == pytest.approx(radius + TIP_RADIUS, abs=1e-5)
