@@ -232,6 +232,8 @@ class _ClauseReader:
         if len(again) > 1:
             raise unexpected_part(again[1], self._sentence)
         said = {remark.dialogue for remark in remarks}
+        if len(said - {"correct"}) > 1 and said - {"correct"} != {"repeat", "more"}:
+            raise unexpected_part(remarks[-1], self._sentence)
         for dialogue in ("reverse", "correct", "undo", "stop", "do", "same", "repeat", "more"):
             if dialogue in said:
                 return dialogue

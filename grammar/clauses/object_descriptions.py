@@ -278,26 +278,28 @@ def _attach_to_last(part: ph.Side | ph.Place, out: Parts, sentence: Normalised) 
     for i in reversed(range(len(out))):
         owner = out[i]
         if isinstance(owner, ph.Place) and (ref := _last_reference(owner)):
-            told = _described_thing(ph.Thing(owner.span, ref), part).ref
+            told = _described_thing(ph.Thing(owner.span, ref), part, sentence).ref
             out[i] = replace(owner, reference=(told,))
             return
         if isinstance(owner, ph.Toward | ph.Into) and isinstance(owner.target, g.ObjectRef):
-            told = _described_thing(ph.Thing(owner.span, owner.target), part).ref
+            told = _described_thing(ph.Thing(owner.span, owner.target), part, sentence).ref
             out[i] = replace(owner, target=told)
             return
         if isinstance(part, ph.Place) and not isinstance(part.reference, tuple):
             break  # a part of the table tells no objects apart
         if isinstance(owner, ph.Thing):
-            out[i] = _described_thing(owner, part)
+            out[i] = _described_thing(owner, part, sentence)
             return
         if isinstance(owner, ph.Ask | ph.Explore) and owner.thing is not None:
-            out[i] = replace(owner, thing=_described_thing(owner.thing, part))
+            out[i] = replace(owner, thing=_described_thing(owner.thing, part, sentence))
             return
     raise unexpected_part(part, sentence)
 
 
-def _described_thing(thing: ph.Thing, part: ph.Side | ph.Place) -> ph.Thing:
+def _described_thing(thing: ph.Thing, part: ph.Side | ph.Place, sentence: Normalised) -> ph.Thing:
     ref = thing.ref
+    if isinstance(part, ph.Place) and ref.relation is not None:
+        return _with_told_reference(thing, part, sentence)
     noun = ref.noun if ref.qualities else _noun_of(ref)
     update: dict[str, object] = {"spans": (*ref.spans, part.span)}
     if isinstance(part, ph.Side):
@@ -310,6 +312,16 @@ def _described_thing(thing: ph.Thing, part: ph.Side | ph.Place) -> ph.Thing:
         stood_on = "on" if part.relation == "from" else part.relation
         relation = ON_THE_TABLE.get(stood_on, stood_on)
         update |= {"relation": relation, "reference": part.reference}
+    return replace(thing, ref=ref.model_copy(update=update))
+
+
+def _with_told_reference(thing: ph.Thing, part: ph.Place, sentence: Normalised) -> ph.Thing:
+    """The mug next to the box that is behind the jar: the place is that of the box."""
+    ref = thing.ref
+    if len(ref.reference) != 1 or ref.reference[0].pronoun:
+        raise unexpected_part(part, sentence)
+    other = _described_thing(ph.Thing(part.span, ref.reference[0]), part, sentence).ref
+    update = {"reference": (other,), "spans": (*ref.spans, part.span)}
     return replace(thing, ref=ref.model_copy(update=update))
 
 

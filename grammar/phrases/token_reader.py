@@ -82,8 +82,11 @@ class TokenReader:
 
     def bound_of(self, children: Children) -> Bound:
         """Exactly, at least, at most; "or more" is said behind the quantity."""
-        said = self.value_of(children, "BOUND") or self.value_of(children, "OR_MORE", "exact")
-        return cast(Bound, said)
+        before, behind = self.value_of(children, "BOUND"), self.value_of(children, "OR_MORE")
+        if before and behind and before != behind:
+            said = tokens_in(children, "OR_MORE")
+            raise self.does_not_apply_error(said, "is a second bound", f'leave out "{said[0]}"')
+        return cast(Bound, before or behind or "exact")
 
     def numbers_in(self, children: Children) -> list[Decimal]:
         """The numbers among the children; an article is a one."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, cast
 
 from grammar.errors import ParseError
@@ -305,11 +306,13 @@ class Parts(Manners, Outcomes, Questions):
         return self.require_possible(children, share, 1.0, range_)
 
     def filled_with_part(self, children: Children) -> list[ph.Part]:
-        """With ice tea; with half of the ice tea."""
-        parts = parts_in(self.start_part(children))
-        thing = things_in(parts)[0]
+        """With ice tea; with half of the ice tea; with 100 ml of what was spoken of before."""
+        parts, span = parts_in(self.start_part(children)), self.span_of(children[:1])
+        thing = next(iter(things_in(parts)), None)
         others = [part for part in parts if part is not thing]
-        return [ph.FilledWith(self.span_of(children[:1]), thing), *others]
+        if thing is None:
+            return [replace(others[0], span=(span[0], others[0].span[1]))]
+        return [ph.FilledWith(span, thing), *others]
 
 
 def _fraction_value(text: str) -> float:

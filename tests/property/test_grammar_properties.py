@@ -220,8 +220,13 @@ def test_no_phrase_is_silently_dropped(opening: str, phrases: list[str]) -> None
 def test_no_word_of_a_damaged_sentence_is_silently_dropped(
     seed: int, damage: int, phrase: str
 ) -> None:
-    """Sentences that are nearly right are read more often than phrases in any order."""
-    sampler, rng = Sampler(Random(seed)), Random(seed)
+    command = read(damaged_sentence(Random(seed), damage, phrase))
+    assert command is None or not dropped(command)
+
+
+def damaged_sentence(rng: Random, damage: int, phrase: str) -> str:
+    """A sentence that is nearly right, which is read more often than phrases in any order."""
+    sampler = Sampler(rng)
     words, others = sampler.draw_sentence().text.split(), sampler.draw_sentence().text.split()
     cut = rng.randint(0, len(words))
     match damage:
@@ -235,5 +240,4 @@ def test_no_word_of_a_damaged_sentence_is_silently_dropped(
             words = [*words, phrase]
         case _:
             words = [*words[:cut], phrase, *words[cut:]]
-    command = read(" ".join(words))
-    assert command is None or not dropped(command)
+    return " ".join(words)

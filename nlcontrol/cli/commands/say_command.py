@@ -130,6 +130,9 @@ def parse(sentence: str | None, frames: Path | None, as_json: bool) -> int:
     for number, frame in enumerate(command.frames, start=1):
         lines += [f"{number}."] if len(command.frames) > 1 else []
         lines += frame_lines(frame, command.text)
+    if command.asides:
+        left_out = (f"“{command.text[start:end]}”" for start, end in command.asides)
+        lines.append(f"without effect: {', '.join(left_out)}")
     return print_answer(command.model_dump(mode="json"), lines, as_json=as_json)
 
 
