@@ -65,7 +65,7 @@ class PostureSet:
 
     Attributes:
         postures: the different ones.
-        spheres: of the hand in each, in P, the pushing tips last, shape (p, k, 4) [m].
+        spheres: of the hand in each, from T, in P, the pushing tips last, shape (p, k, 4) [m].
         which: index of the posture, shape (n,).
         R_DP: orientation of the palm, shape (n, 3, 3).
         strength: force along the push that each pushing finger bears, shape (n,) [N].
@@ -95,22 +95,25 @@ class PostureSet:
         strength: Array,
     ) -> PostureSet:
         """The set of some postures with their spheres in P, shape (k, 4) each."""
-        tips = np.array([posture.tip_midpoint for posture in postures])[which]
-        palm = -(R_DP @ tips[..., None])[..., 0]
+        tips = np.array([posture.tip_midpoint for posture in postures])
+        palm = -(R_DP @ tips[which][..., None])[..., 0]
+        about = np.array(padded_spheres(spheres))
+        about[..., :3] -= tips[:, None]
         unknown = np.zeros(len(which))
         made = cls(
-            postures, np.array(padded_spheres(spheres)), which, R_DP, strength, palm,
-            unknown, unknown, np.arange(len(which)),
-        )  # fmt: skip
+            postures, about, which, R_DP, strength, palm, unknown, unknown, np.arange(len(which))
+        )
         touching = len(postures[0].pushing)
-        blocks = [made[k : k + _BLOCK] for k in range(0, len(made), _BLOCK)]
+        blocks = [
+            made[k : k + _BLOCK].spheres_along(np.eye(3)[None], np.zeros((1, 3)))[:, 0]
+            for k in range(0, len(made), _BLOCK)
+        ]
         lowest = [
-            (each.centres[:, :-touching, 2] - each.radii[:, :-touching]).min(axis=1, initial=np.inf)
+            (each[:, :-touching, 2] - each[:, :-touching, 3]).min(axis=1, initial=np.inf)
             for each in blocks
         ]
         extents = [
-            (np.hypot(each.centres[..., 0], each.centres[..., 1]) + each.radii).max(axis=1)
-            for each in blocks
+            (np.hypot(each[..., 0], each[..., 1]) + each[..., 3]).max(axis=1) for each in blocks
         ]
         return replace(
             made,
@@ -132,18 +135,6 @@ class PostureSet:
         """Posture of one of them."""
         return self.postures[int(self.which[index])]
 
-    @functools.cached_property
-    def centres(self) -> Array:
-        """Centres of the spheres, the pushing tips last, from T, in D, shape (n, k, 3) [m]."""
-        tips = np.array([posture.tip_midpoint for posture in self.postures])[self.which]
-        in_P = self.spheres[self.which, :, :3]
-        return np.asarray((in_P - tips[:, None]) @ np.swapaxes(self.R_DP, -1, -2))
-
-    @property
-    def radii(self) -> Array:
-        """Radii of these, shape (n, k) [m]."""
-        return np.asarray(self.spheres[self.which, :, 3])
-
     @property
     def horizontal_size(self) -> float:
         """Largest horizontal distance of any point from T [m]."""
@@ -161,10 +152,8 @@ class PostureSet:
             R_WD: frame of the push at each point, shape (w, 3, 3).
             points: shape (w, 3), or (n, w, 3) [m].
         """
-        centres = self.centres[:, None] @ np.swapaxes(R_WD, -1, -2) + points[..., None, :]
-        spheres = np.empty((*centres.shape[:-1], 4))
-        spheres[..., :3], spheres[..., 3] = centres, self.radii[:, None]
-        return spheres
+        about = self.spheres[self.which, None]
+        return place_spheres(about, R_WD @ self.R_DP[:, None], np.asarray(points))
 
 
 @dataclass(frozen=True, eq=False)

@@ -47,7 +47,8 @@ _SWEEP = 0.025  # largest step of the hand along the stroke [m]
 _OVER = 0.47  # height of T in places over the table [m]
 _RAISED = (0.4, 0.8, 1.2)  # how far the arm swings up halfway [rad]
 
-_AT_ONCE, _ASKED = 48, 12  # hands that are looked at together, and the arm is asked for
+_AT_ONCE, _ASKED = 48, 12  # hands of a unit of work, and the arm is asked for together
+_MOST_AT_ONCE = 192  # hands that are looked at together
 _BEGUN, _LOOKED, _ROAD = 1, 2, 1  # units of work: to begin, of some hands, of some arm poses
 _AT_T = np.zeros((1, 3))  # where T is about itself
 _BACK_POINTS = 4  # places on the way back from a turned face that are looked at
@@ -196,15 +197,24 @@ class PushMotionSearch:
         """The hands that stay clear of everything during the push, a few at a time."""
         near = self._scenery.obstacles_near(self._points, hands.horizontal_size)
         sweeps = self._swept_path() if near else []
-        for first in range(0, len(hands), _AT_ONCE):
-            some = hands[first : first + _AT_ONCE]
-            self._work += _LOOKED
-            clear = some[self._approach.clear_hands(some)]
-            if not len(clear):
-                self._stopped.add(self._push.object)
-                continue
-            clear = clear[self._clear_of_others(clear, near, sweeps)]
-            yield from (clear[k : k + _ASKED] for k in range(0, len(clear), _ASKED))
+        first, together = 0, _AT_ONCE
+        while first < len(hands):
+            some = hands[first : first + together]
+            clear = self._approach.clear_hands(some)
+            stopped_by = np.full(len(some), -1)
+            stopped_by[clear] = self._stopping_others(some[clear], near, sweeps)
+            for block in np.split(np.arange(len(some)), range(_AT_ONCE, len(some), _AT_ONCE)):
+                self._work += _LOOKED
+                reached = block[clear[block]]
+                free = reached[stopped_by[reached] < 0]
+                if not len(reached):
+                    self._stopped.add(self._push.object)
+                elif not len(free):
+                    self._stopped.add(near[stopped_by[reached].max()].name)
+                yield from (some[free[k : k + _ASKED]] for k in range(0, len(free), _ASKED))
+            first += len(some)
+            # Where the best hands will not do, many are looked at.
+            together = min(2 * together, _MOST_AT_ONCE)
 
     def _swept_path(self) -> list[tuple[Array, Array]]:
         """The way in parts along which the palm does not turn: its frame and points (w, 3)."""
@@ -219,20 +229,19 @@ class PushMotionSearch:
         which = np.array([0, *np.repeat(np.arange(1, len(before) + 1), n), -1])
         return list(zip(self._R_WD[which], points[:, None], strict=True))
 
-    def _clear_of_others(
+    def _stopping_others(
         self, hands: PostureSet, others: tuple[Obstacle, ...], sweeps: list[tuple[Array, Array]]
-    ) -> NDArray[np.bool_]:
-        """Which hands keep clear of some obstacles all along; notes the one that stops the last."""
-        free = np.ones(len(hands), dtype=bool)
+    ) -> NDArray[np.intp]:
+        """Which of some obstacles is the first that each hand comes too near to; −1 if none."""
+        stopped_by = np.full(len(hands), -1)
         robots = [hands.spheres_along(R_WD[None], _AT_T)[:, 0] for R_WD, _ in sweeps]
-        for each in others:
+        for number, each in enumerate(others):
             for robot, (_, points) in zip(robots, sweeps, strict=True):
-                if free.any():
-                    free[free] = each.is_clear_along(robot[free], points, each.clearance)
-            if not free.any():
-                self._stopped.add(each.name)
-                break
-        return free
+                (free,) = np.nonzero(stopped_by < 0)
+                if free.size:
+                    clear = each.is_clear_along(robot[free], points, each.clearance)
+                    stopped_by[free[~clear]] = number
+        return stopped_by
 
     # -- arms -----------------------------------------------------------------------------------
 
