@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 from objectmodels.models.upright_solids import CylinderModel
 from planner.types.world_state import SeenObject, WorldState
 from sim.collision.collision_spheres import (
+    distance_to_box,
     distance_to_cylinder,
     distance_to_prism,
     height_above_table,
-    place_spheres,
 )
 from sim.rotations import Array, rot_z
 
@@ -110,10 +110,26 @@ class Obstacle:
 
     def distance_to(self, robot: Array) -> Array:
         """Signed distance of spheres in W, shape (..., 4), from it, shape (...) [m]."""
-        in_B = place_spheres(robot, self.R_WB.T, -self.R_WB.T @ self.p_WB)
+        in_B = np.empty((4, *robot.shape[:-1]))
+        in_B[:3] = np.moveaxis((robot[..., :3] - self.p_WB) @ self.R_WB, -1, 0)
+        in_B[3] = robot[..., 3]
+        return self._distance_in_B(in_B)
+
+    def _distance_in_B(self, in_B: Array) -> Array:
+        """The same of spheres in B, shape (4, ...): numpy is faster along a row."""
+        spheres = np.moveaxis(in_B, 0, -1)
         if self.radius > 0.0:
-            return distance_to_cylinder(in_B, self.radius, self.height)
-        return distance_to_prism(in_B, self.outline, self.height)
+            return distance_to_cylinder(spheres, self.radius, self.height)
+        if self._box is not None:
+            return distance_to_box(spheres, *self._box)
+        return distance_to_prism(spheres, self.outline, self.height)
+
+    @functools.cached_property
+    def _box(self) -> tuple[Array, Array] | None:
+        """Opposite corners in B of one that is a box along B's axes."""
+        low, high = self.outline.min(axis=0), self.outline.max(axis=0)
+        along = len(self.outline) == 4 and ((self.outline == low) | (self.outline == high)).all()
+        return (np.append(low, 0.0), np.append(high, self.height)) if along else None
 
     def is_clear(self, robot: Array, clearance: float | None = None) -> NDArray[np.bool_]:
         """Which poses of the robot keep the clearance, shape (...) for spheres (..., k, 4)."""
@@ -152,9 +168,11 @@ class Obstacle:
         x -= np.minimum(np.maximum(x, low[0]), high[0])
         y -= np.minimum(np.maximum(y, low[1]), high[1])
         near = near[x * x + y * y < (spheres[near, 3] + (clearance + self.around)) ** 2]
-        moved = np.repeat(spheres[near, None], len(offsets), axis=1)
-        moved[..., :3] += offsets
-        hit = (self.distance_to(moved) <= clearance).any(axis=1)
+        moved = np.empty((4, near.size, len(offsets)))
+        moved[:3] = ((spheres[near, :3] - self.p_WB) @ self.R_WB).T[..., None]
+        moved[:3] += (offsets @ self.R_WB).T[:, None]
+        moved[3] = spheres[near, 3:]
+        hit = (self._distance_in_B(moved) <= clearance).any(axis=1)
         clear = np.ones(n, dtype=bool)
         clear[near[hit] // k] = False
         return clear

@@ -95,9 +95,6 @@ def distance_to_prism(spheres: Array, outline: Array, height: float) -> Array:
         outline: convex, its corners counter-clockwise, shape (k, 2) [m].
         height: of the prism [m].
     """
-    low, high = outline.min(axis=0), outline.max(axis=0)
-    if len(outline) == 4 and ((outline == low) | (outline == high)).all():
-        return distance_to_box(spheres, np.append(low, 0.0), np.append(high, height))
     x, y = spheres[..., 0], spheres[..., 1]
     across, beside = np.full(x.shape, -np.inf), np.full(x.shape, np.inf)
     for (a_x, a_y), (b_x, b_y) in zip(outline, np.roll(outline, -1, axis=0), strict=True):

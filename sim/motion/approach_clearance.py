@@ -76,10 +76,11 @@ class Approach:
         if new.any():
             some = hands[new]
             robot = some.spheres_along(rot_z([self.heading]), np.zeros((1, 3)))[:, 0]
-            # The fingertips come last.
-            clear = self._object.is_clear_along(
-                robot[:, : -self.fingers], np.reshape(self.points, (2, 3)), FACE_CLEARANCE
-            )
+            robot = robot[:, : -self.fingers]  # without the fingertips
+            clear = np.ones(len(some), dtype=bool)
+            # Most of those that hit it do so at the face.
+            for point in np.reshape(self.points, (2, 1, 3))[::-1]:
+                clear[clear] = self._object.is_clear_along(robot[clear], point, FACE_CLEARANCE)
             known[some.number] = np.where(clear, _CLEAR, _HIT)
         return np.asarray(known[hands.number] == _CLEAR)
 
