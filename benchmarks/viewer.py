@@ -84,6 +84,7 @@ def main() -> None:
                 f"(95 % below {found['most']:.1f} ms, all below {found['worst']:.1f} ms), "
                 f"quality level {found['level']}"
             )
+        page.close()
         _print_page(browser)
         browser.close()
 
