@@ -10,7 +10,10 @@ from __future__ import annotations
 import argparse
 import sys
 import tempfile
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 from benchmarks.batches.drawn_rows import execution_rows, plan_rows
 from benchmarks.batches.memory import memory_growth
@@ -28,6 +31,12 @@ def _options() -> argparse.Namespace:
     return parser.parse_args()
 
 
+def _rows_of_round(
+    rows_from: Callable[[int, int], list[dict[str, Any]]], number: int, which: int
+) -> list[dict[str, Any]]:
+    return rows_from(number, which * number)
+
+
 def main() -> int:
     """Does what is asked; 1 if a way of carrying rows out differs."""
     asked = _options()
@@ -39,12 +48,13 @@ def main() -> int:
             print(f"{asked.rows} rows, {asked.executions} carried out: {wrong or 'equal digests'}")
             return int(bool(wrong))
         if asked.what == "rates":
-            for what, rows in (
-                ("plans", plan_rows(asked.rows)),
-                ("executions", execution_rows(asked.executions)),
+            for what, rows_from, number in (
+                ("plans", plan_rows, asked.rows),
+                ("executions", execution_rows, asked.executions),
             ):
-                if rows:
-                    print(rate_table(what, measured_rates(rows, asked.rounds)), flush=True)
+                if number:
+                    rates = measured_rates(partial(_rows_of_round, rows_from, number), asked.rounds)
+                    print(rate_table(what, rates), flush=True)
             return 0
         growths, rate = memory_growth(asked.rows, asked.workers, folder / "results.jsonl")
         for each, (settled, most, end) in growths.items():

@@ -29,6 +29,6 @@ def _plans(first_seed: int) -> Iterator[dict[str, Any]]:
         yield {"text": SENTENCES[1], "seed": seed, "scene": scene, "execute": False}
 
 
-def execution_rows(number: int) -> list[dict[str, Any]]:
+def execution_rows(number: int, first_seed: int = 0) -> list[dict[str, Any]]:
     """Rows that are carried out."""
-    return [{"text": SHORT, "seed": seed} for seed in range(number)]
+    return [{"text": SHORT, "seed": first_seed + seed} for seed in range(number)]

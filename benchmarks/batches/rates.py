@@ -2,8 +2,9 @@
 
 Model: the loop is one process that carries out one row after the other, with all that a worker
 keeps from row to row, and writes nothing. The batch has two workers, reads rows and writes results.
-All are warm. The yardstick is twice the loop's rate; rounds go through all ways one after the
-other, and medians count.
+All have worked before, but on other rows: a row that was done comes sooner from a process that
+keeps what it computed, and which of two workers that is, changes. The yardstick is twice the
+loop's rate; rounds go through all ways one after the other, and medians count.
 """
 
 from __future__ import annotations
@@ -28,27 +29,28 @@ from nlcontrol.worker_processes import worker_processes
 WORKERS = 2
 
 
-def measured_rates(rows: Sequence[dict[str, Any]], rounds: int) -> dict[str, list[float]]:
-    """Rows per second of each way in each round."""
+def measured_rates(
+    rows_of: Callable[[int], Sequence[dict[str, Any]]], rounds: int
+) -> dict[str, list[float]]:
+    """Rows per second of each way in each round, given the rows of a round."""
     with ExitStack() as opened:
         folder = Path(opened.enter_context(tempfile.TemporaryDirectory()))
         alone = opened.enter_context(worker_processes(1))
         processes = opened.enter_context(worker_processes(WORKERS))
         address = opened.enter_context(local_cluster(folder, WORKERS))
         dask, _ = opened.enter_context(dask_executor(address))
-        ways: dict[str, Callable[[Path], float]] = {
-            "loop": lambda _: _loop_time(rows, alone),
-            "processes": lambda path: _batch_time(rows, processes, path),
-            "dask": lambda path: _batch_time(rows, dask, path),
+        ways: dict[str, Callable[[Sequence[dict[str, Any]], Path], float]] = {
+            "loop": lambda rows, _: _loop_time(rows, alone),
+            "processes": lambda rows, path: _batch_time(rows, processes, path),
+            "dask": lambda rows, path: _batch_time(rows, dask, path),
         }
-        for name, way in ways.items():
-            way(folder / f"{name}-warm.jsonl")
         found: dict[str, list[float]] = {name: [] for name in ways}
-        for number in range(rounds):
+        for number in range(rounds + 1):
+            rows = rows_of(number)
             for name, way in ways.items():
-                seconds = way(folder / f"{name}-{number}.jsonl")
+                seconds = way(rows, folder / f"{name}-{number}.jsonl")
                 found[name].append(len(rows) / seconds)
-    return found
+    return {name: rates[1:] for name, rates in found.items()}
 
 
 def _loop_time(rows: Sequence[dict[str, Any]], executor: Executor) -> float:
