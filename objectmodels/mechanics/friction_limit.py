@@ -35,6 +35,8 @@ _STEPS, _STEPS_MANY = 40, 16
 _SMOOTH = 0.1  # slip speed below which friction is smoothed at first
 _SHARPER = 0.25  # by which that shrinks in every step
 _SHARPEST = 1e-13
+_NEARLY = 0.05  # residual of forces that may bound the limit from below
+_ABOUT = 65536  # points of centres of pushes that are looked at together
 
 
 @dataclass
@@ -73,26 +75,29 @@ class Limit:
         return 1.0 - self.turn * left, self.across + self.turn * along
 
 
-def friction_limit(loads: Array, along: Array, left: Array) -> Limit:
+def friction_limit(loads: Array, along: Array, left: Array, compared: Array | None = None) -> Limit:
     """The push that the loaded points resist.
 
     Loads N_i are shares of the whole; places of the points along the push, ξ_i, and their distances
-    to the left of its line of action, η_i, are in [m]; shape (k, n) each.
+    to the left of its line of action, η_i, are in [m]; shape (k, n) each. Where only the side of
+    the ratio on which another one lies is asked for, `compared` with it, shape (n,), a coarse limit
+    on the same side will do.
     """
     found = Limit.empty_limit(*loads.shape)
+    compared = np.full(loads.shape[1], np.nan) if compared is None else compared
     # Few points carry the centre of rotation often, one of many hardly ever.
-    methods = about_a_point, _by_newton, _by_descent
+    methods = _about_a_point, _by_newton, _by_descent
     if len(loads) > _FEW:
-        methods = _by_newton, about_a_point, _by_descent
+        methods = _by_newton, _about_a_point, _by_descent
     for method in methods:
-        (rest,) = np.nonzero(~(found.residual <= PRECISE))
+        (rest,) = np.nonzero(np.isinf(found.residual))
         if not rest.size:
             break
-        found.take_over(rest, method(loads[:, rest], along[:, rest], left[:, rest]))
+        found.take_over(rest, method(loads[:, rest], along[:, rest], left[:, rest], compared[rest]))
     return found
 
 
-def about_a_point(loads: Array, along: Array, left: Array) -> Limit:
+def _about_a_point(loads: Array, along: Array, left: Array, _: Array) -> Limit:
     """The limits of those pushes that turn the body about one of the points.
 
     The friction of all other points is then known; what balance asks of that one must not exceed
@@ -100,26 +105,32 @@ def about_a_point(loads: Array, along: Array, left: Array) -> Limit:
     """
     k, n = loads.shape
     found = Limit.empty_limit(k, n)
-    for j in range(k):
-        x, y = along - along[j], left - left[j]
+    at_once = max(_ABOUT // (k * n), 1)
+    for first in range(0, k, at_once):
+        about = np.arange(first, min(first + at_once, k))
+        own = np.arange(len(about)), about
+        # Centres first, then all points, then pushes.
+        x, y = along - along[about, None], left - left[about, None]
         r = np.hypot(x, y)
-        r[j] = 1.0
+        r[own] = 1.0
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            turn = 1.0 / left[j]
-            d_x, d_y = -np.sign(turn) * y / r, np.sign(turn) * x / r
-            r[j] = d_x[j] = d_y[j] = 0.0
-            ratio = (loads * r).sum(axis=0) * np.abs(turn)
-            # What is left for point j to balance the push.
-            missing_x = (ratio - (loads * d_x).sum(axis=0)) / loads[j]
-            missing_y = -(loads * d_y).sum(axis=0) / loads[j]
+            turn = 1.0 / left[about]
+            sense = np.sign(turn)[:, None]
+            d_x, d_y = -sense * y / r, sense * x / r
+            r[own] = d_x[own] = d_y[own] = 0.0
+            ratio = (loads * r).sum(axis=1) * np.abs(turn)
+            # What is left for the point in the centre to balance the push.
+            missing_x = (ratio - (loads * d_x).sum(axis=1)) / loads[about]
+            missing_y = -(loads * d_y).sum(axis=1) / loads[about]
             holds = np.hypot(missing_x, missing_y) <= 1.0
-        holds &= np.isinf(found.residual)
-        (i,) = np.nonzero(holds)
+        d_x[own], d_y[own] = missing_x, missing_y
+        (i,) = np.nonzero(holds.any(axis=0) & np.isinf(found.residual))
         if i.size:
-            d_x[j], d_y[j] = missing_x, missing_y
+            j = holds[:, i].argmax(axis=0)
+            across = -along[about[j], i] * turn[j, i]
             found.take_over(
                 i,
-                Limit(ratio[i], -along[j, i] * turn[i], turn[i], d_x[:, i], d_y[:, i],
+                Limit(ratio[j, i], across, turn[j, i], d_x[j, :, i].T, d_y[j, :, i].T,
                       np.zeros(i.size)),
             )  # fmt: skip
     return found
@@ -133,7 +144,7 @@ def _start_motion(loads: Array, along: Array, left: Array) -> tuple[Array, Array
     return -turn * o, turn
 
 
-def _by_newton(loads: Array, along: Array, left: Array) -> Limit:
+def _by_newton(loads: Array, along: Array, left: Array, compared: Array) -> Limit:
     """The limits by the primal-dual Newton method; an infinite residual where it fails."""
     # Lengths in units of the support's size keep the equations well scaled.
     unit = np.sqrt(along.var(axis=0) + left.var(axis=0))
@@ -149,10 +160,11 @@ def _by_newton(loads: Array, along: Array, left: Array) -> Limit:
         across, turn, d_x, d_y = _newton_step(loads, along, left, across, turn, d_x, d_y, smooth)
         smooth = max(_SHARPER * smooth, _SHARPEST)
         found_now, done = _certified_limit(loads, along, left, across, turn, d_x, d_y)
+        done |= _is_beside(found_now, compared)
         if done.any():
             found.take_over(left_over[done], _chosen_pushes(found_now, done))
             keep = ~done
-            left_over = left_over[keep]
+            left_over, compared = left_over[keep], compared[keep]
             loads, along, left = loads[:, keep], along[:, keep], left[:, keep]
             across, turn, d_x, d_y = across[keep], turn[keep], d_x[:, keep], d_y[:, keep]
         if not left_over.size:
@@ -202,6 +214,14 @@ def _certified_limit(
     return Limit(upper, across, turn, d_x, d_y, residual), residual <= PRECISE
 
 
+def _is_beside(limit: Limit, ratio: Array) -> NDArray[np.bool_]:
+    """Return True where the limit is surely more or less than a ratio, which may be nan."""
+    # The motion is an upper bound; forces that nearly balance make a lower one by the residual.
+    less = limit.ratio < (1.0 - PRECISE) * ratio
+    near = limit.residual < _NEARLY
+    return np.asarray(less | (near & (limit.ratio * (1.0 - 2.0 * limit.residual) > ratio)))
+
+
 def _chosen_pushes(limit: Limit, i: NDArray[np.bool_] | NDArray[np.intp]) -> Limit:
     return Limit(
         limit.ratio[i], limit.across[i], limit.turn[i],
@@ -209,7 +229,7 @@ def _chosen_pushes(limit: Limit, i: NDArray[np.bool_] | NDArray[np.intp]) -> Lim
     )  # fmt: skip
 
 
-def _by_descent(loads: Array, along: Array, left: Array) -> Limit:
+def _by_descent(loads: Array, along: Array, left: Array, _: Array) -> Limit:
     """The few that Newton's method does not settle, by a slower continuation."""
     unit = np.sqrt(along.var(axis=0) + left.var(axis=0))
     along, left = along / unit, left / unit

@@ -270,7 +270,7 @@ class _Search:
             row, k = np.nonzero((r < found * (1.0 - _SHORT)) & ~earlier)
             if not k.size:
                 continue
-            excess = self.friction_excess(r[row, k], i[k])[0]
+            excess = self.friction_excess(r[row, k], i[k], sign=True)[0]
             slides[row, k] = excess < -_PRECISE * self.h[i[k]] * r[row, k]
             holds[row, k] = ~slides[row, k]
             first = np.where(slides, r, np.inf).min(axis=0)
@@ -287,14 +287,16 @@ class _Search:
             q, dq = q / beyond, np.where(beyond > 1.0, 0.0, dq)
         return q, dq
 
-    def friction_excess(self, r: Array, i: Index) -> tuple[Array, Array, Limit]:
-        """μ S − r |u_xy| at load ratios, its slope, and the friction limit."""
+    def friction_excess(
+        self, r: Array, i: Index, *, sign: bool = False
+    ) -> tuple[Array, Array, Limit]:
+        """μ S − r |u_xy| at load ratios, or its sign, its slope, and the friction limit."""
         q, dq = self.pressure_centres(r, i)
         loaded = self.loaded[:, i]
         loads, change = self.springs.loads(q, dq, loaded)
         self.loaded[:, i] = loaded
         along, left = self.friction_points(q, i)
-        limit = friction_limit(loads, along, left)
+        limit = friction_limit(loads, along, left, r * self.h[i] / self.mu if sign else None)
         slope = (change * np.hypot(*limit.slip_velocities(along, left))).sum(axis=0)
         if self.scale != 1.0:
             ahead, aside = self.in_push_axes((1.0 - self.scale) * dq, i)
