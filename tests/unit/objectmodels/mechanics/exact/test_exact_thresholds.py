@@ -93,6 +93,18 @@ def test_bounds_meet_at_the_limit(seed: int) -> None:
     np.testing.assert_allclose(moment, 0.0, atol=1e-9)
 
 
+@given(st.integers(0, 2**32 - 1))
+def test_a_coarse_limit_lies_on_the_side_of_the_precise_one(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    n = rng.dirichlet(np.ones(20), 30).T
+    along, left = rng.normal(scale=0.05, size=(2, 20, 30))
+    precise = friction_limit(n, along, left).ratio
+    compared = precise * rng.choice([0.5, 0.99, 0.9999, 1.0001, 1.01, 2.0], 30)
+    coarse = friction_limit(n, along, left, compared).ratio
+    np.testing.assert_array_equal(coarse > compared, precise > compared)
+    assert (coarse >= precise * (1 - 1e-9)).all()  # a motion dissipates no less than the least
+
+
 @pytest.mark.parametrize("name", ["ice tea box", "cereal box", "mug", "tea tin", "soup can"])
 def test_without_turning_the_closed_form_is_exact(name: str) -> None:
     """Level pushes through the vertical line of the centre of mass."""
