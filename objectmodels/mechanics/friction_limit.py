@@ -97,7 +97,7 @@ def friction_limit(loads: Array, along: Array, left: Array, compared: Array | No
     return found
 
 
-def _about_a_point(loads: Array, along: Array, left: Array, _: Array) -> Limit:
+def _about_a_point(loads: Array, along: Array, left: Array, compared: Array) -> Limit:
     """The limits of those pushes that turn the body about one of the points.
 
     The friction of all other points is then known; what balance asks of that one must not exceed
@@ -229,7 +229,7 @@ def _chosen_pushes(limit: Limit, i: NDArray[np.bool_] | NDArray[np.intp]) -> Lim
     )  # fmt: skip
 
 
-def _by_descent(loads: Array, along: Array, left: Array, _: Array) -> Limit:
+def _by_descent(loads: Array, along: Array, left: Array, compared: Array) -> Limit:
     """The few that Newton's method does not settle, by a slower continuation."""
     unit = np.sqrt(along.var(axis=0) + left.var(axis=0))
     along, left = along / unit, left / unit
