@@ -11,7 +11,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
 
@@ -146,7 +147,10 @@ def stable_grasps(problem: GraspProblem, bearings: Sequence[GraspLoad]) -> list[
     spare = limit / wanted
     if not (spare >= 1.0).any():
         best = int(spare.argmax())
-        raise _too_heavy(problem, bearings[best].candidate, float(wanted[best]))
+        needed = float(wanted[best])
+        if known.probability(bearings[best], needed) < d.probability:
+            needed = _free_squeeze(problem, bearings) or needed
+        raise _too_heavy(problem, bearings[best].candidate, needed)
     squeeze = np.minimum(np.maximum(wanted, worst), limit)
     probability = np.array(
         [known.probability(*each) for each in zip(bearings, squeeze, strict=True)]
@@ -159,6 +163,8 @@ def stable_grasps(problem: GraspProblem, bearings: Sequence[GraspLoad]) -> list[
     good = (spare >= 1.0) & (probability >= d.probability)
     if not good.any():
         best = int(np.where(spare >= 1.0, probability, -1.0).argmax())
+        if needed := _free_squeeze(problem, bearings):
+            raise _too_heavy(problem, bearings[best].candidate, needed)
         learn, then = _best_experiment(
             problem.target.model, bearings[best], squeeze[best], d.found_to
         )
@@ -188,6 +194,16 @@ def stable_grasps(problem: GraspProblem, bearings: Sequence[GraspLoad]) -> list[
         )
         for i in order
     ]
+
+
+def _free_squeeze(problem: GraspProblem, bearings: Sequence[GraspLoad]) -> float | None:
+    """Squeeze with which it would be held if the sentence allowed any [N]; None if it would not."""
+    if math.isinf(problem.force.max):
+        return None
+    free = replace(problem, force=replace(problem.force, max=math.inf))
+    with suppress(NoPlanError):
+        return stable_grasps(free, bearings)[0].grasp.squeeze
+    return None
 
 
 def _too_heavy(problem: GraspProblem, candidate: Candidate, wanted: float) -> NoPlanError:

@@ -45,8 +45,7 @@ from planner.types.world_state import SeenObject
 _TURNS = np.radians([0.0, 30.0, -30.0, 60.0, -60.0, 90.0, -90.0, 135.0, -135.0, 180.0]).tolist()
 _ANGLES = np.radians(np.arange(0.0, 60.0, 5.0))  # beyond the tilt at which it would run out slowly
 _LEAST_LEFT = 0.01  # share that may stay where everything is poured
-_SOON = 1.0  # everything has run out so soon after the tilt [s]
-_PART_WAIT = 2.0  # a part of it has run out so soon after the tilt [s]
+_SOON, _PART_WAIT = 1.0, 2.0  # everything, or a part, has run out so soon after the tilt [s]
 _DROP = 1e-6  # less than this is nothing [m³]
 _CENTRED = 0.001  # an opening so near to the middle has no side [m]
 
@@ -334,7 +333,8 @@ def _all_of_it(vessel: Vessel, volume: float, lean: float, rate: float) -> tuple
 def _part_of_it(
     vessel: Vessel, volume: float, part: float, lean: float, rate: float
 ) -> tuple[float, float]:
-    """Least tilt at which a part runs out soon, and how long to wait there."""
+    """Least tilt at which a part, if not the last drop, runs out soon; how long to wait there."""
+    part = min(part, (1.0 - _LEAST_LEFT) * volume)
     angles = float(tilt_for(vessel, volume, part, lean)) + 0.5 * _ANGLES
     running = pour(vessel, volume, heading=lean, angle=angles, rate=rate, wait=_PART_WAIT)
     good = running.total_volume >= part

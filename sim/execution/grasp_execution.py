@@ -249,18 +249,22 @@ class GraspExecution:
     def _pour_some(
         self, legs: list[HeldSegment], full: float, out: float, wait: float
     ) -> tuple[list[HeldSegment], float]:
-        """Tilts ever slower until enough has run out; returns legs and share of the last one."""
-        period, pace = self._port.period, 0.0
+        """Tilts ever slower until enough has run out; returns legs and share of the last one.
+
+        Each leg sets in and ends smoothly: what speeds up downwards weighs less.
+        """
+        period = self._port.period
         done: list[HeldSegment] = []
         for leg in legs:
             done.append(leg)
-            share = 0.0
+            share = pace = 0.0
             while share < 1.0:
                 left = 1.0 - self._run_out(full) / out
                 if left < 0.0:
                     return done, share
                 faster = pace + period / ACCELERATES
-                pace = min(float(np.clip(left, _SLOWEST_POUR, 1.0)), faster)
+                ahead = (1.0 - share) / (leg.share_rate * ACCELERATES)
+                pace = min(float(np.clip(min(left, ahead), _SLOWEST_POUR, 1.0)), faster)
                 share = min(1.0, share + pace * leg.share_rate * period)
                 self._motion.reach(leg, share)
         for _ in range(round(wait / period)):
