@@ -5,8 +5,8 @@ closing direction, and the moment that it has there, is borne by equally stiff f
 squeeze, so that the normal loads are known; all of them must press. The rest of the weight lies in
 the plane of the sides. The friction of both sides adds up in it as if they were one, and so the
 grasp slips as a body on loaded points does: the exact limit of
-`objectmodels.mechanics.friction_limit`. Where fingertips touch a round side beside its middle, they
-still press along the closing direction, and a part of the friction keeps them from sliding off.
+`objectmodels.mechanics.friction_limit`. Where fingertips touch a round side beside its middle, a
+part of the friction keeps them from sliding off (`objectmodels.geometry.side_press`).
 
 What is not taken in: that the sides lie apart, so that a weight off the middle between them, or off
 the contacts along the approach while it presses along the closing direction, twists the friction
@@ -27,6 +27,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.side_press import FLAT, SidePress
 from objectmodels.mechanics.friction_limit import friction_limit
 from objectmodels.mechanics.outcome_probability import (
     NODES,
@@ -56,12 +57,12 @@ class Contacts:
     Attributes:
         places: along the approach, and along approach × closing, shape (k, 2) [m].
         shares: of the squeeze that each bears, shape (k,); the thumb's, which is 1, comes first.
-        turned: largest angle between the closing direction and a side where it is touched [rad].
+        press: of the outer ones.
     """
 
     places: Array
     shares: Array
-    turned: float = 0.0
+    press: SidePress = FLAT
 
     @classmethod
     def from_arrays(cls, places: ArrayLike, shares: ArrayLike) -> Contacts:
@@ -100,7 +101,8 @@ class GraspLoads:
             left of its line of action, shape (k, n) [m].
         tangential: load in the plane of the sides, shape (n,) [N].
         size: the whole load, shape (n,) [N].
-        turned: angle up to which the sides turn away from the contacts, shape (n,) [rad].
+        press: force of the outer contacts along their normal, around the side and along its axis,
+            per normal load, shape (3, n).
     """
 
     shares: Array
@@ -109,7 +111,7 @@ class GraspLoads:
     left: Array
     tangential: Array
     size: Array
-    turned: Array
+    press: Array
 
     @classmethod
     def on_contacts(cls, contacts: Contacts, force: Array, place: Array) -> GraspLoads:
@@ -120,7 +122,7 @@ class GraspLoads:
             force: on what is held, in G, shape (n, 3) [N].
             place: where it acts, in G, shape (n, 3) [m].
         """
-        F_x = force[:, 0]
+        F_x, press = force[:, 0], contacts.press
         _, y, z = place.T
         # Friction bears the tangential load; shared between the sides it has no moment but about x.
         wrench = np.stack([F_x, z * F_x, -y * F_x])
@@ -136,7 +138,7 @@ class GraspLoads:
             d_z * u[:, 0] - d_y * u[:, 1],
             tangential,
             np.linalg.norm(force, axis=1),
-            np.full(len(force), contacts.turned),
+            np.tile([[press.normal], [press.around], [press.axial]], len(force)),
         )
 
     @classmethod
@@ -168,9 +170,9 @@ class GraspLoads:
             total = loads[:, i].sum(axis=0)
             ratio = friction_limit(loads[:, i] / total, self.along[:, i], self.left[:, i]).ratio
             needed[i] = self.tangential[i] / (total * ratio)
-        # With a press along the closing direction and a share μ' of it along the axis about which
-        # the side turns by α, the force lies in the cone if μ² cos²α ≥ μ'² + sin²α.
-        return np.asarray(np.hypot(needed, np.sin(self.turned)) / np.cos(self.turned))
+        # At one of the outer contacts the load adds to what it presses along the axis.
+        normal, around, axial = self.press
+        return np.asarray(np.hypot(around, axial + needed) / normal)
 
     def slip_multiplier(self, squeeze: Array | float, friction: Array | float) -> Array:
         """Friction of a grasp over the friction that it needs, shape (n,); below 1 it slips."""

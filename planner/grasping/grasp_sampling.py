@@ -22,6 +22,7 @@ import numpy as np
 
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.side_faces import Face
+from objectmodels.geometry.side_press import FLAT, SidePress
 from objectmodels.models.object_parts import LiftOffLid, ScrewCap
 from planner.geometry.footprints import footprint, overlaps
 from planner.problem.planning_problem import GraspProblem
@@ -36,7 +37,7 @@ _HEADINGS = np.radians(np.arange(0.0, 180.0, 22.5))  # in W, across which a roun
 _BORDER = 0.004  # distance of a contact from the border of its side [m]
 _OVER = 0.0015  # between fingertips and what a knob stands on [m]
 _SQUARE = np.array([0.0, math.pi / 2.0])  # pitches at which the fingers come: level, from above
-_ASKEW = np.radians([30.0, 37.5, 45.0, 60.0])
+_ASKEW = np.radians([30.0, 45.0, 60.0])
 _HEIGHTS = 3  # at which each side is tried
 _UP = np.array([0.0, 0.0, 1.0])
 _DOWN = -_UP
@@ -54,8 +55,7 @@ class Candidate:
         approach: unit direction of the straight fingers, shape (3,).
         width: between the sides [m].
         grip: how the hand closes about that width.
-        turned: largest angle between the closing direction and the sides' normals where the
-            fingertips touch [rad].
+        press: of the outer fingertips on the sides.
     """
 
     part: Literal["body", "lid"]
@@ -64,7 +64,7 @@ class Candidate:
     approach: Array
     width: float
     grip: Grip
-    turned: float = 0.0
+    press: SidePress = FLAT
 
     def is_crowded(self, target: SeenObject, state: WorldState) -> bool:
         """Return True if something stands where the knuckles would be, as seen from above."""
@@ -282,12 +282,12 @@ def _candidates_about(
             if heights[0] > heights[1]:
                 continue
         balanced = (np.array(target.model.com) - pair.middle) @ pair.along
-        _, turned = pair.face.set_back(offsets @ pair.along, robot.limits.fingertip_radius)
-        most = float(np.abs(turned).max())
+        tip_radius = robot.limits.fingertip_radius
+        press = SidePress.on_face(pair.face, closing, approach, grip.contacts, tip_radius)
         at = pair.middle + float(np.clip(balanced, *laterals)) * pair.along
         for height in np.unique(np.linspace(*heights, _HEIGHTS)):
             middle = at + height * _UP
-            yield Candidate("body", middle, closing, approach, pair.width, grip, most)
+            yield Candidate("body", middle, closing, approach, pair.width, grip, press)
 
 
 def _approach_directions(pair: _Sides, pitches: Array) -> list[Array]:

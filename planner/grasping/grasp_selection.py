@@ -87,7 +87,7 @@ class GraspLoad:
             [ahead * math.cos(self.lean), ahead * math.sin(self.lean), -np.cos(tilts) * ones], -1
         )
         R_BG = np.column_stack([closing, np.cross(approach, closing), approach])
-        grasp = Contacts(contacts, shares, each.turned)
+        grasp = Contacts(contacts, shares, each.press)
         return Lifted(borne, grasp, each.middle, R_BG, down, ACCELERATION)
 
 
@@ -179,12 +179,13 @@ def stable_grasps(problem: GraspProblem, bearings: Sequence[GraspLoad]) -> list[
     # Height does not matter to a hold; in the middle there is most room for the hand.
     heights = np.array([each.candidate.middle[2] for each in bearings])
     off = np.abs(heights - 0.5 * (heights.min() + heights.max()))
-    # Except for a hand that comes down askew: its palm is low.
+    # Except for a hand that comes down askew: its palm is low, which counts before any squeeze.
     steep = np.array([-each.candidate.approach[2] for each in bearings])
-    off = np.where((steep > 0.0) & (steep < 1.0), heights.max() - heights, off)
+    askew = (steep > 0.0) & (steep < 1.0)
+    low = np.where(askew, heights.max() - heights, 0.0)
     order = sorted(
         np.flatnonzero(good).tolist(),
-        key=lambda i: (crowded[i], -round(float(spare[i]), 2), off[i]),
+        key=lambda i: (crowded[i], low[i], -round(float(spare[i]), 2), off[i]),
     )
     return [
         StableGrasp(
@@ -272,7 +273,7 @@ class _GraspBeliefs:
             (np.array(model.com) - lifted.p_BG) @ R,
             spread,
             lifted.down_B @ R,
-            np.array([model.mass, model.mass_sd, lifted.contacts.turned]),
+            np.array([model.mass, model.mass_sd, *vars(lifted.contacts.press).values()]),
         )
         return b"".join((np.round(part, 7) + 0.0).tobytes() for part in parts)
 

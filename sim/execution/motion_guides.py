@@ -166,7 +166,8 @@ def _contacts(handled: HeldObject, middle: Array, robot: Robot) -> tuple[Vector3
     closing, approach = np.array(grasp.closing_W), np.array(grasp.approach_W)
     aside = np.cross(approach, closing)
     sides = np.where(np.arange(len(grip.contacts)) == 0, 0.5, -0.5) * grasp.width
-    sides += handled.set_back(grip.contacts, robot.limits.fingertip_radius)
+    press = handled.outer_press(grip.contacts, robot.limits.fingertip_radius)
+    sides += np.where(grip.contacts[:, 1] == 0.0, 0.0, press.behind)
     points = (
         middle
         + sides[:, None] * closing

@@ -19,6 +19,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from objectmodels.geometry.side_press import FLAT, SidePress
 from planner.types.robot import Grip
 from sim.collision.collision_spheres import place_spheres
 from sim.paths.lid_arc_path import LidPath, LidShape
@@ -212,14 +213,14 @@ class GraspPosture(ABC):
         middle: of the grasp in P, shape (3,) [m].
         opening: distance of the fingertips from each side before they close [m].
         grip: as the planner knows it.
-        bow: how far behind the middle one the outer fingers touch, if a side is round [m].
+        press: of the outer fingers on the side that they touch.
     """
 
     width: float
     middle: Array
     opening: float
     grip: Grip
-    bow: float = 0.0
+    press: SidePress = FLAT
 
     @property
     @abstractmethod

@@ -22,6 +22,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from objectmodels.containers import lid_geometry
+from objectmodels.geometry.side_press import SidePress
 from objectmodels.models.object_parts import ScrewCap
 from planner.types.actions import (
     Action,
@@ -125,20 +126,18 @@ class HeldObject:
         pose = self.held.pose
         return pose.R_WB, pose.p_WB + np.array([0.0, 0.0, self.height])
 
-    def set_back(self, contacts: Array, tip_radius: float) -> Array:
-        """How far a round side lies back where fingers touch it beside its middle, (k,) [m].
+    def outer_press(self, contacts: Array, tip_radius: float) -> SidePress:
+        """How the outer fingertips press on what is held.
 
         Args:
             contacts: as of `planner.types.robot.Grip`, shape (k, 2) [m].
             tip_radius: of the fingertips [m].
         """
         R_BG, _ = grasp_frame(self.grasp, self.held.pose.R_WB)
-        closing, aside, approach = R_BG.T
-        offsets = contacts @ np.array([approach, aside])
+        closing, _, approach = R_BG.T
         faces = self.held.model.faces(np.array([math.atan2(closing[1], closing[0])]))
         side = min(faces, key=lambda face: float(closing @ face.normal))
-        behind, _ = side.set_back(offsets @ np.array(side.tangent), tip_radius)
-        return behind
+        return SidePress.on_face(side, closing, approach, contacts, tip_radius)
 
     @property
     def grasped_obstacle(self) -> Obstacle:

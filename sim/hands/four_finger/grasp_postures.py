@@ -4,7 +4,8 @@ Model: no finger is spread, so that each moves in its own plane across the palm.
 touch at one height along the straight fingers, thumb against the other three, and close along a
 line: a posture is a width. Of all places where they meet, the one that bears the largest squeeze is
 taken, with a fingertip leading each finger and room for something deep before the palm. About a
-round side index and ring finger go on as far as that lies back beside the middle finger.
+round side index and ring finger go on as far as that lies back beside the middle finger, and press
+a little towards each other.
 
 Frames: P is the palm; x is the closing direction, from the fingers' side to the thumb's.
 """
@@ -82,7 +83,7 @@ class FourFingerGrasp(GraspPosture):
         name = f"grip of {1e3 * self.width:.0f} mm"
         x, _, z = self.middle.tolist()
         width = self.width + 2.0 * opening
-        return _closed_posture(name, width, x, z, self.touching_fingers, self.bow)
+        return _closed_posture(name, width, x, z, self.touching_fingers, self.press.behind)
 
     def touch_point(self, finger: str) -> Array:
         """Place at which a finger touches, in P, shape (3,) [m]."""
@@ -92,7 +93,8 @@ class FourFingerGrasp(GraspPosture):
     @functools.cached_property
     def squeeze_offsets(self) -> Array:
         """Change of the commanded angles per squeeze [rad/N]."""
-        torques = [self._finger_torques(finger, 0.0, 0.0) for finger in FINGERS]
+        beside = {"index": -self.press.inward, "ring": self.press.inward}
+        torques = [self._finger_torques(finger, 0.0, beside.get(finger, 0.0)) for finger in FINGERS]
         return np.concatenate(torques) / JOINT_STIFFNESS
 
     def force_offsets(self, force_P: Array) -> Array:
@@ -206,12 +208,12 @@ def _bent_finger(finger: str, width: float, x: float, z: float) -> Angles | None
 
 @functools.lru_cache(maxsize=64)
 def _closed_posture(
-    name: str, width: float, x: float, z: float, holding: tuple[str, ...], bow: float
+    name: str, width: float, x: float, z: float, holding: tuple[str, ...], behind: float
 ) -> Posture:
     """The hand about a width, wherever its fingers get; those that do not hold are curled up."""
     angles = dict.fromkeys(FINGERS, CURLED)
     for finger in holding:
-        bent = _bent_finger(finger, width - 2.0 * bow * (finger in _OUTER), x, z)
+        bent = _bent_finger(finger, width - 2.0 * behind * (finger in _OUTER), x, z)
         assert bent is not None, "a grip is about a width that the fingers reach"
         angles[finger] = bent
     return touching_posture(name, angles, holding)

@@ -8,6 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from objectmodels.errors import ModelError
+from objectmodels.geometry.side_faces import Face
+from objectmodels.geometry.side_press import SidePress
 from objectmodels.mechanics.grasp_stability import (
     Contacts,
     GraspLoads,
@@ -143,12 +145,23 @@ def test_grasps_searched_together_are_those_searched_alone() -> None:
 
 
 def test_a_side_that_turns_away_takes_friction_for_itself() -> None:
-    turned, squeeze = 0.3, 5.0
+    face = Face.upright((0.0, 1.0), (0.0, 0.0), 0.06, 0.1, 1.0 / 0.04)
+    closing, pitch, squeeze = np.array([0.0, -1.0, 0.0]), np.radians(45.0), 5.0
+    approach = np.array([np.cos(pitch), 0.0, -np.sin(pitch)])
+    press = SidePress.on_face(face, closing, approach, CONTACTS.places, 0.01)
     flat = _loads(DOWN, MIDDLE).critical_friction(squeeze)[0]
-    contacts = replace(CONTACTS, turned=turned)
-    needed = GraspLoads.on_contacts(contacts, DOWN, MIDDLE).critical_friction(squeeze)[0]
-    # The closing direction and, along the axis of the side, what a flat one bears.
-    force, normal = np.array([1.0, 0.0, flat]), np.array([np.cos(turned), np.sin(turned), 0.0])
-    press = force @ normal
-    assert needed == pytest.approx(np.linalg.norm(force - press * normal) / press)
-    assert needed > np.tan(turned)
+    loads = GraspLoads.on_contacts(replace(CONTACTS, press=press), DOWN, MIDDLE)
+    # Each outer fingertip: the closing direction, inward, and what a flat side bears of the weight.
+    aside = np.cross(approach, closing)
+    needed = []
+    for side in (1.0, -1.0):
+        lateral = side * HALF * float(aside @ face.tangent)
+        turned = np.arcsin(lateral / 0.05)
+        normal = -(np.cos(turned) * np.array(face.normal) + np.sin(turned) * np.array(face.tangent))
+        force = closing - side * press.inward * aside + flat * np.array([0.0, 0.0, 1.0])
+        along = float(force @ normal)
+        needed.append(np.linalg.norm(force - along * normal) / along)
+    assert loads.critical_friction(squeeze)[0] == pytest.approx(max(needed))
+    # Without any weight it takes less friction than pressing straight ahead would.
+    straight = np.tan(np.arcsin(HALF * np.sin(pitch) / 0.05))
+    assert np.hypot(press.around, press.axial) / press.normal < 0.7 * straight

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from objectmodels.geometry.side_press import SidePress
 from objectmodels.models.upright_solids import CylinderModel
 from sim.hands.four_finger.grasp_postures import (
     HOLDING,
@@ -114,10 +115,11 @@ def test_about_a_round_side_all_fingertips_touch() -> None:
     side = CylinderModel(
         name="mug", radius=radius, height=0.08, mass=0.1, friction=0.3, finger_friction=0.6
     ).faces([0.0])[0]
-    behind, _ = side.set_back(grip.grip.contacts[:, 1], TIP_RADIUS)
-    posture = replace(grip, bow=float(behind.max())).posture_at()
+    # From above: the axis of the side stands across the plane in which they are side by side.
+    down, closing = np.array([0.0, 0.0, -1.0]), np.array([1.0, 0.0, 0.0])
+    press = SidePress.on_face(side, closing, down, grip.grip.contacts, TIP_RADIUS)
+    posture = replace(grip, press=press).posture_at()
     for finger in FINGERS:
         tip = finger_points(finger, posture.angles[finger])[3]
-        # The axis of the side stands across the plane in which they are side by side.
         off = np.hypot(*(tip - grip.middle)[:2])
         assert off == pytest.approx(radius + TIP_RADIUS, abs=1e-5)
