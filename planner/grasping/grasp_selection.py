@@ -163,8 +163,8 @@ def stable_grasps(problem: GraspProblem, bearings: Sequence[GraspLoad]) -> list[
     good = (spare >= 1.0) & (probability >= d.probability)
     if not good.any():
         best = int(np.where(spare >= 1.0, probability, -1.0).argmax())
-        if needed := _free_squeeze(problem, bearings):
-            raise _too_heavy(problem, bearings[best].candidate, needed)
+        if free := _free_squeeze(problem, bearings):
+            raise _too_heavy(problem, bearings[best].candidate, free)
         learn, then = _best_experiment(
             problem.target.model, bearings[best], squeeze[best], d.found_to
         )
