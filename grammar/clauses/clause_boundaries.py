@@ -17,6 +17,7 @@ from grammar.words.normalisation import Normalised
 
 _JOINTS = (ph.Separator, ph.Next)
 _HEADS = (ph.Verb, ph.Explore)
+_WHERE_TO = (ph.Direction, ph.Heading, ph.Toward, ph.AwayFrom, ph.Place, ph.Length)
 _OPENINGS = (ph.Filler, ph.Amount, ph.Constraint, ph.Avoid, ph.Remark)
 """What may stand before a verb."""
 
@@ -36,13 +37,30 @@ def clauses_of(parts: Sequence[ph.Part], sentence: Normalised) -> list[Parts]:
     if sentence.question and not (remarked or _is_request(sentence)):
         raise _unclear_question_error(sentence)
     clauses: list[Parts] = [[]]
-    for part in parts:
+    for i, part in enumerate(parts):
         if isinstance(part, _HEADS) and any(isinstance(p, _HEADS) for p in clauses[-1]):
             clauses.append(_take_opening(clauses[-1], part, sentence))
-        elif isinstance(part, ph.Next) and part.word == "then" and _without_joints(clauses[-1]):
+        elif _goes_on(part, clauses, parts[i + 1 :]):
             clauses.append([])
         clauses[-1].append(part)
     return [_without_joints(clause, ph.Separator) for clause in clauses]
+
+
+def _goes_on(joint: ph.Part, clauses: list[Parts], rest: Parts) -> bool:
+    """Check for a joint before a clause without its verb.
+
+    It stands behind "then", or is of a thing and where it goes, after such a pair ("…, and the jar
+    to the left").
+    """
+    if isinstance(joint, ph.Next):
+        return joint.word == "then" and bool(_without_joints(clauses[-1]))
+    if not isinstance(joint, ph.Separator) or not isinstance(rest[0], ph.Thing):
+        return False
+    thing = next((i for i, p in enumerate(clauses[-1]) if isinstance(p, ph.Thing)), None)
+    went = thing is not None and any(isinstance(p, _WHERE_TO) for p in clauses[-1][thing:])
+    verbs = [part for clause in clauses for part in clause if isinstance(part, ph.Verb)]
+    headed = bool(verbs) and not verbs[-1].passive
+    return headed and went and len(rest) > 1 and isinstance(rest[1], _WHERE_TO)
 
 
 def _without_joints(clause: Parts, *kinds: type[ph.Part]) -> Parts:

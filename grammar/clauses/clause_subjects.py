@@ -97,7 +97,8 @@ def _is_list(things: Sequence[ph.Thing], lexicon: Lexicon, sentence: Normalised)
     for one, other in pairwise(things):
         between = sentence.original[one.span[1] : other.span[0]].casefold()
         words = between.replace(",", " , ").split()
-        joined = set(words) <= {",", "and", "&", *lexicon.terminals["THE"], "a", "an"}
+        counting = {word for phrase in lexicon.terminals["QUANTIFIER"] for word in phrase.split()}
+        joined = set(words) <= {",", "and", "&", *lexicon.terminals["THE"], "a", "an", *counting}
         if not joined or not {",", "and"} & set(words):
             return False
     return True

@@ -24,6 +24,11 @@ from grammar.clauses.clause_subjects import (
 )
 from grammar.clauses.consistency import require_consistent
 from grammar.clauses.constraint_builder import complete_avoidances, constraints_of
+from grammar.clauses.counted_objects import (
+    require_countable,
+    require_no_other_meant,
+    with_exception,
+)
 from grammar.clauses.goal_builder import goal_builder_for
 from grammar.clauses.object_descriptions import attach_descriptions
 from grammar.errors import ParseError
@@ -58,8 +63,10 @@ def frames_of(
             opened = frames.pop()  # as it does anyway
             spans = tuple(sorted((*opened.spans, *read[0].spans, *read[0].goal.spans)))
             read = [opened.model_copy(update={"spans": spans})]
+        require_no_other_meant(said, [*frames, *read], sentence)
         frames += read
         previous = said
+    require_countable(frames, sentence)
     return tuple(frames)
 
 
@@ -133,7 +140,10 @@ class _ClauseReader:
         if not verbs:
             return [self._remark_frame(remarks)]
         excluded = self._take_parts(ph.NotThis)
+        excepted = self._take_parts(ph.Except)
         things = clause_objects(self._parts, ask, remarks, self._lexicon, self._sentence)
+        for part in excepted:
+            things = with_exception(things, part, self._sentence)
         self._take_parts(ph.Thing)
         if not ask:
             self._require_no_condition()

@@ -43,6 +43,11 @@ _PUSHED_TO: dict[g.Quality, g.Direction] = {
 }  # fmt: skip
 """Direction in which a touch on that side pushes."""
 
+SIDES_COUNTED_FROM: dict[g.Quality, str] = {
+    "left": "left", "right": "right", "near": "front", "far": "back",
+}  # fmt: skip
+"""Quality that things are counted by → the side from which they are counted."""
+
 QUOTES = ('"', "'", "“", "‘", "„", "«")
 _OF = re.compile(
     r"(?P<part>.+?)\s+(?P<of>of)\s+(?:(?:the|an?|my|your|our)\s+)?(?P<whole>.+)",
@@ -61,7 +66,7 @@ def attach_descriptions(parts: Sequence[ph.Part], lexicon: Lexicon, sentence: No
     """
     out: Parts = []
     parts = _with_touching_as_place(_with_touched_parts(parts, lexicon, sentence))
-    parts = _with_sides(parts, lexicon, sentence)
+    parts = _with_sides(_with_ordinals(parts, sentence), lexicon, sentence)
     for i, part in enumerate(parts):
         telling = isinstance(part, ph.Side)
         if isinstance(part, ph.Place):
@@ -209,6 +214,32 @@ def _last_reference(part: ph.Part) -> g.ObjectRef | None:
         return None
     *others, last = part.reference
     return None if others or last.pronoun or last.relation else last
+
+
+def _with_ordinals(parts: Parts, sentence: Normalised) -> Parts:
+    """Takes "from the right" behind "the third tin" for where it is counted from."""
+    out: Parts = []
+    for part in parts:
+        before = out[-1] if out else None
+        counted = isinstance(before, ph.Thing) and before.ref.ordinal is not None
+        face = (
+            part.constraint.face
+            if (isinstance(part, ph.Constraint) and isinstance(part.constraint, g.ContactRegion))
+            else None
+        )
+        sides = [quality for quality, side in SIDES_COUNTED_FROM.items() if side == face]
+        if counted and sides and sentence.words_as_written(part.span).startswith("from"):
+            out[-1] = _described_thing(
+                cast("ph.Thing", before), ph.Side(part.span, sides[0]), sentence
+            )
+        elif not (isinstance(part, ph.Direction) and part.implied and _ends_at(before, part)):
+            out.append(part)
+    return out
+
+
+def _ends_at(before: ph.Part | None, part: ph.Part) -> bool:
+    """Check for a thing whose words are those of a part as well."""
+    return isinstance(before, ph.Thing) and part.span in before.ref.spans
 
 
 def _with_sides(parts: Parts, lexicon: Lexicon, sentence: Normalised) -> Parts:

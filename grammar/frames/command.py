@@ -71,6 +71,7 @@ from grammar.frames.vocabulary import (
     Part,
     Point,
     Quality,
+    Quantifier,
     Query,
     Relation,
     RelativeLength,
@@ -88,8 +89,8 @@ __all__ = [
     "MaxDistance", "MaxDuration", "MaxForce", "MaxSpeed", "MaxTilt", "MaxTurn", "Method",
     "MinForce", "MinSpeed", "NoGoal", "NoLift", "NoSlide", "NoSpill", "NoTilt", "NoTopple",
     "NoTouch", "NoTurn", "ObjectRef", "Open", "Parameters", "Place", "Point", "Pour", "Quality",
-    "Query", "Relation", "RelativeLength", "Rotate", "Sense", "SetDown", "Side", "Slow", "Span",
-    "Spans", "Speed", "TableRegion", "Tilt", "Topple", "Until", "Upright",
+    "Quantifier", "Query", "Relation", "RelativeLength", "Rotate", "Sense", "SetDown", "Side",
+    "Slow", "Span", "Spans", "Speed", "TableRegion", "Tilt", "Topple", "Until", "Upright",
 ]  # fmt: skip
 
 

@@ -53,8 +53,10 @@ TableRegion = Literal[
 Quality = Literal[
     "red", "orange", "yellow", "green", "blue", "purple", "pink", "brown", "black", "white", "grey",
     "big", "small", "tall", "short", "wide", "narrow", "heavy", "light",
-    "left", "right", "middle", "near", "far", "other", "same",
+    "slippery", "rough", "left", "right", "middle", "near", "far", "other", "same",
+    "moved_first", "moved_last",
 ]  # fmt: skip
+Quantifier = Literal["all", "both", "rest", "any"]
 
 Unit = Literal["", "m", "rad", "N", "m/s", "s"]
 
@@ -83,6 +85,11 @@ class ObjectRef(Part):
         noun: `text` without the adjectives; "" if nothing is left ("the red one").
         relation: where it is ("the box next to the mug"), as seen from `reference`.
         reference: the objects that it is beside.
+        quantifier: how many are meant of those that fit; one if it is not said. The rest are those
+            that were not spoken of before; any is one of them, whichever it is.
+        exceptions: objects that are not meant ("every box but the red one").
+        ordinal: its place among those that are compared by the last quality ("the third tin from
+            the right").
     """
 
     text: str = Field(min_length=1)
@@ -93,6 +100,9 @@ class ObjectRef(Part):
     noun: str = ""
     relation: Relation | None = None
     reference: tuple[ObjectRef, ...] = ()
+    quantifier: Quantifier | None = None
+    exceptions: tuple[ObjectRef, ...] = ()
+    ordinal: Annotated[int, Field(ge=1)] | None = None
 
 
 class RelativeLength(Part):

@@ -1,4 +1,4 @@
-"""Names, quantities, goals and constraints in words that are read back as the same.
+"""Quantities, goals and constraints in words that are read back as the same.
 
 The words are the lexicon's own: of the phrases that mean the same the first, or any other that a
 caller chooses.
@@ -8,122 +8,22 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from decimal import Decimal
 from typing import Any, cast
 
-from grammar.clauses.object_descriptions import side_of_table_in
 from grammar.frames import command as g
-from grammar.words.lexicon import Lexicon
-
-Choice = Callable[[Sequence[str]], str]
-"""Picks one of several phrases that mean the same."""
+from grammar.paraphrasing.object_wording import Naming, no_words
 
 _WAYS = {0.25: "0.25", 0.5: "0.5", 0.75: "0.75", 1 / 3: "1/3", 2 / 3: "2/3", 1.0: "1"}
 _COUNTS = ("one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
-_I = re.compile(r"\bi\b")
 _TIMES = {0.25: "a quarter of ", 1 / 3: "a third of ", 0.5: "half ", 2 / 3: "two thirds of ",
           0.75: "three quarters of ", 1.0: "", 2.0: "twice "}  # fmt: skip
-_NO_NAMES = ("one", "ones", "the", "a", "an", "my", "your", "our", "its")
 _TOUCHES = ("touching", "in_line", "next_to")
 
 
-def no_words(what: str) -> ValueError:
-    """The language has no words for something that a frame can say."""
-    return ValueError(f"there are no words for {what}")
-
-
-class Phrasing:
-    """Says the parts of frames in the words of a lexicon.
-
-    Of the phrases that mean the same, `choose` picks one; the first by default.
-    """
-
-    def __init__(self, lexicon: Lexicon, choose: Choice | None = None) -> None:
-        self.lexicon = lexicon
-        self._choose = choose or (lambda phrases: phrases[0])
-
-    def phrase_for(
-        self, terminal: str, value: str = "", *, ending: str = "", of_object: bool = False
-    ) -> str:
-        """A phrase of the lexicon with that at its end; `of_object`: no side of the table."""
-        phrases = [
-            phrase
-            for phrase in self.lexicon.phrases_for(terminal, value)
-            if phrase.endswith(ending) and not (of_object and side_of_table_in(phrase))
-        ]
-        if not phrases:
-            raise no_words(f"{value} as {terminal}")
-        return _I.sub("I", self._choose(phrases))
-
-    # --- names --------------------------------------------------------------------------------
-
-    def object_words(self, ref: g.ObjectRef) -> str:
-        """An object, with its article and what tells it apart."""
-        words = _name_words(ref.text)
-        said = tuple(self.lexicon.adjectives[w] for w in words if w in self.lexicon.adjectives)
-        plain = self.is_plain(ref.text) and said == ref.qualities[: len(said)]
-        text = ref.text if ref.pronoun else f"the {ref.text}" if plain else f'"{ref.text}"'
-        told = [text]
-        for quality in ref.qualities[len(said) :]:
-            if quality == "near" and ref.reference and ref.relation is None:
-                told.append(self._relation_words("nearest", ref.reference))
-            else:
-                told.append(self.phrase_for("SIDE_QUALITY", quality))
-        if ref.relation is not None:
-            told += [self.phrase_for("THAT_IS"), self._relation_words(ref.relation, ref.reference)]
-        return " ".join(told)
-
-    def _joined_names(self, refs: Sequence[g.ObjectRef]) -> str:
-        return " and ".join(self.object_words(ref) for ref in refs)
-
-    def _relation_words(self, relation: str, reference: Sequence[g.ObjectRef]) -> str:
-        between = relation == "between"
-        said = self.phrase_for(*(("BETWEEN",) if between else ("RELATION", relation)))
-        return f"{said} {self._joined_names(reference)}"
-
-    def needs_no_article(self, name: str) -> bool:
-        """Check for a name that is read whole wherever it stands, also behind adjectives."""
-        lexicon = self.lexicon
-        ends = lexicon.reserved_words | lexicon.first_words
-        ends -= lexicon.openers | lexicon.verb_words["VERB"].keys() | lexicon.adjectives.keys()
-        words = _name_words(name)
-        return not any(w in ends and not _is_joining_of(words, i) for i, w in enumerate(words))
-
-    def is_plain(self, name: str) -> bool:
-        """Check for a name that is read whole without quotation marks."""
-        words = _name_words(name)
-        if " ".join(words) in self.lexicon.names:
-            return True
-        if (
-            not words
-            or not all(w.isascii() and w.isalnum() for w in words)
-            or words[0] in _NO_NAMES
-            or f"the {words[0]}" in self.lexicon.terminals["YOU"]
-            or self._ends_a_phrase(words)
-        ):
-            return False
-        return all(self._stays_a_name(words, i) for i in range(len(words)))
-
-    def _ends_a_phrase(self, words: Sequence[str]) -> bool:
-        """Check for a name that would end a phrase ("the front", after "against")."""
-        ends = (i for i in range(1, len(words) + 1)
-                if " ".join(words[:i]) in self.lexicon.definite_endings)  # fmt: skip
-        return any(i == len(words) or words[i - 1] not in self.lexicon.adjectives for i in ends)
-
-    def _stays_a_name(self, words: Sequence[str], i: int) -> bool:
-        word, lexicon = words[i], self.lexicon
-        if i == 0:
-            return not word[0].isdigit()
-        after_adjectives = all(before in lexicon.adjectives for before in words[:i])
-        if after_adjectives and word in lexicon.nobodies:
-            return True
-        if after_adjectives and word in lexicon.adjectives and i + 1 < len(words):
-            return words[i + 1] not in lexicon.ends_names
-        known = word in lexicon.openers or word in lexicon.verb_words["VERB"]
-        if known or _is_joining_of(words, i):
-            return True
-        return not (word[0].isdigit() or word in lexicon.reserved_words | lexicon.first_words)
+class Phrasing(Naming):
+    """Says the parts of frames in the words of a lexicon."""
 
     # --- quantities ---------------------------------------------------------------------------
 
@@ -355,15 +255,6 @@ class Phrasing:
         if height.origin == "top":
             raise no_words("a height below the top measured in objects")
         return f"at {value}"
-
-
-def _is_joining_of(words: Sequence[str], i: int) -> bool:
-    """Check for the "of" of "can of soup"."""
-    return words[i] == "of" and 0 < i < len(words) - 1 and words[i + 1] not in _NO_NAMES
-
-
-def _name_words(name: str) -> list[str]:
-    return name.replace("-", " ").casefold().split()
 
 
 def _effector_words(effector: g.Effector) -> str:

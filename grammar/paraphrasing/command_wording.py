@@ -8,7 +8,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from grammar.frames import command as g
-from grammar.paraphrasing.clause_wording import Choice, Phrasing, no_words
+from grammar.paraphrasing.clause_wording import Phrasing
+from grammar.paraphrasing.object_wording import Choice, no_words
 from grammar.words.lexicon import Lexicon, default_lexicon
 
 _LIMITS = ("no_topple", "no_tilt", "no_turn", "no_slide")

@@ -91,6 +91,12 @@ class Thing(Part):
     contents: bool = False
 
 
+class Except(Part):
+    """But the red one: a thing that is not meant."""
+
+    thing: Thing
+
+
 class ThatIs(Part):
     """Words such as "that is": a place follows that distinguishes the object."""
 

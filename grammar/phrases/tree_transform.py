@@ -12,6 +12,7 @@ from grammar.frames.constraints import new_constraint
 from grammar.phrases import phrase_parts as ph
 from grammar.phrases.lalr_parser import Tree
 from grammar.phrases.manner_phrases import Manners
+from grammar.phrases.named_things import Names
 from grammar.phrases.outcome_phrases import QUESTIONS, Outcomes, Questions
 from grammar.phrases.token_reader import (
     MAX_LENGTH_M,
@@ -53,7 +54,7 @@ _PLAIN: dict[str, tuple[Callable[..., ph.Part], str]] = {
 """Node → its part, and the terminal whose value the part has; a remark has its own name."""
 
 
-class Parts(Manners, Outcomes, Questions):
+class Parts(Names, Manners, Outcomes, Questions):
     """Turns the tree of one sentence into its parts: a row or a method for each name of a node."""
 
     def build_part(self, name: str, children: Children) -> Any:
@@ -127,29 +128,9 @@ class Parts(Manners, Outcomes, Questions):
         word = self.value_of(children, "PARTICLE")
         return [ph.Particle(self.span_of(children[:1]), word), *parts_in(children)]
 
-    def name_part(self, children: Children) -> ph.Thing:
-        """A name, without its article; quotation marks are no part of it."""
-        words = tokens_in(children, "WORD", "QUOTED", "IT") or tokens_in(children, "THAT")
-        start, end = self.span_of([words[0], words[-1]])
-        if words[0].type == "QUOTED":
-            inner = self.sentence.original[start + 1 : end - 1]
-            start, end = end - 1 - len(inner.lstrip()), start + 1 + len(inner.rstrip())
-        text = self.sentence.words_as_written((start, end))
-        if words[0].type in ("IT", "THAT"):
-            ref = g.ObjectRef(text=text, spans=((start, end),), pronoun=True)
-        else:
-            ref = self._named_object(text, (start, end), tokens_in(words, "WORD"))
-        return ph.Thing((start, end), ref, bool(tokens_in(children, "CONTENTS")))
-
-    def _named_object(self, text: str, span: g.Span, words: list[Token]) -> g.ObjectRef:
-        """A name with what its adjectives say; a quoted name has none."""
-        adjectives = self.lexicon.adjectives
-        qualities = tuple(adjectives[w] for w in words if w in adjectives)
-        if not qualities and not set(words) <= {"one", "ones"}:
-            return g.ObjectRef(text=text, spans=(span,))
-        nouns = [w for w in words if w not in adjectives and w not in self.lexicon.nobodies]
-        noun = " ".join(self.sentence.words_as_written(self.span_of([w])) for w in nouns)
-        return g.ObjectRef(text=text, spans=(span,), qualities=qualities, noun=noun)
+    def exception_part(self, children: Children) -> ph.Except:
+        """But the red one."""
+        return ph.Except(self.span_of(children), children[1])
 
     # --- where to -----------------------------------------------------------------------------
 
@@ -183,12 +164,13 @@ class Parts(Manners, Outcomes, Questions):
         things = tuple(thing.ref for thing in things_in(children))
         relation = self.value_of(children, "RELATION")
         if children[0].type == "BETWEEN":
-            relation, joined = "between", children[2]
-            if self.value_of([joined], "SEPARATOR") != "and":
+            relation, (_, first, *joint) = "between", children
+            two = len(things) > 1 or first.ref.quantifier in ("both", "all")
+            if not two or (joint and self.value_of(joint, "SEPARATOR") != "and"):
                 raise ParseError(
                     "unexpected_words",
                     'two things are joined by "and"',
-                    self.span_of([joined]),
+                    self.span_of(joint[:1] or [first]),
                     ('say "between the one and the other"',),
                 )
         return ph.Place(self.span_of(children), relation, things)

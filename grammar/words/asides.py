@@ -39,7 +39,7 @@ _SHAPES = {
     "fillers": r"(?<![^ ])(?!(?<=you )like ,)(?:{0})(?= |$)",
     "corrections": r"(?:(?<= )[.,;] )?(?<![^ ])(?:{0})(?:(?: ,)? (?:{0}))*(?: ,)?(?= )",
     "reasons": r"^(?:{0}) [^,;]+?(?= , )|(?<= )(?:{0}) .+?(?=$| [.;] | (?:, )?(?:and )?then )",
-    "after": r"(?<![^ ])(?:{0})(?=$| [.;])",
+    "after": r"(?<![^ ])(?<!the )(?:{0})(?=$| [.;])",
     "before": r"(?:^|(?<=[.;] ))(?:{0})(?= |$)",
 }
 """Where each kind of aside stands, in the order in which they are left out.

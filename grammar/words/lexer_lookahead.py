@@ -50,7 +50,9 @@ class Phrases:
     def __init__(self, lexicon: Lexicon) -> None:
         names = [*lexicon.terminals, *NAME_TERMINALS]
         # "Up to 5 cm" is a bound before it is a place.
-        names.sort(key=lambda name: name not in {*_OF_CONTENTS, *BEFORE_NUMBERS, "TO_DO", "OR"})
+        names.sort(
+            key=lambda name: name not in {*_OF_CONTENTS, *BEFORE_NUMBERS, "TO_DO", "OR", "EXCEPT"}
+        )
         self._kinds: dict[str, list[str]] = {phrase: ["WORD"] for phrase in lexicon.names}
         for name in names:
             for phrase in lexicon.phrases_of(name):
@@ -103,6 +105,7 @@ class Lookahead:
             "CAUSE": self._makes_it_happen,
             "CUPS": self._no_cup,
             "DOES_NOT": self._no_can,
+            "EXCEPT": self._behind_several,
             "FILLER": lambda phrase, text, end, _last: (
                 phrase != "go" or end == len(text) or self._any("VERB", text, end + 1)
             ),
@@ -124,6 +127,10 @@ class Lookahead:
             "OF": lambda _phrase, text, end, _last: bool(_NAMES_BEGIN.match(text, end)),
             "OR": self._in_a_list,
             "RELATION": self._before_a_thing,
+            "QUANTIFIER": lambda phrase, text, end, last: (
+                last not in ("TOUCH", "TOUCHING")
+                and self._last_goal(text, end - len(phrase)) not in ("pour", "fill")
+            ),
             "SAME": self._not_to_a_direction,
             "SOME_OF": self._some_of_a_liquid,
             "STROKE": lambda phrase, text, end, _: (
@@ -199,6 +206,12 @@ class Lookahead:
         """A little, but not a little box."""
         return not phrase.startswith("a ") or self._ends_name(text, end)
 
+    def _behind_several(self, phrase: str, text: str, end: int, last: str) -> bool:
+        """All boxes but the red one; but not push it, but the jar to the left."""
+        follower = WORD.match(text, end + 1)
+        named = follower is not None and follower.group() in self._determiners
+        return named and (not phrase.endswith("but") or last in ("WORD", "QUANTIFIER"))
+
     def _no_can(self, phrase: str, text: str, end: int, _last: str) -> bool:
         """It can not topple, but not the soup can not below 3 cm."""
         verbs = ("AVOID", "AVOIDING", "TOUCH")
@@ -256,10 +269,10 @@ class Lookahead:
 
     def _of_a_liquid(self, phrase: str, text: str, end: int, _last: str) -> bool:
         """A quarter of the milk, but not a quarter of its width; half the milk, but not half 5."""
-        if phrase.startswith("all"):
-            return True
         poured = self._last_goal(text, end) in ("pour", "fill")
-        return poured and (phrase.endswith("of") or bool(_NAMED.match(text, end)))
+        return poured and (
+            phrase.startswith("all") or phrase.endswith("of") or bool(_NAMED.match(text, end))
+        )
 
     def _behind_fill(self, phrase: str, text: str, end: int, _last: str) -> bool:
         """Fill it half with milk, but do not push it with the hand."""

@@ -39,18 +39,20 @@ class NumberWords:
         ones: "one" to "nine", and "zero".
         teens: "ten" to "nineteen".
         tens: "twenty", "thirty" to "ninety".
+        ordinals: "first" to "tenth".
         phrases: other ways to say a number ("half a") → the number in digits.
     """
 
     ones: Mapping[str, int]
     teens: Mapping[str, int]
     tens: Mapping[str, int]
+    ordinals: Mapping[str, int]
     phrases: Mapping[str, str]
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any], phrases: Mapping[str, str]) -> NumberWords:
         """Builds them from the mapping in the lexicon's file, its phrases spelled out."""
-        return cls(data["ones"], data["teens"], data["tens"], phrases)
+        return cls(data["ones"], data["teens"], data["tens"], data["ordinals"], phrases)
 
     @cached_property
     def first_words(self) -> frozenset[str]:

@@ -15,7 +15,7 @@ from grammar.words.lexicon import Lexicon
 from grammar.words.numerals import DIGITS
 
 _QUOTED = re.compile(r'"[^"]*[^" ][^"]*"(?= |$)')
-_DETERMINERS = frozenset({"THE", "A", "THAT", "VERB"})
+_DETERMINERS = frozenset({"THE", "A", "THAT", "VERB", "QUANTIFIER"})
 _UNITS = ("LENGTH_UNIT", "ANGLE_UNIT", "FORCE_UNIT", "SPEED_UNIT", "TIME_UNIT", "VOLUME_UNIT",
           "CUPS", "PERCENT", "SIDE_OF_OBJECT")  # fmt: skip
 
@@ -59,6 +59,7 @@ class PhraseLexer:
         self._units = [phrase for unit in _UNITS for phrase in lexicon.phrases_of(unit)]
         self._numbers = lexicon.numbers
         self._adjectives = lexicon.adjectives
+        self._first_in_names = lexicon.adjectives.keys() | lexicon.numbers.ordinals.keys()
         self._reserved = lexicon.reserved_words
         self._ends_names = lexicon.ends_names
         self._nobodies = lexicon.nobodies
@@ -78,7 +79,7 @@ class PhraseLexer:
                 continue
             kind, end = self._next_token(text, position, acceptance(), name)
             token = Token(kind, text[position:end], position, end)
-            name.note_token(kind, text[position:end] in self._adjectives)
+            name.note_token(kind, text[position:end] in self._first_in_names)
             yield token
             position = end
 
@@ -129,7 +130,9 @@ class PhraseLexer:
             follower = WORD.match(text, end + 1)
             return follower is not None and follower.group() not in self._ends_names
         if name.adjectival and word in self._nobodies:
-            return not self._stands_as("PORTION", text, end - len(word), name)
+            start = end - len(word)
+            kinds = ("PORTION",) if name.words else ("PORTION", "QUANTIFIER")
+            return not any(self._stands_as(kind, text, start, name) for kind in kinds)
         return (
             (name.words > 0 or name.determined == "VERB")
             and word in self._openers

@@ -95,7 +95,8 @@ def _with_quality(ref: ObjectRef, quality: Quality) -> ObjectRef:
 
 def reference_noun(ref: ObjectRef) -> str:
     """The name in a reference, without adjectives and article."""
-    return " ".join(name_words(ref.noun if ref.qualities else ref.text))
+    described = ref.noun or ref.qualities or ref.quantifier
+    return " ".join(name_words(ref.noun if described else ref.text))
 
 
 def reference_text(ref: ObjectRef) -> str:

@@ -118,7 +118,7 @@ def with_attribute(
     """Those of some objects that have a quality; several if they come close to each other.
 
     Args:
-        quality: any but `other` and `same`, which are no matter of looks.
+        quality: any but those that are a matter of what was said or done before.
         seen: what is compared.
         beside: for `near` and `far`, what the distance is measured from; the robot if not given.
     """
@@ -232,6 +232,21 @@ def _same_place(a: SeenObject, b: SeenObject) -> float:
     return SAME_PLACE
 
 
+def ranked(quality: Quality, seen: Sequence[SeenObject], ordinal: int) -> list[SeenObject]:
+    """The one in a place of a row, counted from 1; several if there is a tie before or at it."""
+    left = list(seen)
+    for _ in range(ordinal - 1):
+        first = with_attribute(quality, left)
+        if len(first) > 1:
+            return first
+        left = [s for s in left if s not in first]
+    return with_attribute(quality, left)
+
+
+def _friction(s: SeenObject) -> float:
+    return s.model.friction_coefficient("static")
+
+
 def _height(s: SeenObject) -> float:
     return s.model.top
 
@@ -261,6 +276,8 @@ _SCALES: dict[Quality, _Scale] = {
     "narrow": _Scale(_seen_width, -1, _same_share(_seen_width)),
     "heavy": _Scale(_mass, 1, _same_mass),
     "light": _Scale(_mass, -1, _same_mass),
+    "slippery": _Scale(_friction, -1, _same_share(_friction)),
+    "rough": _Scale(_friction, 1, _same_share(_friction)),
     "left": _Scale(lambda s: s.pose.y, 1, _same_place),
     "right": _Scale(lambda s: s.pose.y, -1, _same_place),
     "near": _Scale(lambda s: s.pose.x, -1, _same_place),

@@ -12,19 +12,32 @@ along B's axes, height is that of its top; a side that is not said is the width.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import TYPE_CHECKING, TypeVar
 
 from pydantic import BaseModel
 
-from grammar.frames.command import Command, Frame, ObjectRef, Parameters, Query, RelativeLength
+from grammar.frames.command import (
+    Command,
+    Direction,
+    Displace,
+    Frame,
+    NoGoal,
+    ObjectRef,
+    Parameters,
+    Query,
+    RelativeLength,
+    Topple,
+)
 from nlcontrol.references.object_names import Candidate
 from nlcontrol.references.reference_search import (
     Spoken,
     Surroundings,
     find_object,
+    find_several,
     matching_objects,
 )
 
@@ -42,13 +55,22 @@ class Context:
     Attributes:
         last: names of the objects that were spoken of, the most recent first.
         held: name of the object in the hand; None if it holds nothing.
+        latest: those of the last sentence.
+        moved: names of the objects that were moved, in that order.
     """
 
     last: tuple[str, ...] = ()
     held: str | None = None
+    latest: tuple[str, ...] = ()
+    moved: tuple[str, ...] = ()
 
 
 NOTHING_SAID = Context()
+
+_WAYS: Mapping[Direction, tuple[float, float]] = {
+    "away": (1.0, 0.0), "toward": (-1.0, 0.0), "left": (0.0, 1.0), "right": (0.0, -1.0),
+}  # fmt: skip
+"""Directions along x and y of W."""
 
 _ALONE: frozenset[Query | None] = frozenset({"value", "affordances", "predict"})
 """Questions that concern the model more than the table."""
@@ -64,19 +86,23 @@ def resolve_references(
     """The command with the `id` of every object filled in, and every length in metres.
 
     The `id` is a name of the scene. The object of a question that can be answered for one that
-    stands alone may get the name of a model that is known instead. The robot looks once, and only
-    if names do not decide.
+    stands alone may get the name of a model that is known instead. A frame about several objects
+    becomes one for each. The robot looks once, and only if names do not decide.
 
     Raises:
         ControlError: `unknown_object`, `ambiguous_object`, `not_on_table` or `no_antecedent`.
     """
     around = Surroundings(on_table, known, cache(look))
     spoken = context.last
-    frames = []
+    frames: list[Frame] = []
     for frame in command.frames:
-        frames.append(_resolve_frame(frame, around, _pronoun_meanings(frame, spoken, context.held)))
-        said = objects_spoken_of(frames[-1])
-        spoken = (*said, *(name for name in spoken if name not in said))
+        latest = tuple(n for f in frames for n in objects_spoken_of(f)) or context.latest
+        it = _pronoun_meanings(frame, spoken, context.held)
+        before = Spoken(it, it[:1], latest, context.moved)
+        for each in _frames_of_several(frame, around, before):
+            frames.append(_resolve_frame(each, around, before))
+            said = objects_spoken_of(frames[-1])
+            spoken = (*said, *(name for name in spoken if name not in said))
     return command.model_copy(update={"frames": tuple(frames)})
 
 
@@ -110,21 +136,54 @@ def _references_in(part: BaseModel) -> list[ObjectRef]:
     return [part for part in parts if isinstance(part, ObjectRef)]
 
 
-def _resolve_frame(frame: Frame, around: Surroundings, spoken: tuple[str, ...]) -> Frame:
+def _frames_of_several(frame: Frame, around: Surroundings, spoken: Spoken) -> list[Frame]:
+    """A frame for each of its objects: first what is foremost on the way, which would be hit."""
+    ref = frame.object
+    if ref is None or ref.quantifier in (None, "any"):
+        return [frame]
+    names = find_several(_Binder(around, spoken).fill_part(ref), around, spoken)
+    if len(names) > 1:
+        u, v = _way_of(frame)
+        seen = around.look().objects
+        names.sort(key=lambda name: -(seen[name].pose.x * u + seen[name].pose.y * v))
+    refs = [ObjectRef(text=name, spans=ref.spans, id=name) for name in names]
+    return [frame.model_copy(update={"object": each}) for each in refs]
+
+
+def _way_of(frame: Frame) -> tuple[float, float]:
+    """Where things go on the table, as far as the frame says; away from the robot if it does not.
+
+    What is taken with the hand comes nearest first.
+    """
+    goal = frame.goal
+    if isinstance(goal, Displace) and goal.heading is not None:
+        return math.cos(goal.heading), math.sin(goal.heading)
+    said: Direction | tuple[Direction, ...] | None = getattr(goal, "direction", None)
+    if said is None and frame.action == "pull":
+        said = "toward"
+    if said is None:
+        return (1.0, 0.0) if isinstance(goal, Displace | NoGoal | Topple) else (-1.0, 0.0)
+    ways = [_WAYS[way] for way in ((said,) if isinstance(said, str) else said)]
+    return sum(u for u, _ in ways), sum(v for _, v in ways)
+
+
+def _resolve_frame(frame: Frame, around: Surroundings, before: Spoken) -> Frame:
     """A frame whose objects are bound, given what was spoken of before it."""
+    spoken = before.it
     unnamed = frame.object is None or frame.object.pronoun
     if (frame.dialogue in {"undo", "stop"} and unnamed) or frame.query == "capable":
         return frame  # "them", "the boxes": which ones, the answer says
-    binder = _Binder(around, Spoken(spoken, spoken[:1]))
+    binder = _Binder(around, before)
     target = frame.object
     if target is not None:
         target = binder.bind_reference(target, alone=_answered_alone(frame))
     own = (target.id,) if target is not None and target.id is not None else ()
     others = tuple(name for name in spoken if name not in own)
     last = own or spoken[:1]
-    goal = replace(binder, own=own, spoken=Spoken(others, last)).fill_part(frame.goal)
+    around_goal = replace(before, it=others, last=last)
+    goal = replace(binder, own=own, spoken=around_goal).fill_part(frame.goal)
     named = tuple(ref.id for ref in _references_in(goal) if ref.id is not None)
-    within = replace(binder, own=own, spoken=Spoken((*named, *own, *others), last))
+    within = replace(binder, own=own, spoken=replace(around_goal, it=(*named, *own, *others)))
     constraints = tuple(within.fill_part(clause) for clause in frame.constraints)
     return frame.model_copy(update={"object": target, "goal": goal, "constraints": constraints})
 
@@ -171,8 +230,15 @@ class _Binder:
             case BaseModel():
                 return self.fill_part(value)
             case tuple():
-                return tuple(self._fill_value(item) for item in value)
+                return tuple(filled for item in value for filled in self._fill_item(item))
         return value
+
+    def _fill_item(self, item: object) -> tuple[object, ...]:
+        """One of several values; of two objects that are named at once, both."""
+        if not isinstance(item, ObjectRef) or item.quantifier in (None, "any"):
+            return (self._fill_value(item),)
+        names = find_several(self.fill_part(item), self.around, self.spoken)
+        return tuple(ObjectRef(text=name, spans=item.spans, id=name) for name in names)
 
     def bind_reference(self, ref: ObjectRef, *, alone: bool = False) -> ObjectRef:
         """A reference with its id, and with those of the objects that it is beside."""

@@ -24,7 +24,7 @@ from nlcontrol.references.disambiguation_text import (
     reference_noun,
     reference_text,
 )
-from nlcontrol.references.object_attributes import in_relation, with_attribute
+from nlcontrol.references.object_attributes import in_relation, ranked, with_attribute
 from nlcontrol.references.object_names import Candidate, find_by_name, likely_name, name_words
 from nlcontrol.text_format import enumeration
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from objectmodels import ObjectModel
     from planner.types.world_state import WorldState
 
-_SPOKEN: tuple[Quality, ...] = ("other", "same")
+_SPOKEN: tuple[Quality, ...] = ("other", "same", "moved_first", "moved_last")
 
 
 @dataclass(frozen=True)
@@ -42,10 +42,14 @@ class Spoken:
     Attributes:
         it: what "it" may mean.
         last: what "the other one" may be the other of.
+        latest: what the rest is the rest of.
+        moved: what was moved, in that order.
     """
 
     it: tuple[str, ...] = ()
     last: tuple[str, ...] = ()
+    latest: tuple[str, ...] = ()
+    moved: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -103,9 +107,34 @@ def find_object(
             span=whole_span(ref.spans),
             suggestions=tuple(f"the {name}" for name in there),
         )
+    if ref.quantifier == "any" and found:
+        nearest = with_attribute("near", [around.look().objects[c.name] for c in found])
+        return nearest[0].name
     if len(found) > 1:
         raise ambiguity_error(ref, found, lambda other: matching_objects(other, around, spoken))
     return found[0].name
+
+
+def find_several(ref: ObjectRef, around: Surroundings, spoken: Spoken) -> list[str]:
+    """Names of all objects that a reference to several means, without its exceptions.
+
+    Raises:
+        ControlError: `unknown_object` if there is none, or two are meant and there are not two.
+    """
+    excepted = {other.id for other in ref.exceptions}
+    excepted |= set(spoken.latest) if ref.quantifier == "rest" else set()
+    found = [c.name for c in matching_objects(ref, around, spoken) if c.name not in excepted]
+    if found and (ref.quantifier != "both" or len(found) == 2):
+        return found
+    there = [c.name for c in _objects_named(ref, around)] or around.names
+    count = "two" if ref.quantifier == "both" else "one"
+    raise error(
+        "unknown_object",
+        f"'{ref.text}' should be {count} or more, and are {enumeration(found) or 'none'}; there is:"
+        f" {enumeration(there)}",
+        span=whole_span(ref.spans),
+        suggestions=tuple(f"the {name}" for name in there),
+    )
 
 
 def _object_by_id(name: str, ref: ObjectRef, around: Surroundings, alone: bool) -> str:
@@ -129,6 +158,12 @@ def matching_objects(ref: ObjectRef, around: Surroundings, spoken: Spoken) -> li
     if "same" in ref.qualities:
         last = _first_spoken_of(spoken.it, ref, around)
         found = [c for c in found if c.name == last]
+    if {"moved_first", "moved_last"} & set(ref.qualities):
+        moved = [name for name in spoken.moved if name in [c.name for c in found]]
+        last = _first_spoken_of(
+            moved if "moved_first" in ref.qualities else moved[::-1], ref, around
+        )
+        found = [c for c in found if c.name == last]
     if qualities or ref.reference:
         seen = _names_by_sight(ref, qualities, found, around.look())
         found = [c for c in found if c.name in seen]
@@ -147,10 +182,12 @@ def _names_by_sight(
             left = with_attribute(quality, left)
     if ref.relation is not None and beside:
         left, beside = in_relation(ref.relation, left, beside), []
+    ordinal = ref.ordinal or 1
     for quality in reversed(qualities):
         if quality not in COLOURS:
             # Only "nearest to the mug" has an object beside it and no relation.
-            left = with_attribute(quality, left, beside)
+            near = with_attribute(quality, left, beside)
+            left, ordinal = (ranked(quality, left, ordinal), 1) if ordinal > 1 else (near, 1)
     return {s.name for s in left}
 
 

@@ -269,18 +269,21 @@ class Conversation:
                 done, before = step.plan, step.before
                 self.past.append(PastPush(kept, done.object, before, done.task))
         del self.past[:-REMEMBERED]
+        self.context = replace(self.context, moved=tuple(push.object for push in self.past))
 
     def _speak_of(self, frames: Sequence[g.Frame]) -> None:
         parts = (part for frame in reversed(frames) for part in parts_within(frame))
         names = [ref.id for ref in parts if isinstance(ref, g.ObjectRef) and ref.id is not None]
-        self.context = Context(tuple(dict.fromkeys((*names, *self.context.last))))
+        last = tuple(dict.fromkeys((*names, *self.context.last)))
+        self.context = replace(self.context, last=last, latest=tuple(names))
 
     def _recall_names(self, text: str) -> None:
         """Remembers the objects that are named where nothing else was understood."""
         words = " ".join(name_words(text))
         found = {words.find(n.casefold()): n for n in self.controller.cell.names}
         named = [name for place, name in sorted(found.items(), reverse=True) if place >= 0]
-        self.context = Context(tuple(dict.fromkeys((*named, *self.context.last))))
+        last = tuple(dict.fromkeys((*named, *self.context.last)))
+        self.context = replace(self.context, last=last)
 
     # --- corrections ----------------------------------------------------------------------------
 

@@ -203,7 +203,8 @@ def test_verb_and_particle_mean_something_else_than_the_verb() -> None:
 
 
 def test_adjectives_tell_qualities_of_the_contract() -> None:
-    assert set(LEXICON.adjectives.values()) == set(get_args(Quality))
+    told_by_phrases = {"moved_first", "moved_last"}
+    assert set(LEXICON.adjectives.values()) == set(get_args(Quality)) - told_by_phrases
 
 
 # --- plug-ins ---------------------------------------------------------------------------------

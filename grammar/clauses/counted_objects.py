@@ -1,0 +1,93 @@
+"""Several objects, one of several, and which of a row: what can be counted, and where.
+
+"All the boxes but the red one" is the object of a command; elsewhere one object is needed, or two
+that something is put between. "The third tin" has to say from where.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from pydantic import BaseModel
+
+from grammar.clauses.clause_parts import Parts, several_objects, unexpected_part
+from grammar.errors import ParseError
+from grammar.frames import command as g
+from grammar.phrases import phrase_parts as ph
+from grammar.words.normalisation import Normalised
+
+_UNCOUNTED = frozenset({"other", "same", "moved_first", "moved_last", "middle"})
+"""Qualities that put nothing in a row."""
+
+
+def with_exception(
+    things: Sequence[ph.Thing], part: ph.Except, sentence: Normalised
+) -> list[ph.Thing]:
+    """The objects of a clause, of which a thing is not meant.
+
+    Raises:
+        ParseError: `unexpected_words` if they are not several of some kind.
+    """
+    if len(things) != 1 or things[0].ref.quantifier not in ("all", "rest"):
+        raise unexpected_part(part, sentence)
+    ref = things[0].ref
+    update = {
+        "exceptions": (*ref.exceptions, part.thing.ref), "spans": (*ref.spans, part.span),
+    }  # fmt: skip
+    return [replace(things[0], ref=ref.model_copy(update=update))]
+
+
+def require_no_other_meant(clause: Parts, frames: Sequence[g.Frame], sentence: Normalised) -> None:
+    """Refuses "them" in a clause about one object, where the clauses before it are about others.
+
+    Raises:
+        ParseError: `several_objects`.
+    """
+    named = [part for part in clause if isinstance(part, ph.Thing)]
+    several = len(named) > 1 or any(t.ref.quantifier or t.ref.text.endswith("s") for t in named)
+    if several or len(frames) < 2:
+        return
+    for part in clause:
+        mention = getattr(part, "thing", None) or getattr(part, "subject", None)
+        if isinstance(mention, ph.Thing) and mention.ref.text.casefold() == "them":
+            raise several_objects(mention, sentence)
+
+
+def require_countable(frames: Sequence[g.Frame], sentence: Normalised) -> None:
+    """Refuses several objects where one is needed, and a number in no row.
+
+    Raises:
+        ParseError: `several_objects` or `does_not_apply`.
+    """
+    for frame in frames:
+        goal = frame.goal
+        between = isinstance(goal, g.Place) and goal.relation == "between"
+        plain = frame.action is not None and not (frame.query or frame.dialogue)
+        allowed = [frame.object] if plain else []
+        if between and isinstance(goal, g.Place) and isinstance(goal.reference, tuple):
+            allowed += goal.reference
+        for ref in _references_in(frame):
+            several = ref.quantifier not in (None, "any")
+            if several and not any(ref is each for each in allowed):
+                raise _error(ref, "several_objects", "is several objects", "name one", sentence)
+            if ref.ordinal is not None and set(ref.qualities) <= _UNCOUNTED:
+                message, hint = "does not say from where it is counted", "the third from the left"
+                raise _error(ref, "does_not_apply", message, hint, sentence)
+
+
+def _error(
+    ref: g.ObjectRef, code: str, message: str, hint: str, sentence: Normalised
+) -> ParseError:
+    return sentence.error_at(ref.spans[0], code, message, hint)
+
+
+def _references_in(part: BaseModel) -> Iterator[g.ObjectRef]:
+    """Each reference within a part of a frame."""
+    if isinstance(part, g.ObjectRef):
+        yield part
+    for key in type(part).model_fields:
+        value = getattr(part, key)
+        for inner in value if isinstance(value, tuple) else (value,):
+            if isinstance(inner, BaseModel):
+                yield from _references_in(inner)
