@@ -54,7 +54,7 @@ class Thresholds:
 
     slide: Array
     topple: Array
-    friction: str
+    friction: Friction
     push: tuple[Array, Array] = field(repr=False)
     body: tuple[Base, Array, float, float] = field(repr=False)
 

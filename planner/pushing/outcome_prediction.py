@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels import ObjectModel, Thresholds
-from objectmodels.geometry.base_shapes import Disc
+from objectmodels.geometry.base_shapes import Array, Disc
 from objectmodels.mechanics.friction_cone import contact_forces
 from objectmodels.mechanics.margin_search import circle_corners
+from objectmodels.mechanics.push_outcomes import OUTCOMES
 from objectmodels.mechanics.push_thresholds import slide_threshold, yaw_arm
 from planner.problem.planning_problem import PushProblem, PushStep
 from planner.problem.tilt_goals import prediction_with_return
@@ -61,7 +62,7 @@ def prediction(problem: PushProblem, step: PushStep, contact: Contact) -> Predic
     i, model, cone = contact.index, problem.target.model, contact.among.cone
     inward = contact.among.side.inward
     if contact.among.fingers == 1:
-        nominal = _thresholds_over_cone(problem, contact)
+        nominal = _exact_thresholds(model, *_place(contact), 0.0)
     else:
         # Two fingers hold the object straight, and then the closed form is exact.
         nominal = model.thresholds(_point_of_pair(model, contact)[None], inward[None])
@@ -97,11 +98,15 @@ def confirm_with_exact_tier(problem: PushProblem, step: PushStep, contact: Conta
         surely = cone.slide_margin > _CLEARLY * cone.slide_max
         if surely[contact.index]:
             return True
-    t = _thresholds_over_cone(problem, contact)
-    if step.outcome == "topple" and isinstance(problem.target.model.base, Disc):
+    model = problem.target.model
+    grip = model.finger_friction
+    if contact.among.guarded:
+        grip = min(problem.robot.limits.force_skew, grip)
+    if step.outcome == "topple" and isinstance(model.base, Disc):
         # On one point of its rim it spins before it tips, and still tips.
+        t = _exact_thresholds(model, *_place(contact), grip)
         return bool((t.slide >= (1.0 - _SPINS) * t.topple).all())
-    return bool((t.outcome == step.outcome).all())
+    return bool((_exact_outcomes(model, *_place(contact), grip) == step.outcome).all())
 
 
 def _point_of_pair(model: ObjectModel, contact: Contact) -> NDArray[np.float64]:
@@ -110,26 +115,40 @@ def _point_of_pair(model: ObjectModel, contact: Contact) -> NDArray[np.float64]:
     return np.asarray(point - ((point - np.array(model.com)) @ tangent) * tangent)
 
 
-def _thresholds_over_cone(problem: PushProblem, contact: Contact) -> Thresholds:
-    """Thresholds of the exact tier for a force straight in, and for forces around the cone."""
-    model = problem.target.model
-    grip = model.finger_friction
-    if contact.among.guarded:
-        grip = min(problem.robot.limits.force_skew, grip)
-    return _exact_thresholds(
-        model, tuple(contact.point.tolist()), contact.among.side.face.normal, grip
-    )
+def _place(contact: Contact) -> tuple[Vector3, Vector3]:
+    """The contact and the outward normal there, in B."""
+    x, y, z = contact.point.tolist()
+    return (x, y, z), contact.among.side.face.normal
 
 
+# Kept, since models never change and the same contacts are asked for again and again.
 @functools.lru_cache(maxsize=1024)
 def _exact_thresholds(
     model: ObjectModel, point: Vector3, normal: Vector3, grip: float
 ) -> Thresholds:
-    """Kept, since models never change and the same contacts are asked for again and again."""
-    shares = np.vstack((np.zeros((1, 2)), circle_corners(_CONFIRMING)))
-    forces = contact_forces(np.array([normal]), grip * shares)
+    """Thresholds of the exact tier at a contact, for `_cone_pushes`."""
+    return model.thresholds(*_cone_pushes(point, normal, grip), exact=True)
+
+
+@functools.lru_cache(maxsize=1024)
+def _exact_outcomes(
+    model: ObjectModel, point: Vector3, normal: Vector3, grip: float
+) -> NDArray[np.str_]:
+    """Classes of the same pushes."""
+    from objectmodels.mechanics.exact.exact_thresholds import exact_codes
+
+    return np.asarray(OUTCOMES[exact_codes(model, *_cone_pushes(point, normal, grip))])
+
+
+def _cone_pushes(point: Vector3, normal: Vector3, grip: float) -> tuple[Array, Array]:
+    """Contacts and directions of a force straight in, and of forces around the cone, (n, 3) each.
+
+    Without friction at the finger there is no cone.
+    """
+    around = circle_corners(_CONFIRMING) if grip else np.empty((0, 2))
+    forces = contact_forces(np.array([normal]), grip * np.vstack((np.zeros((1, 2)), around)))
     u = forces / np.linalg.norm(forces, axis=1, keepdims=True)
-    return model.thresholds(np.tile(point, (len(u), 1)), u, exact=True)
+    return np.tile(point, (len(u), 1)), u
 
 
 def margins(problem: PushProblem, step: PushStep, contact: Contact, force_limit: float) -> Margins:

@@ -32,17 +32,11 @@ from objectmodels.geometry.support_points import (
 from objectmodels.mechanics.exact.support_springs import Springs
 from objectmodels.mechanics.friction_limit import Limit, friction_limit
 from objectmodels.mechanics.push_outcomes import Thresholds, closed_form_thresholds
-from objectmodels.mechanics.push_thresholds import (
-    force_at,
-    push_axes,
-    push_moment,
-    ratio_at,
-    slide_threshold,
-    topple_threshold,
-    yaw_arm,
-)
+from objectmodels.mechanics.push_thresholds import force_at, push_axes, push_moment, ratio_at
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from objectmodels.geometry.pushed_body import Friction, PushedBody
 
 BORDER = 0.4
@@ -78,7 +72,7 @@ class ExactThresholds(Thresholds):
     """
 
     residual: Array
-    support: tuple[Array, Array, float] = field(repr=False)
+    support: Support = field(repr=False)
     coefficient: float
     motion: Array = field(repr=False)
     fitted: bool
@@ -117,36 +111,62 @@ class ExactThresholds(Thresholds):
 
 def exact_thresholds(model: PushedBody, p: Array, u: Array, friction: Friction) -> ExactThresholds:
     """See `ObjectModel.thresholds`, which checks its arguments."""
-    c, weight, mu = np.array(model.com), model.weight, model.friction_coefficient(friction)
-    points, weights = support_points(model.support, model.footprint)
-    scale = model.friction_radius / mean_distance(points, weights)
-    topple = topple_threshold(model.base, p, u, c, weight)
-    ellipsoid = slide_threshold(u, yaw_arm(p, u, c), mu, model.friction_radius, weight)
+    closed, support = closed_form_thresholds(model, p, u, friction), _support(model)
     slide, residual = np.full(len(p), np.inf), np.zeros(len(p))
     motion = np.full((2, len(p)), np.nan)
-    block = max(BLOCK // len(points), 1)
-    for start in range(0, len(p), block):
-        b = slice(start, start + block)
-        search = _Search(
-            model.base, Springs(points, weights), scale, mu, c[:2], p[b], u[b],
-            ratio_at(topple[b], u[b, 2], weight),
-        )  # fmt: skip
-        answer = search.first_slides(ratio_at(ellipsoid[b], u[b, 2], weight))
+    for b, search, guess in _searches(model, closed, support):
+        answer = search.first_slides(guess)
         r, residual[b], motion[:, b] = answer.ratio, answer.residual, answer.motion
         jams = 1.0 + np.where(np.isfinite(r), r, 0.0) * u[b, 2] <= 0.0
-        slide[b] = force_at(np.where(jams, np.inf, r), u[b, 2], weight)
+        slide[b] = force_at(np.where(jams, np.inf, r), u[b, 2], model.weight)
     return ExactThresholds(
         slide=slide,
-        topple=topple,
+        topple=closed.topple,
         friction=friction,
         push=(p, u),
-        body=(model.base, c, model.friction_radius, weight),
+        body=closed.body,
         residual=residual,
-        support=(points, weights, scale),
-        coefficient=mu,
+        support=support,
+        coefficient=model.friction_coefficient(friction),
         motion=motion,
         fitted=not isclose(model.friction_radius, friction_radius(model.support, model.footprint)),
     )
+
+
+def exact_codes(model: PushedBody, p: Array, u: Array) -> NDArray[np.uint8]:
+    """Classes of pushes as indices into `OUTCOMES`, shape (n,), without the forces: much faster.
+
+    Contacts and unit directions are (n, 3), as in `ObjectModel.thresholds`; those that come within
+    `UNDECIDED` of both thresholds topple.
+    """
+    closed = closed_form_thresholds(model, p, u)
+    code = np.where(np.isfinite(closed.topple), 2, 0).astype(np.uint8)
+    for b, search, guess in _searches(model, closed, _support(model)):
+        code[b][search.slide_first(guess)] = 1
+    return code
+
+
+Support = tuple[Array, Array, float]
+
+
+def _support(model: PushedBody) -> Support:
+    """See `ExactThresholds`."""
+    points, weights = support_points(model.support, model.footprint)
+    return points, weights, model.friction_radius / mean_distance(points, weights)
+
+
+def _searches(
+    model: PushedBody, closed: Thresholds, support: Support
+) -> Iterator[tuple[slice, _Search, Array]]:
+    """Blocks of pushes, the searches for them, and guesses of the load ratios."""
+    (p, u), (points, weights, scale) = closed.push, support
+    mu, c, weight = model.friction_coefficient(closed.friction), np.array(model.com), model.weight
+    block = max(BLOCK // len(points), 1)
+    for start in range(0, len(p), block):
+        b = slice(start, start + block)
+        tips, guess = (ratio_at(s[b], u[b, 2], weight) for s in (closed.topple, closed.slide))
+        springs = Springs(points, weights)
+        yield b, _Search(model.base, springs, scale, mu, c[:2], p[b], u[b], tips), guess
 
 
 @dataclass(frozen=True)
@@ -210,12 +230,27 @@ class _Search:
         """The first ratios at which the pushes slide, from guesses, shape (n,)."""
         n = len(guess)
         answer = Answer(np.full(n, np.inf), np.zeros(n), np.full((2, n), np.nan))
-        (i,) = np.nonzero((self.h > 0.0) & (self.last > 0.0) & np.isfinite(self.last))
+        i = self._movable()
         zero, last = np.zeros(i.size), self.last[i]
         self._solve_brackets(i, zero, last, np.minimum(guess[i], last), answer)
         lo, hi, earlier = self._earlier_brackets(i, np.minimum(answer.ratio[i], last))
         self._solve_brackets(i[earlier], lo, hi, 0.5 * (lo + hi), answer)
         return answer
+
+    def slide_first(self, guess: Array) -> NDArray[np.bool_]:
+        """Return True for pushes that slide before they topple, from guesses, shape (n,)."""
+        slides = np.zeros(len(guess), dtype=bool)
+        i = self._movable()
+        for at in (self.last[i], np.minimum(guess[i], self.last[i])):
+            excess, _, _ = self.friction_excess(at, i, sign=True)
+            slides[i] |= excess < -_PRECISE * self.h[i] * at
+        i = i[~slides[i]]
+        slides[i] = self._earlier_brackets(i, self.last[i])[2]
+        return slides
+
+    def _movable(self) -> Index:
+        """Pushes that may slide."""
+        return np.flatnonzero((self.h > 0.0) & (self.last > 0.0) & np.isfinite(self.last))
 
     def _solve_brackets(self, i: Index, lo: Array, hi: Array, at: Array, answer: Answer) -> None:
         """Newton's method inside brackets, where the push holds at the lower end.

@@ -118,9 +118,10 @@ def test_contacts_far_from_toppling_are_not_looked_at_again(
     room: float, looks: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     cone = SimpleNamespace(slide_margin=np.array([room * 4.0]), slide_max=np.array([4.0]))
-    contact: Any = SimpleNamespace(index=0, among=SimpleNamespace(fingers=1, cone=cone))
+    side = SimpleNamespace(face=SimpleNamespace(normal=(-1.0, 0.0, 0.0)))
+    among = SimpleNamespace(fingers=1, cone=cone, guarded=False, side=side)
+    contact: Any = SimpleNamespace(index=0, among=among, point=np.zeros(3))
     step = PushStep("slide", 0.0, 0.1)
-    topples = SimpleNamespace(outcome=np.array(["topple"]))
-    monkeypatch.setattr(outcome_prediction, "_thresholds_over_cone", lambda *_: topples)
-    problem: Any = None
+    monkeypatch.setattr(outcome_prediction, "_exact_outcomes", lambda *_: np.array(["topple"]))
+    problem: Any = SimpleNamespace(target=SimpleNamespace(model=LOPSIDED))
     assert confirm_with_exact_tier(problem, step, contact) == (not looks)
