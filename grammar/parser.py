@@ -98,7 +98,7 @@ def parser_for(names: Iterable[str]) -> Parser:
 @lru_cache(maxsize=8)
 def _parser_with(names: tuple[str, ...]) -> Parser:
     lexicon, _ = installed_lexicon()
-    return Parser(lexicon.extended(names=names))
+    return Parser(lexicon.with_words(names=names))
 
 
 @cache

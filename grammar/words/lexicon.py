@@ -140,7 +140,7 @@ class Lexicon:
             labels=data["labels"],
         )
 
-    def extended(
+    def with_words(
         self,
         *,
         verbs: Iterable[Mapping[str, Any]] = (),

@@ -36,7 +36,7 @@ def installed_lexicon() -> tuple[Lexicon, tuple[str, ...]]:
     lexicon, problems = default_lexicon(), []
     for point in sorted(entry_points(group=GROUP), key=lambda p: (_package_name(p), p.name)):
         try:
-            lexicon = lexicon.extended(**_plug_in_words(point.load()))
+            lexicon = lexicon.with_words(**_plug_in_words(point.load()))
         except Exception as error:  # a plug-in may fail in any way
             place = f"plug-in {point.name!r} of {_package_name(point)}"
             problems.append(f"{place}: {type(error).__name__}: {error}")

@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from nlcontrol.errors import error
 from nlcontrol.mcp import agent_documents as documents
 from nlcontrol.mcp.foreign_text import ForeignNames
-from nlcontrol.mcp.tool_answers import ToolAnswer, shortened
+from nlcontrol.mcp.tool_answers import ToolAnswer, short_text
 
 if TYPE_CHECKING:
     from nlcontrol.service.session_protocol import PlanningSession, Run
@@ -227,7 +227,7 @@ class AgentTool:
             taken = ", ".join(self.arguments.model_fields) or "none"
             raise error(
                 "bad_arguments",
-                f"“{shortened(where, 60)}”: {shortened(first['msg'], 120).lower()}",
+                f"“{short_text(where, 60)}”: {short_text(first['msg'], 120).lower()}",
                 suggestions=(f"`{self.name}` takes: {taken}",),
             ) from None
 

@@ -25,7 +25,7 @@ from nlcontrol.mcp.agent_documents import run_answer
 from nlcontrol.mcp.agent_tools import TOOLS, AgentTool, AgentTools, ExecuteArguments
 from nlcontrol.mcp.foreign_text import ForeignNames
 from nlcontrol.mcp.grammar_card import grammar_card
-from nlcontrol.mcp.tool_answers import ToolAnswer, error_answer, shortened
+from nlcontrol.mcp.tool_answers import ToolAnswer, error_answer, short_text
 
 if TYPE_CHECKING:
     from mcp.server.context import ServerRequestContext
@@ -158,7 +158,7 @@ async def _answer(
     if tool is None:
         raise error(
             "unknown_tool",
-            f"there is no tool “{shortened(name, 60)}”",
+            f"there is no tool “{short_text(name, 60)}”",
             suggestions=(f"tools: {', '.join(tool.name for tool in TOOLS)}",),
         )
     arguments = tool.read_arguments(given)
@@ -177,7 +177,7 @@ async def _awaited_answer(
         events = await to_thread.run_sync(partial(run.events, 0))
         while event := await to_thread.run_sync(_next_event, events, abandon_on_cancel=True):
             if event.event.kind != "force":
-                told = shortened(names.sentence_with_marks(event.event.text), 200)
+                told = short_text(names.sentence_with_marks(event.event.text), 200)
                 await context.session.report_progress(
                     event.number, message=f"{event.event.kind}: {told}"
                 )

@@ -21,7 +21,7 @@ MOST_BYTES = 2000
 MOST_SUMMARY = 300
 
 _DISPENSABLE = ("notes", "facts", "numbers", "from_others", "verdicts", "suggestions", "say")
-"""Parts that are shortened if there is no room for all, the first ones first."""
+"""Parts that are short_text if there is no room for all, the first ones first."""
 
 
 class ToolAnswer(BaseModel):
@@ -85,7 +85,7 @@ class ToolAnswer(BaseModel):
     def summary(self, names: ForeignNames) -> str:
         """The answer in some 300 characters: status, what decided, what would do instead."""
         head = f"{self.status} ({self.code})" if self.code else self.status
-        text = shortened(f"{head}: {names.sentence_with_marks(self.message)}", MOST_SUMMARY - 40)
+        text = short_text(f"{head}: {names.sentence_with_marks(self.message)}", MOST_SUMMARY - 40)
         if text[-1] not in ".?!…":
             text += "."
         return " ".join([text, *map(names.sentence_with_marks, self._next_steps())])
@@ -115,7 +115,7 @@ def error_answer(info: ErrorInfo) -> ToolAnswer:
     )
 
 
-def shortened(text: str, most: int) -> str:
+def short_text(text: str, most: int) -> str:
     """The text, cut at a word if it is longer than so many characters."""
     return text if len(text) <= most else f"{text[: most - 2].rsplit(' ', 1)[0]} …"
 
@@ -146,7 +146,7 @@ def _fitted(content: dict[str, Any]) -> dict[str, Any]:
     """The document with its dispensable parts halved until it fits; texts of any length are cut."""
     for key in ("message", "understood"):
         if key in content:
-            content[key] = shortened(content[key], 600)
+            content[key] = short_text(content[key], 600)
     for key in _DISPENSABLE:
         while content.get(key) and _size(content) > MOST_BYTES:
             whole = content[key]

@@ -67,7 +67,7 @@ def save_explanation(result: Result, path: Path) -> None:
             f"cannot draw a '{path.suffix}' file",
             suggestions=("use .png, .svg or .pdf",),
         )
-    rows, sheet = result.explained(), Sheet(_WIDTH)
+    rows, sheet = result.explanation_rows(), Sheet(_WIDTH)
     y = _sentence(sheet, result.text, rows, _EDGE + 0.1)
     became = "parameter of the controller" if result.plan else "what it became"
     for x, heading in ((_WORDS.x, "words"), (_FRAME.x, "frame"), (_PARAMETER.x, became)):

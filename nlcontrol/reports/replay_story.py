@@ -32,7 +32,7 @@ _BEGINS = ("touch", "grasp")  # phases with which the hand begins to touch what 
 
 def replay_story(result: Result) -> RunStory:
     """The story of a result that has a trace or a plan."""
-    rows = result.explained()
+    rows = result.explanation_rows()
     error = (f"{result.error.code}: {result.error.message}",) if result.error else ()
     return RunStory(
         title=result.text,

@@ -191,7 +191,7 @@ class Result(Document):
         """The result as one JSON document, in SI units; `nlcontrol schema` describes it."""
         return document_text(self.model_dump(mode="json"), indent)
 
-    def explained(self) -> tuple[Row, ...]:
+    def explanation_rows(self) -> tuple[Row, ...]:
         """The way of each word to frame and parameter; empty if nothing was understood."""
         from nlcontrol.reports.word_explanation import word_explanation
 

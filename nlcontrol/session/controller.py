@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from nlcontrol.session.conversation import Options
     from nlcontrol.session.events import Event
     from nlcontrol.session.frame_documents import Frames
-    from nlcontrol.session.proposals import Approved
+    from nlcontrol.session.proposals import Approval
     from planner.affordances import Affordance
     from planner.types.defaults import Defaults
     from planner.types.robot import FailedPush, Robot
@@ -373,7 +373,7 @@ class Controller:
         plan_only: bool = False,
         motion: Motion | None = None,
         progress: Progress | None = None,
-        approved: Approved | None = None,
+        approval: Approval | None = None,
     ) -> Result:
         """Does what a command says, as `say` does; see `nlcontrol.session.frame_execution`.
 
@@ -384,7 +384,7 @@ class Controller:
         result, supervisor = self.empty_result(command.text, command), Supervisor.of(progress)
         supervisor.tell("understood", command.paraphrase)
         try:
-            if approved is None:
+            if approval is None:
                 held = None if self.held is None else self.held.name
                 command = self.resolve(command, replace(context, held=held))
         except ControlError as raised:
@@ -396,5 +396,5 @@ class Controller:
             supervisor,
             plan_only=plan_only,
             motion=motion,
-            approved=approved,
+            approval=approval,
         )

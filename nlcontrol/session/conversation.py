@@ -27,7 +27,7 @@ from nlcontrol.session.events import FORCE_RATE, Supervisor
 from nlcontrol.session.follow_up_frames import nothing_before
 from nlcontrol.session.frame_documents import text_of
 from nlcontrol.session.frame_execution import status_of
-from nlcontrol.session.proposals import Approved, Intention, Proposal
+from nlcontrol.session.proposals import Approval, Intention, Proposal
 from nlcontrol.session.recipe import Deed
 from nlcontrol.session.turns import in_turn
 from nlcontrol.session.undo_frames import PastPush, WayBack, undo_frames, undo_text
@@ -151,12 +151,12 @@ class Conversation:
 
         After that it goes on as `say` does. The options are those of `say`.
         """
-        meant, approved = proposal.intention, proposal.approved
+        meant, approval = proposal.intention, proposal.approval
         assert meant is not None, "nothing was proposed"
         supervisor = self._supervisor(progress, stop, on_event, force_rate)
         deed = Deed(said=proposal.result.text, conversation=self._number, executes=proposal.number)
         return self._supervised(
-            deed, supervisor, lambda: self._do(meant, False, None, supervisor, approved)
+            deed, supervisor, lambda: self._do(meant, False, None, supervisor, approval)
         )
 
     def _supervisor(
@@ -230,7 +230,7 @@ class Conversation:
         plan_only: bool,
         motion: Motion | None,
         progress: Progress,
-        approved: Approved | None = None,
+        approval: Approval | None = None,
         *,
         proposed: bool = False,
     ) -> Result:
@@ -242,7 +242,7 @@ class Conversation:
             plan_only=plan_only,
             motion=motion,
             progress=progress,
-            approved=approved,
+            approval=approval,
         )
         if meant.back is not None:
             return self._remember_undoing(meant.undone, meant.back, result)

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from nlcontrol.session.controller import Controller
     from nlcontrol.session.events import Supervisor
     from nlcontrol.session.executor import Motion
-    from nlcontrol.session.proposals import Approved
+    from nlcontrol.session.proposals import Approval
 
 
 def run_command(
@@ -49,7 +49,7 @@ def run_command(
     *,
     plan_only: bool = False,
     motion: Motion | None = None,
-    approved: Approved | None = None,
+    approval: Approval | None = None,
 ) -> Result:
     """Does what a command says, frame after frame, up to the first that fails.
 
@@ -68,7 +68,7 @@ def run_command(
             result = _answer_question(controller, index, frame, result, supervisor)
         else:
             run = FrameRun(controller, index, frame, result, supervisor)
-            made = approved.made if approved is not None and approved.frame == index else None
+            made = approval.made if approval is not None and approval.frame == index else None
             result = run.run(plan_only, made)
         if result.error or result.status == "planned":
             break

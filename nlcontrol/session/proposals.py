@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Approved:
+class Approval:
     """The first plan of a command, which is carried out as it is.
 
     Attributes:
@@ -59,9 +59,9 @@ class Proposal:
     intention: Intention | None
 
     @property
-    def approved(self) -> Approved | None:
+    def approval(self) -> Approval | None:
         """The plan that is carried out first; None if a touch decides what comes next."""
         frame = self.result.steps[-1].frame
         if self.result.frames[frame].action == "explore":
             return None
-        return Approved(frame, self.result.plan or Reached())
+        return Approval(frame, self.result.plan or Reached())

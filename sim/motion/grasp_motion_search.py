@@ -130,7 +130,7 @@ class GraspMotionSearch:
         before, after = free_segments(self._handled, off, self._steps)
         self._legs = (before, *self._steps, after)
         ends = [WaySamples.along(legs) for legs in (before, after)]
-        self._way = WaySamples.joined([ends[0], self._carried, ends[1]])
+        self._way = WaySamples.of_ways([ends[0], self._carried, ends[1]])
         # Where it stands in the end, for the hand that lets go of it there.
         held = self._stood = self._hold.about
         if self._way.last.any():

@@ -54,10 +54,10 @@ class WaySamples:
             R_WB, p_WB = leg.poses_at(leg.sample_shares())
             free, last = (np.full(len(p_WB), x) for x in (leg.free, leg.phase == "retreat"))
             found.append(cls(R_WB, p_WB, free, last))
-        return cls.joined(found)
+        return cls.of_ways(found)
 
     @classmethod
-    def joined(cls, ways: Sequence[WaySamples]) -> WaySamples:
+    def of_ways(cls, ways: Sequence[WaySamples]) -> WaySamples:
         """Those of some ways, one after the other."""
         columns = ((way.R_WB, way.p_WB, way.free, way.last) for way in ways)
         return cls(*map(np.concatenate, zip(*columns, strict=True)))

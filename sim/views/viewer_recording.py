@@ -49,8 +49,8 @@ def scene_and_recording(trace: Trace, scene: Scene) -> tuple[dict[str, Any], dic
     }  # of objects among the bodies
     recording = {
         "times": [_since(trace, float(time)) for time in trace.time[at]],
-        "turns": packed(poses[:, :, :4], _PART),
-        "places": packed(poses[:, :, 4:], _LENGTH),
+        "turns": packed_series(poses[:, :, :4], _PART),
+        "places": packed_series(poses[:, :, 4:], _LENGTH),
         "liquid": _liquid(trace, scene, at, places),
         "phases": _phases(trace),
         "touches": _touches(trace),
@@ -62,7 +62,7 @@ def scene_and_recording(trace: Trace, scene: Scene) -> tuple[dict[str, Any], dic
     return viewer_scene(scene, stage.model), recording
 
 
-def packed(values: Array, step: float) -> dict[str, Any]:
+def packed_series(values: Array, step: float) -> dict[str, Any]:
     """Numbers over time, shape (n, …): for each place in the rest a row of n differences."""
     steps = np.clip(np.rint(np.asarray(values, float) / step), -32768, 32767).astype("<i2")
     rows = np.moveaxis(steps, 0, -1).reshape(-1, len(steps))
@@ -167,8 +167,8 @@ def _force(trace: Trace, at: list[int]) -> dict[str, Any]:
         label, felt = "", np.zeros(len(trace.time))
     return {
         "label": label,
-        "felt": packed(felt[at], _FORCE),
-        "limit": packed(np.where(pushed, trace.force_limit, 0.0)[at], _FORCE),
+        "felt": packed_series(felt[at], _FORCE),
+        "limit": packed_series(np.where(pushed, trace.force_limit, 0.0)[at], _FORCE),
     }
 
 
@@ -189,8 +189,8 @@ def _fingers(trace: Trace, at: list[int]) -> list[dict[str, Any]]:
         pressing = _sizes(force) > _FELT
         told.append({
             "name": name,
-            "places": packed(trace.tips[name][at], _LENGTH),
-            "forces": packed(np.where(pressing[:, None], force, 0.0), _FORCE),
+            "places": packed_series(trace.tips[name][at], _LENGTH),
+            "forces": packed_series(np.where(pressing[:, None], force, 0.0), _FORCE),
         })  # fmt: skip
     return told
 

@@ -99,7 +99,7 @@ class SceneBodies:
         stage.put(joints, sample.poses, sample.lids, sample.lid_poses)
         rows = body_poses(stage.model, self._bodies, stage.plant_context)
         return {
-            body_name(body): tuple(rounded(row))
+            body_name(body): tuple(rounded_values(row))
             for body, row in zip(self._bodies, rows, strict=True)
         }
 
@@ -174,8 +174,8 @@ def _drawn(inspector: SceneGraphInspector, geometry: GeometryId) -> dict[str, An
     colour = properties.GetPropertyOrDefault("phong", "diffuse", Rgba(0.8, 0.8, 0.8, 1.0))
     return {
         "name": inspector.GetName(geometry).rpartition("::")[2],
-        "pose": rounded(pose_row(inspector.GetPoseInFrame(geometry))),
-        "colour": rounded(np.array([colour.r(), colour.g(), colour.b(), colour.a()])),
+        "pose": rounded_values(pose_row(inspector.GetPoseInFrame(geometry))),
+        "colour": rounded_values(np.array([colour.r(), colour.g(), colour.b(), colour.a()])),
         **_form(inspector.GetShape(geometry)),
     }
 
@@ -186,7 +186,7 @@ def _form(shape: Shape) -> dict[str, Any]:
 
     match shape:
         case Box():
-            return {"kind": "box", "size": rounded(shape.size())}
+            return {"kind": "box", "size": rounded_values(shape.size())}
         case Sphere():
             return {"kind": "sphere", "radius": shape.radius()}
         case Cylinder() | Capsule():
@@ -195,10 +195,14 @@ def _form(shape: Shape) -> dict[str, Any]:
     hull = shape.GetConvexHull()
     corners = np.array([hull.vertex(i) for i in range(hull.num_vertices())])
     corners, faces = triangles([corners])
-    return {"kind": "mesh", "corners": rounded(corners.ravel()), "faces": faces.ravel().tolist()}
+    return {
+        "kind": "mesh",
+        "corners": rounded_values(corners.ravel()),
+        "faces": faces.ravel().tolist(),
+    }
 
 
-def rounded(values: Array) -> list[float]:
+def rounded_values(values: Array) -> list[float]:
     """Numbers as a document has them, to the hundredth of a millimetre."""
     listed: list[float] = np.round(values, 5).tolist()
     return listed

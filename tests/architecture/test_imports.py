@@ -8,7 +8,7 @@ import pytest
 
 from tests.architecture.product import Imports, circles, imports, modules, room, tree
 
-# `Result.report()` and `.explained()` make a report of the result, with an import inside.
+# `Result.report()` and `.explanation_rows()` make a report of the result, with an import inside.
 ALLOWED = {("nlcontrol.results.result", "nlcontrol.reports")}
 
 MOST_MODULES_OF_A_TYPING_CIRCLE = 3

@@ -42,6 +42,11 @@ class OpenPage:
         found.wait("document.documentElement.dataset.ready === 'true'")
         return found
 
+    def say(self, text: str) -> None:
+        """Types a sentence and sends it off."""
+        self.page.fill("#say", text)
+        self.page.press("#say", "Enter")
+
     def ask(self, expression: str) -> Any:
         """The value of an expression in the page."""
         return self.page.evaluate(expression)

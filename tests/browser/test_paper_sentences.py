@@ -31,8 +31,7 @@ def opened(browser: Browser, server: ServerProcess) -> OpenPage:
 
 @pytest.mark.parametrize("sentence", SENTENCES)
 def test_a_sentence_comes_to_its_verdict(opened: OpenPage, sentence: str) -> None:
-    opened.page.fill("#say", sentence)
-    opened.page.press("#say", "Enter")
+    opened.say(sentence)
     # A pour is simulated no faster than the clock, beside a view that is drawn in software.
     opened.wait(f"page.state.get('result')?.text === {sentence!r}", patience=400.0)
     opened.wait("document.querySelectorAll('#run li').length > 0")

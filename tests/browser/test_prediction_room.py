@@ -31,8 +31,7 @@ def opened(browser: Browser, server: ServerProcess) -> OpenPage:
 
 def say(opened: OpenPage, text: str) -> None:
     """Says a sentence, and waits for its offer."""
-    opened.page.fill("#say", text)
-    opened.page.press("#say", "Enter")
+    opened.say(text)
     opened.wait(f"{OFFER}?.result.text === {text!r}")
 
 

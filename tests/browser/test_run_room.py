@@ -31,8 +31,7 @@ def opened(browser: Browser, server: ServerProcess) -> OpenPage:
 def say(opened: OpenPage, text: str) -> None:
     """Says a sentence, which is done at once."""
     opened.ask("page.state.set({ mode: 'at_once' })")
-    opened.page.fill("#say", text)
-    opened.page.press("#say", "Enter")
+    opened.say(text)
 
 
 def test_a_run_is_seen_while_it_happens_and_goes_on_after_a_reload(opened: OpenPage) -> None:

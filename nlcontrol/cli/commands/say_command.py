@@ -202,7 +202,7 @@ def _answer_sentence(
         result = controller.say(said, motion=motion, progress=narrate, on_event=on_event, stop=stop)
     files = _write_files(controller, result, wanted, explain=explain, told=told)
     result = result.model_copy(
-        update={"files": files, "explanation": result.explained() if explain else None}
+        update={"files": files, "explanation": result.explanation_rows() if explain else None}
     )
     if as_json:
         print_json(result.model_dump(mode="json"))
@@ -220,7 +220,7 @@ def _print_result(result: Result, files: dict[str, str], *, explain: bool) -> No
     elif result.error:
         for line in error_lines(result.error, result.text):
             click.echo(line, err=True)
-    if explain and (rows := result.explained()):
+    if explain and (rows := result.explanation_rows()):
         from nlcontrol.reports.word_explanation import table
 
         click.echo()

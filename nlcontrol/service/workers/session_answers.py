@@ -94,4 +94,4 @@ def _understanding(session: PlanningSession, said: str | Frames) -> Understandin
 
 def _explained(result: Result) -> Result:
     """The result with the way of its words to parameters."""
-    return result_with(result, explanation=result.explained())
+    return result_with(result, explanation=result.explanation_rows())

@@ -211,7 +211,7 @@ def test_adjectives_tell_qualities_of_the_contract() -> None:
 
 
 def test_plug_in_adds_words() -> None:
-    lexicon = LEXICON.extended(
+    lexicon = LEXICON.with_words(
         verbs=[{"says": ["scoot"], "action": "slide", "goal": "displace"}],
         terminals={"DIRECTION": {"left": ["portside"]}},
         adjectives={"red": ["crimson"]},
@@ -230,7 +230,7 @@ def test_plug_in_adds_names_whose_words_mean_something_else() -> None:
     # "Hard" is a manner; behind an object it would say how to push.
     with pytest.raises(ParseError):
         parse("push the disk next to hard drive")
-    read = Parser(LEXICON.extended(names=["Hard-Drive"])).parse
+    read = Parser(LEXICON.with_words(names=["Hard-Drive"])).parse
     for text in ("push hard drive away", "push the hard drive away", "PUSH THE HARD-DRIVE AWAY"):
         (frame,) = read(text).frames
         assert frame.object is not None
@@ -243,7 +243,7 @@ def test_plug_in_adds_names_whose_words_mean_something_else() -> None:
 
 def test_plug_in_may_say_again_what_is_known() -> None:
     more = {"verbs": [{"says": ["push"], "action": "push", "goal": "displace"}]}
-    assert LEXICON.extended(**more) == LEXICON  # type: ignore[arg-type]
+    assert LEXICON.with_words(**more) == LEXICON  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
@@ -259,7 +259,7 @@ def test_plug_in_may_say_again_what_is_known() -> None:
 )
 def test_plug_in_cannot_change_meanings(more: dict[str, Any], why: str) -> None:
     with pytest.raises(ValueError, match=why):
-        LEXICON.extended(**more)
+        LEXICON.with_words(**more)
 
 
 def test_lexicon_is_read_from_its_file(tmp_path: Path) -> None:

@@ -189,11 +189,11 @@ def test_names_that_are_read_anyway_take_the_parser_that_there_is() -> None:
 )
 def test_words_that_could_mean_nothing_are_refused(words: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match=r"[Ff]ling|northwards|To The North|furlong"):
-        default_lexicon().extended(**words)
+        default_lexicon().with_words(**words)
 
 
 def test_unit_of_a_plug_in() -> None:
-    lexicon = default_lexicon().extended(terminals={"LENGTH_UNIT": {"0.1016": ["hands"]}})
+    lexicon = default_lexicon().with_words(terminals={"LENGTH_UNIT": {"0.1016": ["hands"]}})
     (frame,) = Parser(lexicon).parse("push the box away two hands").frames
     assert frame.goal.model_dump()["distance"] == pytest.approx(2 * 0.1016)  # rounding alone
 

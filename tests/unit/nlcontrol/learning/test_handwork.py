@@ -239,7 +239,7 @@ def test_what_was_lifted_stays_in_the_hand() -> None:
     true = _true_mass(conversation.controller)
     assert conversation.controller.models["ice tea"].mass == pytest.approx(true, rel=0.05)
     assert lesson.moved == "lift"
-    rows = {row.parameter: row.value for row in result.explained()}
+    rows = {row.parameter: row.value for row in result.explanation_rows()}
     assert rows["controller"] == "with the whole hand: lift up"
     assert rows["height"] == "100 mm"
     refused = conversation.say("push the coffee box away")

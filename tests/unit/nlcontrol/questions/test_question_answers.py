@@ -501,7 +501,7 @@ def test_a_question_before_a_command(kitchen: Controller, monkeypatch: pytest.Mo
     result = kitchen.say("how heavy is it? push it", plan_only=True)
     assert (result.status, result.planned) == ("planned", 1)
     assert result.answer is not None
-    assert any(row.field.startswith("action") for row in result.explained())
+    assert any(row.field.startswith("action") for row in result.explanation_rows())
 
 
 @pytest.mark.parametrize("command", ["say", "plan"])

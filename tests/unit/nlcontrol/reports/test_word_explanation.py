@@ -32,11 +32,11 @@ def kitchen() -> Controller:
 
 
 def _row(result: Result, words: str) -> Row:
-    return next(row for row in result.explained() if row.words == words)
+    return next(row for row in result.explanation_rows() if row.words == words)
 
 
 def _values(result: Result) -> dict[str, str]:
-    return {row.parameter: row.value for row in result.explained()}
+    return {row.parameter: row.value for row in result.explanation_rows()}
 
 
 @pytest.mark.slow
@@ -64,13 +64,13 @@ def test_only_words_without_meaning_are_left_over() -> None:
 def test_fillers_are_listed_once_and_without_punctuation(kitchen: Controller) -> None:
     text = "Please, push the ice tea box away; then push the coffee box away."
     result = kitchen.say(text, plan_only=True)
-    assert filler(result.explained()) == "no meaning of their own: please, the, then"
-    assert table(result.explained()).endswith("no meaning of their own: please, the, then")
+    assert filler(result.explanation_rows()) == "no meaning of their own: please, the, then"
+    assert table(result.explanation_rows()).endswith("no meaning of their own: please, the, then")
 
 
 def test_steps_that_are_not_planned_show_their_frames(kitchen: Controller) -> None:
     result = kitchen.say("push the ice tea box away, then topple the cereal box", plan_only=True)
-    (first, planned), (second, rest) = steps(result.explained())
+    (first, planned), (second, rest) = steps(result.explanation_rows())
     assert (first, second) == ("Step 1", "Step 2, not planned")
     assert {row.frame for row in planned} == {0}
     assert [row.value for row in rest] == ["not planned", "", ""]
@@ -80,14 +80,14 @@ def test_steps_that_are_not_planned_show_their_frames(kitchen: Controller) -> No
 
 def test_a_length_in_objects_shows_its_metres(kitchen: Controller) -> None:
     result = kitchen.say("push the ice tea box twice its width away", plan_only=True)
-    row = next(row for row in result.explained() if row.parameter == "distance")
+    row = next(row for row in result.explanation_rows() if row.parameter == "distance")
     assert (row.words, row.value) == ("twice its width away", "180 mm")  # 2 × 90 mm
 
 
 def test_a_refused_clause_bears_the_reason_and_its_numbers(kitchen: Controller) -> None:
     result = kitchen.say("push the ice tea box at the top without toppling it", plan_only=True)
     assert result.status == "refused"
-    marked = [row for row in result.explained() if row.problem]
+    marked = [row for row in result.explanation_rows() if row.problem]
     assert [(row.words, row.part) for row in marked] == [("at the top", "constraint")]
     assert "153 mm" in marked[0].value
     assert "119 mm" in marked[0].value
@@ -107,7 +107,7 @@ def test_what_stops_a_sentence_is_marked(
     kitchen: Controller, sentence: str, words: str, parameter: str
 ) -> None:
     result = kitchen.say(sentence, plan_only=True)
-    (marked,) = [row for row in result.explained() if row.problem]
+    (marked,) = [row for row in result.explanation_rows() if row.problem]
     assert words in marked.words
     assert marked.parameter == parameter
     assert result.error is not None
@@ -148,7 +148,7 @@ def test_the_number_that_answers(
 
 
 def test_an_unanswered_question(kitchen: Controller) -> None:
-    rows = kitchen.say("why?").explained()
+    rows = kitchen.say("why?").explanation_rows()
     assert [row.value for row in rows] == ["not answered", "nothing was said or done yet"]
 
 
@@ -163,19 +163,19 @@ def test_what_was_said_before_has_no_words_here(kitchen: Controller) -> None:
     talk.say("push the ice tea box 5 cm away", plan_only=True)
     result = talk.say("again", plan_only=True)
     assert result.status == "planned"
-    first, *others = groups(result.explained())
+    first, *others = groups(result.explanation_rows())
     assert first.words == "again"
     assert not any(group.words for group in others)
 
 
 def test_a_result_read_from_json_keeps_its_explanation(kitchen: Controller) -> None:
     result = kitchen.say("push the ice tea box away", plan_only=True)
-    explained = result.model_copy(update={"explanation": result.explained()})
+    explained = result.model_copy(update={"explanation": result.explanation_rows()})
     again = Result.model_validate_json(explained.to_json())
-    assert again.explained() == result.explained()
+    assert again.explanation_rows() == result.explanation_rows()
     bare = Result.model_validate_json(result.to_json())
-    assert not re.search("not planned", table(bare.explained()))
+    assert not re.search("not planned", table(bare.explanation_rows()))
 
 
 def test_nothing_understood_is_nothing_explained(kitchen: Controller) -> None:
-    assert kitchen.say("boil two eggs").explained() == ()
+    assert kitchen.say("boil two eggs").explanation_rows() == ()

@@ -114,6 +114,7 @@ def test_an_idle_session_is_closed() -> None:
     settings = ServiceSettings(workers=1, planners=1, idle_time=1.0)
     with PlanningService(settings) as service:
         service.open_session(SessionSpec())
+        assert len(service.sessions()) == 1
         wait_until(lambda: not service.sessions())
 
 

@@ -31,4 +31,5 @@ def test_a_stroke_that_comes_to_it_within_half_the_tolerance_is_planned() -> Non
 
 def test_at_most_a_speed_asks_for_none() -> None:
     state = world(ice_tea_box=PlanarPose(0.5, 0.0, 0.0))
-    planned("push the ice tea box 3 cm away no faster than 8 cm/s", state)
+    made = planned("push the ice tea box 3 cm away no faster than 8 cm/s", state)
+    assert made.push.speed <= 0.08

@@ -1,4 +1,4 @@
-"""A trace as a viewer plays it: what is packed is what was recorded."""
+"""A trace as a viewer plays it: what is packed_series is what was recorded."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from sim import load_scene
 from sim.rotations import from_quaternion
 from sim.truth.scene_file import Scene
-from sim.views.viewer_recording import packed, scene_and_recording
+from sim.views.viewer_recording import packed_series, scene_and_recording
 from tests.fakes.pushed_trace import DURATION, FORCE, PHASES, pushed_trace
 
 BOX = "ice tea box"
@@ -36,14 +36,14 @@ def recorded(scene: Scene) -> tuple[dict[str, Any], dict[str, Any]]:
 
 def test_packing_keeps_values_to_half_a_step() -> None:
     values = np.random.default_rng(0).uniform(-3.2, 3.2, (50, 4, 3))
-    rows = _unpacked(packed(values, 1e-4))
+    rows = _unpacked(packed_series(values, 1e-4))
     np.testing.assert_allclose(rows, values.reshape(50, 12).T, atol=0.51e-4)
 
 
 def test_what_is_out_of_range_stays_at_its_end() -> None:
-    assert _unpacked(packed(np.array([[1.0], [-9.0], [1.0]]), 1e-4))[0].tolist() == pytest.approx(
-        [1.0, -3.2768, 1.0]
-    )
+    assert _unpacked(packed_series(np.array([[1.0], [-9.0], [1.0]]), 1e-4))[
+        0
+    ].tolist() == pytest.approx([1.0, -3.2768, 1.0])
 
 
 def test_bodies_are_where_the_trace_says(
