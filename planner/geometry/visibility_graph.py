@@ -69,7 +69,8 @@ def shortest_detour(
         )
         if any(abs(math.remainder(heading - h, math.tau)) < 1e-6 for h in headings)
     }  # fmt: skip
-    return _cheapest_path(lines, free, here, there, steps, turn_cost)
+    plain = [line.tolist() for line in lines]
+    return _cheapest_path(plain, free.tolist(), here, there, steps, turn_cost)
 
 
 def _square_headings(headings: tuple[float, ...]) -> tuple[float, float]:
@@ -111,8 +112,8 @@ def _free_places(
 
 
 def _cheapest_path(
-    lines: list[Array],
-    free: NDArray[np.bool_],
+    lines: list[list[float]],
+    free: list[list[bool]],
     here: tuple[int, int],
     there: tuple[int, int],
     steps: Mapping[float, tuple[int, int]],
@@ -121,8 +122,7 @@ def _cheapest_path(
     """The cheapest way over the grid; the start itself need not be free."""
 
     def remaining_way(at: tuple[int, int]) -> float:
-        ways = [abs(line[i] - line[k]) for line, i, k in zip(lines, at, there, strict=True)]
-        return float(sum(ways))
+        return sum(abs(line[i] - line[k]) for line, i, k in zip(lines, at, there, strict=True))
 
     best: dict[tuple[int, int, float], float] = {}
     # Estimate, cost, number of legs, place, heading of the last leg, legs as a linked list.
@@ -135,9 +135,9 @@ def _cheapest_path(
             return _joined_legs(way)
         for next_heading, (di, dj) in steps.items():
             i, j = at[0] + di, at[1] + dj
-            if not (0 <= i < free.shape[0] and 0 <= j < free.shape[1] and free[i, j]):
+            if not (0 <= i < len(free) and 0 <= j < len(free[i]) and free[i][j]):
                 continue
-            length = abs(float(lines[0][i] - lines[0][at[0]] + lines[1][j] - lines[1][at[1]]))
+            length = abs(lines[0][i] - lines[0][at[0]] + lines[1][j] - lines[1][at[1]])
             turns = next_heading != heading
             if legs + turns > MOST_LEGS:
                 continue

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from objectmodels import BoxModel, CylinderModel, Polygon, Registry
-from objectmodels.mechanics.exact.exact_thresholds import ExactThresholds
+from objectmodels.mechanics.exact.exact_thresholds import ExactThresholds, exact_codes
 from objectmodels.mechanics.exact.support_springs import Springs
 from objectmodels.mechanics.friction_limit import friction_limit
 
@@ -91,6 +91,17 @@ def test_bounds_meet_at_the_limit(seed: int) -> None:
     np.testing.assert_allclose((n * found.across_i).sum(axis=0), 0.0, atol=1e-9)
     moment = (n * (along * found.across_i - left * found.along_i)).sum(axis=0)
     np.testing.assert_allclose(moment, 0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["ice tea box", "mug", "tea tin"])
+def test_classes_alone_are_those_of_the_thresholds(name: str) -> None:
+    model, rng = Registry.built_in().get(name), np.random.default_rng(0)
+    p = np.array(model.extents) * rng.uniform([-0.5, -0.5, 0.2], [0.5, 0.5, 1.0], (60, 3))
+    u = rng.normal(size=(60, 3)) * [1.0, 1.0, 0.3]
+    u /= np.linalg.norm(u, axis=1, keepdims=True)
+    codes = model.thresholds(p, u, exact=True).code
+    assert {1, 2} <= {*codes.tolist()}
+    np.testing.assert_array_equal(exact_codes(model, p, u), codes)
 
 
 @given(st.integers(0, 2**32 - 1))
