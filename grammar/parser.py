@@ -5,18 +5,19 @@ The parser is built with the first sentence and kept.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from contextlib import suppress
 from functools import cache, lru_cache
 
 from grammar.clauses.frame_builder import frames_of
 from grammar.errors import ParseError
-from grammar.frames.command import Command, Frame
+from grammar.frames.command import Command, Frame, Span
 from grammar.paraphrasing.clause_wording import Phrasing
 from grammar.paraphrasing.command_wording import paraphrase
 from grammar.phrases.lalr_parser import LalrParser, Tree, UnexpectedTokenError, parse_table
 from grammar.phrases.tree_transform import parts_of
-from grammar.syntax_diagnosis import diagnose
+from grammar.syntax_diagnosis import diagnose, require_clear
 from grammar.words.asides import Asides
 from grammar.words.lexicon import Lexicon
 from grammar.words.lexicon_plugins import installed_lexicon
@@ -25,6 +26,9 @@ from grammar.words.phrase_lexer import PhraseLexer
 
 _OF_WORDS = ("unexpected_words", "does_not_apply", "several_objects", "missing_unit", "said_twice")
 """Errors about some words, before which there may be a whole sentence."""
+
+
+_OFFERED = re.compile(r'^(?:to have it done|to ask): "(.+)"$')
 
 
 class Parser:
@@ -52,7 +56,34 @@ class Parser:
         try:
             return self._command(text)
         except ParseError as error:
-            raise self._with_what_was_understood(error, text) from None
+            raise self._with_what_is_read(self._cause_of(error, text), text) from None
+
+    def _cause_of(self, error: ParseError, text: str) -> ParseError:
+        """The error; of an unclear question, what is wrong with it as a command too."""
+        try:
+            if error.code == "unsupported_question":
+                self._command(text.rstrip(" ?"))
+        except ParseError as cause:
+            return cause
+        return error
+
+    def _with_what_is_read(self, error: ParseError, text: str) -> ParseError:
+        """The error, of whose sentences and quantities only those are offered that are read."""
+        if error.code == "missing_unit" and error.span is not None:
+            tried = {s: _with_quantity(text, s, error.span) for s in error.suggestions}
+        else:
+            tried = {s: said[1] for s in error.suggestions if (said := _OFFERED.search(s))}
+        unread = {s for s, sentence in tried.items() if not self._is_read(sentence)}
+        left = tuple(s for s in error.suggestions if s not in unread)
+        error.suggestions = left or error.suggestions
+        return self._with_what_was_understood(error, text)
+
+    def _is_read(self, text: str) -> bool:
+        try:
+            self._command(text)
+        except ParseError:
+            return False
+        return True
 
     def _with_what_was_understood(self, error: ParseError, text: str) -> ParseError:
         """The error, and as a suggestion the sentence up to it, where that alone would do."""
@@ -67,6 +98,7 @@ class Parser:
         if not sentence.text:
             thanks = Frame(dialogue="thank", spans=sentence.asides)
             return Command(text=text, frames=(thanks,), paraphrase="thank you")
+        require_clear(sentence, self.lexicon)
         parts = parts_of(self._parse_tree(sentence), self.lexicon, sentence)
         frames = frames_of(parts, self.lexicon, sentence)
         try:
@@ -82,6 +114,13 @@ class Parser:
             return self._lalr.parse(sentence.text)
         except UnexpectedTokenError as error:
             raise diagnose(error, sentence, self.lexicon) from None
+
+
+def _with_quantity(text: str, quantity: str, span: Span) -> str:
+    """A text with a quantity in the place of its number, the last one up to a span."""
+    number = quantity.partition(" ")[0]
+    start = max(text.rfind(number, 0, span[1]), 0)
+    return text[:start] + quantity + text[start + len(number) :]
 
 
 def parser_for(names: Iterable[str]) -> Parser:

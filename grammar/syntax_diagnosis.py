@@ -21,12 +21,30 @@ _SHORT = 2
 """Words of so few letters are like too many others."""
 
 _UNITS = {"LENGTH_UNIT": "cm", "ANGLE_UNIT": "degrees", "FORCE_UNIT": "N", "SPEED_UNIT": "cm/s",
-          "TIME_UNIT": "seconds"}  # fmt: skip
+          "TIME_UNIT": "seconds", "VOLUME_UNIT": "ml"}  # fmt: skip
 _JOINING = frozenset({"of", "to", "in", "on", "at", "from", "with", "by", "for", "into", "onto"})
 """Words that say nothing by themselves; an error is about the phrase that they begin."""
 
 _WORD = re.compile(r"[^ ]+")
 _TAKEN_BY = re.compile(r"\bby (?:its|the) [^ ]+")
+
+
+def require_clear(sentence: Normalised, lexicon: Lexicon) -> None:
+    """Refuses phrases of no clear meaning, whatever their words may be read as.
+
+    Raises:
+        ParseError: `unexpected_words`.
+    """
+    for phrase in lexicon.vague:
+        start = f" {sentence.text} ".find(f" {phrase} ")
+        if " " in phrase and start >= 0 and '"' not in sentence.text:
+            span = sentence.original_span(start, start + len(phrase))
+            raise _vague_error(phrase, span, lexicon)
+
+
+def _vague_error(phrase: str, span: Span, lexicon: Lexicon) -> ParseError:
+    instead = tuple(f'say "{known}"' for known in lexicon.vague[phrase])
+    return ParseError("unexpected_words", f'"{phrase}" may mean several things', span, instead)
 
 
 def diagnose(error: UnexpectedTokenError, sentence: Normalised, lexicon: Lexicon) -> ParseError:
@@ -38,8 +56,7 @@ def diagnose(error: UnexpectedTokenError, sentence: Normalised, lexicon: Lexicon
     if word.startswith('"'):
         return _no_object_error(span)
     if not at_end and word in lexicon.vague:
-        instead = tuple(f'say "{known}"' for known in lexicon.vague[word])
-        return ParseError("unexpected_words", f'"{word}" may mean several things', span, instead)
+        return _vague_error(word, span, lexicon)
     if "VERB" in accepts and not at_end:
         missing = _missing_verb_error(start, word, span, sentence, lexicon)
         if missing is not None:

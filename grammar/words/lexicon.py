@@ -77,7 +77,7 @@ class Lexicon:
         numbers: words that number words are made of.
         later_verbs: verbs that are known but not read.
         later_words: words that begin phrases which are not read.
-        vague: words of no clear meaning → what to say instead.
+        vague: words and phrases of no clear meaning → what to say instead.
         contractions: contracted word → spelled out.
         asides: where words stand that change nothing → templates of them.
         labels: terminal → how a message names it.
