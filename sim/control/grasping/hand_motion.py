@@ -7,7 +7,9 @@ does not sag in the hand. Every arm pose on the way is kept, since the way back 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections import deque
+from collections.abc import Iterable, Iterator
+from itertools import chain, repeat
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -34,6 +36,7 @@ WINDING = 10.0
 ACCELERATES = 0.35
 """Time in which a leg comes to its speed [s]."""
 
+_SWINGS = 0.25  # period with which what is carried swings on the springs of arm and hand [s]
 _SWING_SPEED = 0.5  # of the arm's joints together, near objects [rad/s]
 _SWING_STEP = 0.02  # between arm poses that are kept for the way back [rad]
 _PRESSES = 2.0  # force down on what is held at which it stands on something [N]
@@ -141,7 +144,10 @@ class HandMotion:
             EarlyEndError: a guard stopped it.
         """
         made = 0.0
-        for share in self._shares(1.0, leg.share_rate):
+        shares = self._shares(1.0, leg.share_rate)
+        if leg.phase == "carry":
+            shares = _running_means(shares, round(_SWINGS / self._port.period))
+        for share in shares:
             self.reach(leg, share)
             made = share
             if self._sense.weight < until:
@@ -212,3 +218,11 @@ class HandMotion:
             period=self._port.period,
         ):
             yield float(share)
+
+
+def _running_means(shares: Iterable[float], steps: int) -> Iterator[float]:
+    """Shares of a way from rest at 0 to rest at 1, each averaged with those before it."""
+    last = deque([0.0] * steps, maxlen=steps)
+    for share in chain(shares, repeat(1.0, steps)):
+        last.append(share)
+        yield sum(last) / steps
