@@ -24,7 +24,7 @@ from planner.problem.tilt_goals import almost_tips, spill_tilt
 from planner.refusals.refusal_builder import no_plan, not_capable, unsupported_while
 from planner.types.actions import Aim
 from planner.types.refusal import NoPlanError
-from planner.types.speed_profile import LIFT_SPEED
+from planner.types.speed_profile import LIFT_SPEED, reached_speed
 
 
 @dataclass(frozen=True)
@@ -238,7 +238,11 @@ def _limit_speed(problem: PlanningProblem[GoalT], speed: float) -> PlanningProbl
 def _at_speed(problem: PushProblem, speed: float, spans: g.Spans) -> PushProblem:
     most = problem.defaults.speed_most
     if speed > most:
-        raise _too_fast(speed, most, "objects keep to the fingertips up to", spans)
+        what, goal = "objects keep to the fingertips up to", problem.goal
+        if goal.aims and not goal.rotates and reached_speed(most, goal.distance) < most:
+            what = f"over {1e3 * goal.distance:.0f} mm the fingertips come to"
+            most = reached_speed(most, goal.distance)
+        raise _too_fast(speed, most, what, spans)
     motion = replace(problem.motion, speed=speed)
     return replace(problem.without_default("speed"), motion=motion)
 
