@@ -6,8 +6,7 @@ are said in full: "push the ice tea box away by 69 cm". What the language has no
 to people.
 
 Each sentence is planned before it is offered, from where things were seen last. Where there is no
-plan for it, or nothing is suggested that could be said, a smaller amount is looked for; where that
-does not do either, the clause that is refused is left out.
+plan for it, or nothing is suggested that could be said, a smaller amount is looked for.
 """
 
 from __future__ import annotations
@@ -120,23 +119,12 @@ def result_with_corrections(
             if found[suggestion] == said:
                 as_suggested |= {suggestion, said}
     if frames and result.status in ("refused", "unsupported") and not any(found.values()):
-        found[""] = _last_resort(controller, stop, frames, info.span)
+        found[""] = trials.sentence_with_less(tuple(map(without_spans, frames)))
     say = tuple(dict.fromkeys(filter(None, found.values())))[:MOST]
     kept = [each for each in info.suggestions if each not in found or each in as_suggested]
     better = [f"say “{said}”" for said in say if said not in as_suggested]
     changes = {"say": say, "suggestions": tuple(better + kept) or info.suggestions}
     return result_with(result, error=info.model_copy(update=changes))
-
-
-def _last_resort(
-    controller: Speaker, stop: StopToken | None, frames: Frames, span: Span | None
-) -> str | None:
-    """A sentence without the clause that is refused, else with a smaller amount."""
-    trials = _Trials(controller, stop)
-    for rest in _without_words(frames, span) if span else ():
-        if said := trials.sentence(rest, chain=0):
-            return said
-    return trials.sentence_with_less(tuple(map(without_spans, frames)))
 
 
 def _offers(

@@ -12,6 +12,7 @@ from nlcontrol import Controller
 from nlcontrol.session.conversation import Conversation
 from nlcontrol.session.corrected_sentences import BEFORE, LEFT_OUT, REMARKS
 from planner.refusals.sentences import SENTENCES
+from planner.types.defaults import DEFAULTS
 
 REFUSED = {
     "push the ice tea box 3 m away": "push the ice tea box away by 69 cm",
@@ -22,7 +23,7 @@ REFUSED = {
     "topple the ice tea box at the bottom": "at the top",
     "push the ice tea box away at the top without tilting it": "at the bottom",
     "turn the ice tea box by 90 degrees with two fingers": "with one finger",
-    "lift the ice tea with at most 0.1 N": "with at most 3 N",
+    "lift the ice tea with at most 0.1 N": "with at most 4 N",
     "put the mug at the left edge in at most 2 s": "put the mug to the left edge",
     "push the ice te box away": "push the ice tea box away",
     "push the box 10 cm away": "push the ice tea box away by 10 cm",
@@ -45,18 +46,24 @@ def test_what_is_offered_instead_is_planned(controller: Controller, text: str) -
 
 
 def test_what_a_change_is_refused_for_is_changed_as_well(controller: Controller) -> None:
-    """A stroke of 6 cm does not come to 12 cm/s, nor are 200 ml sure to be in the carton."""
-    for text, kind in (
-        ("push the cereal box 6 cm away at 149 cm/s", "displace"),
-        ("pour 900 ml of the ice tea into the mug", "pour"),
-    ):
-        error = controller.say(text, plan_only=True).error
-        assert error is not None
-        planned = controller.say(error.say[0], plan_only=True)
-        assert planned.status == "planned"
-        assert planned.frames[-1].goal.kind == kind
-        # What is suggested is what is offered.
-        assert error.suggestions[0] == f"say “{error.say[0]}”"
+    """200 ml, which is what fits, are not sure to be in the carton."""
+    error = controller.say("pour 900 ml of the ice tea into the mug", plan_only=True).error
+    assert error is not None
+    planned = controller.say(error.say[0], plan_only=True)
+    assert planned.status == "planned"
+    assert planned.frames[-1].goal.kind == "pour"
+    # What is suggested is what is offered.
+    assert error.suggestions[0] == f"say “{error.say[0]}”"
+
+
+def test_the_speed_that_is_offered_is_one_to_which_the_stroke_comes(
+    controller: Controller,
+) -> None:
+    error = controller.say("push the cereal box 6 cm away at 149 cm/s", plan_only=True).error
+    assert error is not None
+    assert error.numbers["most"] < DEFAULTS.speed_most
+    assert error.suggestions == ("at 10.1 cm/s",)
+    assert controller.say(error.say[0], plan_only=True).status == "planned"
 
 
 def test_where_nothing_is_suggested_a_smaller_amount_is_found(controller: Controller) -> None:
