@@ -1,19 +1,21 @@
 """Many tasks on an executor: results in the order of the tasks, in memory that has a bound.
 
-Model: a task is plain data, and its result depends on that alone. For each worker some tasks are
-under way, and some that came out before an earlier one wait for it; no others are in memory.
+Model: a task is plain data, and its result depends on that alone. Tasks go out in bundles, for what
+is sent costs time whatever is in it. For each worker some bundles are under way, and some that came
+out before an earlier one wait for it; no others are in memory.
 
 A process that ends takes its whole pool with it, and nobody tells at which task it was. So those
 that were under way are tried once more in a new pool, one by one: the guilty one breaks it again,
 and the others come through. An executor of the caller's cannot be replaced so: Dask does the like
-by itself, and where another one breaks, the run ends.
+by itself, and where another one breaks, the run ends. A bundle that has failed there is taken
+apart: each of its tasks is tried again by itself.
 """
 
 from __future__ import annotations
 
 import os
 from collections import deque
-from collections.abc import Callable, Generator, Iterable
+from collections.abc import Callable, Generator, Iterable, Sequence
 from concurrent.futures import BrokenExecutor, Executor, Future, wait
 from contextlib import ExitStack, closing
 from queue import SimpleQueue
@@ -25,9 +27,9 @@ T = TypeVar("T")
 R = TypeVar("R")
 
 UNDER_WAY = 2
-"""Tasks per worker that were submitted and are not done, so that no worker waits for the next."""
+"""Bundles per worker that were submitted and are not done, so that no worker waits for the next."""
 
-AHEAD = 16
+AHEAD = 32
 """Tasks per worker that are under way, or done before an earlier one."""
 
 
@@ -39,14 +41,17 @@ def run_all(
     workers: int | None = None,
     initializer: Callable[[], object] | None = None,
 ) -> Generator[R]:
-    """Results of a function for tasks, in their order; see `finished_tasks`.
+    """Results of a function for tasks, in their order.
+
+    Arguments as for `finished_tasks`, with one task in each bundle.
 
     Raises:
         Exception: what the function has raised, or `BrokenExecutor` for a task that ended two
             processes.
     """
+    bundles = ((task,) for task in tasks)
     finished = finished_tasks(
-        function, tasks, executor=executor, workers=workers, initializer=initializer
+        function, bundles, executor=executor, workers=workers, initializer=initializer
     )
     with closing(finished):
         for future in finished:
@@ -55,17 +60,17 @@ def run_all(
 
 def finished_tasks(
     function: Callable[[T], R],
-    tasks: Iterable[T],
+    bundles: Iterable[Sequence[T]],
     *,
     executor: Executor | None = None,
     workers: int | None = None,
     initializer: Callable[[], object] | None = None,
 ) -> Generator[Future[R]]:
-    """Futures of a function for tasks, in their order; all are done.
+    """Futures of a function for the tasks of bundles, in their order; all are done.
 
     Args:
         function: of a module, since it is carried out elsewhere.
-        tasks: taken from as they are needed.
+        bundles: tasks that go to a worker together; taken from as they are needed.
         executor: carries them out, and is not shut down; processes of this machine if not given.
         workers: how many work at once; as many as there are processors if not given.
         initializer: called once in each process.
@@ -75,18 +80,18 @@ def finished_tasks(
     """
     count = workers or os.cpu_count() or 1
     with _Pool(function, executor, count, initializer) as pool:
-        for task in tasks:
+        for bundle in bundles:
             while pool.is_full:
                 pool.wait()
                 yield from pool.results()
-            pool.submit(task)
+            pool.submit(bundle)
         while pool.is_busy:
             pool.wait()
             yield from pool.results()
 
 
 class _Pool(ExitStack, Generic[T, R]):
-    """Executor with the tasks that it has; the processes are new ones after one has ended."""
+    """Executor with the bundles that it has; the processes are new ones after one has ended."""
 
     def __init__(
         self,
@@ -99,37 +104,28 @@ class _Pool(ExitStack, Generic[T, R]):
         self._function, self._given = function, executor
         self._workers, self._initializer = workers, initializer
         self._executor: Executor | None = executor
-        self._waiting: deque[tuple[T, Future[R]]] = deque()
-        self._done: SimpleQueue[Future[R]] = SimpleQueue()
+        self._waiting: deque[tuple[Sequence[T], Future[list[R]]]] = deque()
+        self._done: SimpleQueue[Future[list[R]]] = SimpleQueue()
         self._under_way = 0
         self._works = False
-        """A task has come to its end here."""
+        """A bundle has come to its end here."""
 
     @property
     def is_full(self) -> bool:
         return (
             self._under_way >= UNDER_WAY * self._workers
-            or len(self._waiting) >= AHEAD * self._workers
+            or sum(len(bundle) for bundle, _ in self._waiting) >= AHEAD * self._workers
         )
 
     @property
     def is_busy(self) -> bool:
         return bool(self._waiting)
 
-    def submit(self, task: T) -> None:
-        try:
-            future = self._opened().submit(self._function, task)
-        except BrokenExecutor:
-            if self._given is not None:
-                raise
-            self._settle()
-            future = self._opened().submit(self._function, task)
-        self._waiting.append((task, future))
-        self._under_way += 1
-        future.add_done_callback(self._done.put)
+    def submit(self, bundle: Sequence[T]) -> None:
+        self._waiting.append((bundle, self._begun(bundle)))
 
     def wait(self) -> None:
-        """Waits until one more task is done, or all of them where a process has ended."""
+        """Waits until one more bundle is done, or all of them where a process has ended."""
         future = self._done.get()
         self._under_way -= 1
         if not _is_lost(future):
@@ -140,10 +136,30 @@ class _Pool(ExitStack, Generic[T, R]):
     def results(self) -> Generator[Future[R]]:
         """Futures that are next in order, and done; raises `BrokenExecutor` at the first lost."""
         while self._waiting and self._waiting[0][1].done():
-            future = self._waiting.popleft()[1]
+            bundle, future = self._waiting.popleft()
             if self._given is not None and _is_lost(future):
                 raise BrokenExecutor("the executor has ended") from _reason(future)
-            yield future
+            if future.exception() is None or len(bundle) == 1:
+                yield from _futures(future)
+            else:
+                self._take_apart(bundle)
+
+    def _begun(self, bundle: Sequence[T]) -> Future[list[R]]:
+        try:
+            future = self._opened().submit(_results, self._function, bundle)
+        except BrokenExecutor:
+            if self._given is not None:
+                raise
+            self._settle()
+            future = self._opened().submit(_results, self._function, bundle)
+        self._under_way += 1
+        future.add_done_callback(self._done.put)
+        return future
+
+    def _take_apart(self, bundle: Sequence[T]) -> None:
+        """Begins the tasks of the bundle that was next in order again, each by itself."""
+        for task in reversed(bundle):
+            self._waiting.appendleft(((task,), self._begun((task,))))
 
     def _settle(self) -> None:
         """Tries the tasks that a broken pool had once more, each alone, in pools that are whole."""
@@ -151,18 +167,24 @@ class _Pool(ExitStack, Generic[T, R]):
             self._works |= not _is_lost(self._done.get())
         self._under_way = 0
         self._renew()
-        lost = [index for index, (_, future) in enumerate(self._waiting) if _is_lost(future)]
-        for index in lost:
-            task, _ = self._waiting[index]
-            again = self._opened().submit(self._function, task)
-            wait([again])
-            self._waiting[index] = task, again
-            if _is_lost(again):
-                self._renew()
+        held, self._waiting, lost = self._waiting, deque(), 0
+        for bundle, future in held:
+            if _is_lost(future):
+                lost += len(bundle)
+                self._waiting.extend(((task,), self._tried_alone(task)) for task in bundle)
             else:
-                self._works = True
-        if not self._works and len(lost) > 1:
-            raise BrokenExecutor("no process comes to its first result") from _reason(again)
+                self._waiting.append((bundle, future))
+        if not self._works and lost > 1:
+            raise BrokenExecutor("no process comes to its first result")
+
+    def _tried_alone(self, task: T) -> Future[list[R]]:
+        future = self._opened().submit(_results, self._function, (task,))
+        wait([future])
+        if _is_lost(future):
+            self._renew()
+        else:
+            self._works = True
+        return future
 
     def _opened(self) -> Executor:
         if self._executor is None:
@@ -173,6 +195,23 @@ class _Pool(ExitStack, Generic[T, R]):
     def _renew(self) -> None:
         self.close()
         self._executor = None
+
+
+def _results(function: Callable[[T], R], bundle: Sequence[T]) -> list[R]:
+    return [function(task) for task in bundle]
+
+
+def _futures(done: Future[list[R]]) -> Generator[Future[R]]:
+    """Future of each task of a bundle; one that has failed had one task."""
+    if raised := done.exception():
+        failed: Future[R] = Future()
+        failed.set_exception(raised)
+        yield failed
+        return
+    for result in done.result():
+        future: Future[R] = Future()
+        future.set_result(result)
+        yield future
 
 
 def _is_lost(future: Future[R]) -> bool:

@@ -2,7 +2,9 @@
 
 Rows are read when workers need them, and results wait for those of earlier rows alone, so that
 memory does not grow with their number. A row's result depends on the row alone, so that it is the
-same on any executor, in any order, and after a run was broken off.
+same on any executor, in any order, and after a run was broken off. Rows that follow one another are
+often alike, and plans of one scene and seed share much of what a worker computes; so a few go to it
+together.
 """
 
 from __future__ import annotations
@@ -12,6 +14,7 @@ from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Sized
 from concurrent.futures import BrokenExecutor, Executor
 from contextlib import closing, nullcontext
+from itertools import groupby, islice
 from pathlib import Path
 from typing import Literal
 
@@ -23,6 +26,9 @@ from nlcontrol.errors import ControlError, ErrorInfo, error
 from nlcontrol.json_document import DocumentPart
 from nlcontrol.parallel_tasks import finished_tasks
 from objectmodels import Registry
+
+PLANS_TOGETHER = 8
+"""Rows that follow one another and are only planned, given to a worker together."""
 
 
 class BatchProgress(DocumentPart):
@@ -124,7 +130,8 @@ def _results(
             under_way.append(order)
             yield order
 
-    tasks = finished_tasks(run_row, noted_orders(), executor=executor, workers=workers)
+    bundles = _bundles(noted_orders())
+    tasks = finished_tasks(run_row, bundles, executor=executor, workers=workers)
     try:
         with closing(tasks):
             for future in tasks:
@@ -138,6 +145,19 @@ def _results(
             f"the workers have ended: {raised}",
             suggestions=("run it again with --resume: what was done is kept in --output",),
         ) from raised
+
+
+def _bundles(
+    orders: Iterator[Order | RowResult],
+) -> Iterator[tuple[Order | RowResult, ...]]:
+    """Orders that a worker carries out together: some plans, or one execution."""
+    for is_carried_out, alike in groupby(orders, _is_carried_out):
+        while bundle := tuple(islice(alike, 1 if is_carried_out else PLANS_TOGETHER)):
+            yield bundle
+
+
+def _is_carried_out(order: Order | RowResult) -> bool:
+    return isinstance(order, Order) and order.row.execute
 
 
 def _lost_row(order: Order | RowResult, raised: BaseException) -> RowResult:

@@ -56,8 +56,10 @@ def test_tasks_are_taken_as_they_are_needed() -> None:
             assert taken <= given + 2 * AHEAD
 
 
-def test_only_the_task_that_ends_its_process_twice_is_lost() -> None:
-    finished = list(finished_tasks(square_or_end, range(12), workers=1))
+@pytest.mark.parametrize("size", [1, 4])
+def test_only_the_task_that_ends_its_process_twice_is_lost(size: int) -> None:
+    bundles = [range(12)[i : i + size] for i in range(0, 12, size)]
+    finished = list(finished_tasks(square_or_end, bundles, workers=1))
     lost = [x for x, future in enumerate(finished) if future.exception() is not None]
     assert lost == [GUILTY]
     assert isinstance(finished[GUILTY].exception(), BrokenExecutor)
@@ -69,6 +71,15 @@ def test_only_the_task_that_ends_its_process_twice_is_lost() -> None:
 def test_processes_that_cannot_begin_end_the_run() -> None:
     with pytest.raises(BrokenExecutor):
         list(run_all(end, [1] * 10, workers=1))
+
+
+def test_a_bundle_that_fails_on_an_executor_is_taken_apart() -> None:
+    with ThreadPoolExecutor(2) as executor:
+        bundles = [(4, -1, 9), (16, 25)]
+        finished = list(finished_tasks(_root, bundles, executor=executor, workers=2))
+    assert [future.exception() is None for future in finished] == [True, False, True, True, True]
+    assert isinstance(finished[1].exception(), ValueError)
+    assert [future.result() for future in finished[2:]] == [3.0, 4.0, 5.0]
 
 
 def test_an_error_of_a_task_comes_home() -> None:

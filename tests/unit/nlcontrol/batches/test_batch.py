@@ -124,7 +124,8 @@ def test_a_scene_file_is_shipped_with_its_models(tmp_path: Path) -> None:
 
     class Watched(Inline):
         def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
-            shipped.extend(arg for arg in args if isinstance(arg, Order))
+            bundles = [arg for arg in args if isinstance(arg, tuple)]
+            shipped.extend(each for bundle in bundles for each in bundle)
             return super().submit(fn, *args, **kwargs)
 
     first = run([row], folder=tmp_path, executor=Watched())
