@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+
+QUIET = {
+    "DASK_DISTRIBUTED__WORKER__PROFILE__ENABLED": "False",
+    "DASK_DISTRIBUTED__ADMIN__TICK__INTERVAL": "500ms",
+}
+"""Settings of a cluster whose processes look after themselves less often (docs/batch.md)."""
 
 _LONGEST_START = 60.0  # seconds; on a busy machine imports alone take ten
 
@@ -19,12 +26,13 @@ def local_cluster(folder: Path, workers: int = 2) -> Iterator[str]:
     where = folder / "scheduler.json"
     common = ("--scheduler-file", str(where), "--no-dashboard")
     local = ("--host", "127.0.0.1")
+    environment = os.environ | QUIET
     started = []
     with (folder / "cluster.log").open("wb") as log:
 
         def start(role: str, *options: str) -> None:
             command = (sys.executable, "-m", f"distributed.cli.dask_{role}", *common, *options)
-            started.append(subprocess.Popen(command, stdout=log, stderr=log, cwd=Path.cwd()))
+            started.append(subprocess.Popen(command, stdout=log, stderr=log, env=environment))
 
         try:
             start("scheduler", *local, "--port", "0")
@@ -44,8 +52,6 @@ def local_cluster(folder: Path, workers: int = 2) -> Iterator[str]:
 
 def worker_pids(address: str) -> list[int]:
     """Process of each worker."""
-    import os
-
     from distributed import Client
 
     with Client(address, set_as_default=False) as client:

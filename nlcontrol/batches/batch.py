@@ -27,7 +27,7 @@ from nlcontrol.json_document import DocumentPart
 from nlcontrol.parallel_tasks import finished_tasks
 from objectmodels import Registry
 
-PLANS_TOGETHER = 8
+PLANS_TOGETHER = 5
 """Rows that follow one another and are only planned, given to a worker together."""
 
 
