@@ -17,7 +17,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import isclose
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -200,6 +200,27 @@ def exact_near_the_border(model: PushedBody, p: Array, u: Array, friction: Frict
     return replace(t, slide=slide)
 
 
+class _Look(NamedTuple):
+    """What friction holds at load ratios of n pushes, of k points.
+
+    Attributes:
+        excess: μ S − r |u_xy|, shape (n,).
+        slope: its derivative by r, shape (n,).
+        limit: the friction limit.
+        q: centres of pressure, shape (2, n) [m].
+        loads: of the points, shape (k, n).
+        along, left: the points, see `friction_points`, shape (k, n) [m].
+    """
+
+    excess: Array
+    slope: Array
+    limit: Limit
+    q: Array
+    loads: Array
+    along: Array
+    left: Array
+
+
 class _Search:
     """The first load ratio at which each of n pushes slides."""
 
@@ -242,7 +263,7 @@ class _Search:
         slides = np.zeros(len(guess), dtype=bool)
         i = self._movable()
         for at in (self.last[i], np.minimum(guess[i], self.last[i])):
-            excess, _, _ = self.friction_excess(at, i, sign=True)
+            excess = self.friction_excess(at, i, sign=True).excess
             slides[i] |= excess < -_PRECISE * self.h[i] * at
         i = i[~slides[i]]
         slides[i] = self._earlier_brackets(i, self.last[i])[2]
@@ -263,20 +284,21 @@ class _Search:
             if not open_.size:
                 return
             x, pushes = at[open_], i[open_]
-            value, slope, limit = self.friction_excess(x, pushes)
+            look = self.friction_excess(x, pushes)
+            value, limit = look.excess, look.limit
             done = np.abs(value) <= _PRECISE * self.h[pushes] * x
             slides = (value < 0.0) | done
             never = ~slides & (x >= self.last[pushes])
             lo[open_], hi[open_] = np.where(slides, lo[open_], x), np.where(slides, x, hi[open_])
             low, high = lo[open_], hi[open_]
             with np.errstate(divide="ignore", invalid="ignore"):
-                step = x - value / slope
+                step = x - value / look.slope
             inside = (step > low) & (step < high) & (number < _NEWTON or number % 2 == 0)
             far = ~slides & (step >= high) & (high >= self.last[pushes])
             at[open_] = np.where(inside, step, np.where(far, high, 0.5 * (low + high)))
             done |= ~never & (high - low <= _PRECISE * high)
             answer.ratio[pushes[done]] = x[done]
-            answer.residual[pushes[done]] = self._residual(x[done], pushes[done], limit, done)
+            answer.residual[pushes[done]] = self._residual(x[done], pushes[done], look, done)
             answer.motion[:, pushes[done]] = limit.across[done], limit.turn[done]
             # Toppling comes first: it would slide later, if its loads stayed those at tipping.
             kept = never & np.isfinite(self.tips[pushes])
@@ -305,7 +327,7 @@ class _Search:
             row, k = np.nonzero((r < found * (1.0 - _SHORT)) & ~earlier)
             if not k.size:
                 continue
-            excess = self.friction_excess(r[row, k], i[k], sign=True)[0]
+            excess = self.friction_excess(r[row, k], i[k], sign=True).excess
             slides[row, k] = excess < -_PRECISE * self.h[i[k]] * r[row, k]
             holds[row, k] = ~slides[row, k]
             first = np.where(slides, r, np.inf).min(axis=0)
@@ -322,10 +344,8 @@ class _Search:
             q, dq = q / beyond, np.where(beyond > 1.0, 0.0, dq)
         return q, dq
 
-    def friction_excess(
-        self, r: Array, i: Index, *, sign: bool = False
-    ) -> tuple[Array, Array, Limit]:
-        """μ S − r |u_xy| at load ratios, or its sign, its slope, and the friction limit."""
+    def friction_excess(self, r: Array, i: Index, *, sign: bool = False) -> _Look:
+        """What friction holds at load ratios; of the excess the sign alone, if that is enough."""
         q, dq = self.pressure_centres(r, i)
         loaded = self.loaded[:, i]
         loads, change = self.springs.loads(q, dq, loaded)
@@ -338,7 +358,8 @@ class _Search:
             slope += limit.turn * (loads * (limit.across_i * ahead - limit.along_i * aside)).sum(
                 axis=0
             )
-        return self.mu * limit.ratio - r * self.h[i], self.mu * slope - self.h[i], limit
+        excess, slope = self.mu * limit.ratio - r * self.h[i], self.mu * slope - self.h[i]
+        return _Look(excess, slope, limit, q, loads, along, left)
 
     def in_push_axes(self, q: Array, i: Index) -> tuple[Array, Array]:
         """Vectors (2, n) of B along the pushes and to their left."""
@@ -355,11 +376,10 @@ class _Search:
             left = (aside - self.line[i]) + self.scale * (left - (aside - self.line[i]))
         return along, left
 
-    def _residual(self, r: Array, i: Index, limit: Limit, done: NDArray[np.bool_]) -> Array:
+    def _residual(self, r: Array, i: Index, look: _Look, done: NDArray[np.bool_]) -> Array:
         """Largest relative violation of what must hold, from the forces themselves."""
-        q, dq = self.pressure_centres(r, i)
-        loads, _ = self.springs.loads(q, dq, self.loaded[:, i])
-        along, left = self.friction_points(q, i)
+        limit = look.limit
+        q, loads, along, left = (each[:, done] for each in look[3:])
         d_x, d_y = limit.along_i[:, done], limit.across_i[:, done]
         size = np.sqrt((loads * (along**2 + left**2)).sum(axis=0))
         push = r * self.h[i] / self.mu

@@ -130,6 +130,12 @@ class Springs:
         to_units = axes.T / spread * np.sqrt(len(off))
         return off @ to_units, middle, to_units
 
+    @cached_property
+    def _moments(self) -> Array:
+        """Zeroth, first and second moments of each spring, shape (6, k)."""
+        (x, y), w = self._scaled_points[0].T, self.weights
+        return np.stack((w, w * x, w * y, w * x * x, w * x * y, w * y * y))
+
     def _are_wrong(self, depth: Array, q: Array, loaded: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Return True for sets of points that do not carry the loads, or press others, (n,)."""
         others = (_is_pressing(depth) != loaded).any(axis=0)
@@ -195,10 +201,7 @@ class Springs:
         self, loaded: NDArray[np.bool_], r0: Array, r1: Array, r2: Array, soft: float = 0.0
     ) -> Array:
         """(a, b) with Σ w_i (1, r_i)(1, r_i)ᵀ (a, b) = rhs over the loaded points, (3, n)."""
-        (x, y), w = self._scaled_points[0].T, self.weights
-        m, mx, my, xx, xy, yy = (
-            np.stack((w, w * x, w * y, w * x * x, w * x * y, w * y * y)) @ loaded
-        )
+        m, mx, my, xx, xy, yy = self._moments @ loaded
         m, xx, yy = m + soft, xx + soft, yy + soft
         c00, c01, c02 = xx * yy - xy * xy, xy * my - mx * yy, mx * xy - xx * my
         c11, c12, c22 = m * yy - my * my, mx * my - m * xy, m * xx - mx * mx
