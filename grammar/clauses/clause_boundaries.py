@@ -28,13 +28,14 @@ def clauses_of(parts: Sequence[ph.Part], sentence: Normalised) -> list[Parts]:
     Raises:
         ParseError: `several_commands`, `unexpected_words`, `incomplete`, `unsupported_question`.
     """
-    parts = _require_joints_join(_without_requests(parts, sentence), sentence)
+    parts = _with_topic_in_place(_without_requests(parts, sentence))
+    parts = _require_joints_join(parts, sentence)
     if isinstance(parts[0], ph.Separator) and parts[0].word == "and":
         parts[0] = ph.Filler(parts[0].span, anywhere=False, goes_on=True)
     if any(isinstance(part, ph.Ask) for part in parts):
         return [_question_parts(parts, sentence)]
     remarked = any(isinstance(part, ph.Remark) for part in parts)
-    if sentence.question and not (remarked or _is_request(sentence)):
+    if sentence.question and not (remarked or _is_request(parts)):
         raise _unclear_question_error(sentence)
     clauses: list[Parts] = [[]]
     for i, part in enumerate(parts):
@@ -112,21 +113,31 @@ def _joint_error(part: ph.Part, sentence: Normalised) -> ParseError:
 
 
 def _without_requests(parts: Sequence[ph.Part], sentence: Normalised) -> Parts:
-    """Takes "can you" for a polite request, unless a question mark ends the sentence."""
+    """Takes "can you" for a request, unless it ends in a question mark and nothing says please."""
+    pleads = _is_request(parts)
     return [
         part
-        if not isinstance(part, ph.Ask) or part.query is not None
+        if not isinstance(part, ph.Ask) or part.query not in (None, "possible")
         else replace(part, query="possible")
-        if sentence.question
+        if not pleads and (part.query or sentence.question)
         else ph.Filler(part.span, False)
         for part in parts
     ]
 
 
-def _is_request(sentence: Normalised) -> bool:
-    """Check for a question mark that belongs to a request: could you, would you mind."""
-    words = f"{sentence.text} "
-    return any(f"{word} you " in words for word in ("could", "would", "will", "do"))
+def _with_topic_in_place(parts: Parts) -> Parts:
+    """Takes "the box, push it away" for "push the box away"."""
+    match parts:
+        case [ph.Thing() as topic, ph.Separator(word="," | "."), *rest]:
+            pronouns = (p for p in rest if isinstance(p, ph.Thing) and p.ref.pronoun)
+            if it := next(pronouns, None):
+                return [replace(it, ref=topic.ref) if part is it else part for part in rest]
+    return parts
+
+
+def _is_request(parts: Sequence[ph.Part]) -> bool:
+    """Check for words that make a request of a question: please, could you, would you mind."""
+    return any(isinstance(part, ph.Filler) and part.asks for part in parts)
 
 
 def _unclear_question_error(sentence: Normalised) -> ParseError:

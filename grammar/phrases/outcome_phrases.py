@@ -7,7 +7,7 @@ from typing import Any, cast
 from grammar.frames import command as g
 from grammar.frames.constraints import CONSTRAINTS, new_constraint
 from grammar.phrases import phrase_parts as ph
-from grammar.phrases.token_reader import Children, TokenReader, things_in, tokens_in
+from grammar.phrases.token_reader import Children, TokenReader, parts_in, things_in, tokens_in
 
 _STOPS = {"moves": "moves", "slides": "moves", "tips": "tips", "about_to_tip": "about_to_tip",
           "tilts": "about_to_tip"}  # fmt: skip
@@ -173,15 +173,17 @@ class Questions(TokenReader):
         return [ph.Ask(span, "predict") if asks else ph.If(span), *self._passive_parts(children)]
 
     def can_part(self, children: Children) -> list[ph.Part]:
-        """Can the box be pushed."""
-        ask = ph.Ask(self.span_of(children[:1]), "possible")
-        return [ask, *self._passive_parts(children)]
+        """Can the box be pushed; can it please be pushed."""
+        span, parts = self.span_of(children[:1]), self._passive_parts(children)
+        if any(be.startswith("please") for be in tokens_in(children, "BE")):
+            return [ph.Filler(span, anywhere=False, asks=True), *parts]
+        return [ph.Ask(span, "possible"), *parts]
 
     def _passive_parts(self, children: Children) -> list[ph.Part]:
-        """A participle, and what it is about."""
+        """A participle, what it is about, and how."""
         token = tokens_in(children, "VERB_ED")[0]
         word = self.lexicon.verb_words["VERB_ED"][str(token)]
-        return [ph.Verb(self.span_of([token]), word, passive=True), *things_in(children)]
+        return [ph.Verb(self.span_of([token]), word, passive=True), *parts_in(children)]
 
     def will_part(self, children: Children) -> ph.Ask:
         """Will it topple."""

@@ -43,10 +43,12 @@ class Filler(Part):
     Attributes:
         anywhere: whether they may stand anywhere (please).
         goes_on: whether with an object alone they mean the same as before (now, as well).
+        asks: whether they make a request of a question (please, could you).
     """
 
     anywhere: bool
     goes_on: bool = False
+    asks: bool = False
 
 
 class Me(Part):

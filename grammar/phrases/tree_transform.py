@@ -79,10 +79,10 @@ class Parts(Names, Manners, Outcomes, Questions):
         return ph.Separator(self.span_of(children), word)
 
     def filler_part(self, children: Children) -> ph.Filler:
-        """Please."""
+        """Please; could you."""
         value = self.value_of(children, "FILLER")
-        anywhere, goes_on = value in ("please", "next"), value in ("next", "also")
-        return ph.Filler(self.span_of(children), anywhere, goes_on)
+        anywhere, goes_on = value in ("please", "just", "next"), value in ("next", "also")
+        return ph.Filler(self.span_of(children), anywhere, goes_on, value in ("please", "you"))
 
     # --- the verb and things ------------------------------------------------------------------
 
@@ -90,7 +90,10 @@ class Parts(Names, Manners, Outcomes, Questions):
         """Push; you push; would you mind pushing."""
         token = next(c for c in children if isinstance(c, Token) and c.type.startswith("VERB"))
         word = self.lexicon.verb_words[token.type][str(token)]
-        return [ph.Verb(self.span_of([token]), word), *parts_in(children)]
+        verb: list[ph.Part] = [ph.Verb(self.span_of([token]), word), *parts_in(children)]
+        if polite := tokens_in(children, "MIND"):
+            return [ph.Filler(self.span_of(polite), anywhere=False, asks=True), *verb]
+        return verb
 
     def causes_part(self, children: Children) -> list[ph.Part]:
         """Make the box slide: slide the box."""
@@ -102,9 +105,9 @@ class Parts(Names, Manners, Outcomes, Questions):
         return [ph.Verb(first, _CAUSED[event], completed=last), *things_in(children)]
 
     def done_part(self, children: Children) -> list[ph.Part]:
-        """The box should be pushed; of a list, each of them."""
-        token = tokens_in(children, "VERB_ED")[0]
-        word = self.lexicon.verb_words["VERB_ED"][str(token)]
+        """The box should be pushed, needs pushing; of a list, each of them."""
+        token = tokens_in(children, "VERB_ED", "VERB_ING")[0]
+        word = self.lexicon.verb_words[token.type][str(token)]
         verb = ph.Verb(self.span_of([token]), word, passive=True)
         return [children[0], verb, *parts_in(children[1:])]
 
@@ -113,6 +116,12 @@ class Parts(Names, Manners, Outcomes, Questions):
         if tokens_in(children, "VERB_ED"):
             return self.done_part(children[1:])
         return [ph.Wish(self.span_of(children[:1])), *parts_in(children)]
+
+    def needs_part(self, children: Children) -> list[ph.Part]:
+        """The box needs a push."""
+        *before, stroke = children
+        verb = ph.Verb(self.span_of(tokens_in(before, "NEEDS")), "give", passive=True)
+        return [*things_in(before), verb, *self.stroke_part([stroke])]
 
     def stroke_part(self, children: Children) -> list[ph.Part]:
         """A push; a gentle push."""

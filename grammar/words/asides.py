@@ -30,15 +30,18 @@ _LEAD = _ALONE | {"AT", "BETWEEN", "BY", "FACE", "FROM_SIDE", "IN", "INTO", "NEX
 _BEGIN = _LEAD | {"NUMBER", "THING", "IT"}
 """Kinds that begin a group where no other is open."""
 
+_RESTATED = frozenset({"NUMBER", "THING", "DIRECTION"})
+"""Kinds of groups of which a second one behind a pause can only correct the first."""
+
 _OPEN = frozenset({"A", "AT", "BETWEEN", "BY", "FILLED_WITH", "FROM", "GAP", "IN", "INTO",
                    "NEXT", "OF", "PART_OF", "RANGE", "RELATION", "THE", "TO_DO", "TO_LEVEL",
                    "TOWARD", "UNTIL", "WITH", "WITHOUT"})  # fmt: skip
 """Terminals that say nothing by themselves, so that one said twice is stammered."""
 
 _SHAPES = {
-    "fillers": r"(?<![^ ])(?!(?<=you )like ,)(?:{0})(?= |$)",
-    "corrections": r"(?:(?<= )[.,;] )?(?<![^ ])(?:{0})(?:(?: ,)? (?:{0}))*(?: ,)?(?= )",
-    "reasons": r"^(?:{0}) [^,;]+?(?= , )|(?<= )(?:{0}) .+?(?=$| [.;] | (?:, )?(?:and )?then )",
+    "fillers": r"(?<![^ ])(?!(?<=you )like ,)(?:{0})(?:(?: ,)? (?:{0}))*(?= |$)",
+    "corrections": r"(?:(?<= )[.,;] )??(?<![^ ])(?:{0})(?:(?: ,)? (?:{0}))*(?: ,)?(?= )",
+    "reasons": r"^(?:{0}) [^,;]+?(?= , )|(?<= )(?:{0})(?: .+?)?(?=$| [.;] | (?:, )?(?:and )?then )",
     "after": r"(?<![^ ])(?<!the )(?:{0})(?=$| [.;])",
     "before": r"(?:^|(?<=[.;] ))(?:{0})(?= |$)",
 }
@@ -47,7 +50,9 @@ _SHAPES = {
 "Like," is a filler, but not in "as fast as you like, then".
 """
 
+_OPTION = re.compile(r" \[([^\[\]]*)\]|\[([^\[\]]*)\] ")
 _DOUBLED = re.compile(r"(?<![^ ])((?:[a-z]+ ){0,2}[a-z]+|\d+)(?: ,)?(?= \1(?: |$))")
+_AS_MUCH = re.compile(r"(?<![^ ])as [a-z]+ $")
 _STRAY = re.compile(r"^[,.;](?= |$)|(?<= )[,.;]$|(?<= ),(?= [,.;] )|(?<=[.;] )[,.;](?= )")
 
 
@@ -111,9 +116,11 @@ class Asides:
     def _without(self, said: Normalised, kind: str, match: re.Match[str]) -> Normalised | None:
         """The sentence without a match, changed as its kind asks; None if it has to stay."""
         start, end = match.span()
+        if kind == "reasons" and _AS_MUCH.search(said.text, 0, start):
+            return None  # "as soon as it is"
         if kind == "corrections":
             return self._corrected(said, start, end)
-        if kind == "fillers" and (corrected := self._corrected(said, start, end, "NUMBER")):
+        if kind == "fillers" and (corrected := self._corrected(said, start, end, _RESTATED)):
             return corrected
         if kind == "doubled":
             first = match[1].split()[0]
@@ -124,15 +131,25 @@ class Asides:
                 return None  # "push it it" may lack a word between them
             if self._goes_on(said.text, match):
                 return None
-        polite = kind in ("before", "after") and re.search(r"\b(?:you|please)\b", match[0])
         left = _joined(said, (0, start), (end, len(said.text)))
-        return replace(left, question=said.question and not polite)
+        if kind == "after" and self._is_open(left.text.rpartition(" ")[2]):
+            return None  # "to the right now"
+        polite = kind in ("before", "after") and re.search(r"\b(?:you|please)\b", match[0])
+        tagged = kind == "after" and end == len(said.text)
+        return replace(left, question=said.question and not (polite or tagged))
+
+    def _is_open(self, words: str) -> bool:
+        """Check for the beginning of a phrase, which says nothing by itself."""
+        found = self._phrases.phrases_at(words, 0) if words else []
+        kinds = [kinds for phrase, kinds in found if phrase == words]
+        return bool(kinds) and all(map(_OPEN.issuperset, kinds))
 
     def _goes_on(self, text: str, doubled: re.Match[str]) -> bool:
         """Check for words that say more the second time: "at the top at the top face"."""
         words, phrases = doubled[1], self._phrases.phrases_at
         start = text.index(words, doubled.end())
-        stammered = all(_OPEN.issuperset(ks) for phrase, ks in phrases(words, 0) if phrase == words)
+        parts = [phrase for phrase, _ in phrases(words, 0)]
+        stammered = words not in parts or self._is_open(words)
         if stammered and not self._phrases.has_terminal_at("BOUND", text, start):
             return False
         for word in WORD.finditer(text, doubled.start(), doubled.start() + len(words)):
@@ -146,13 +163,13 @@ class Asides:
     # --- corrections --------------------------------------------------------------------------
 
     def _corrected(
-        self, said: Normalised, start: int, end: int, only: str = ""
+        self, said: Normalised, start: int, end: int, only: frozenset[str] = frozenset()
     ) -> Normalised | None:
         """The sentence with what follows a mark of correction in the place of what it corrects."""
         start = len(said.text[:start].rstrip(" ,"))
         end = len(said.text) - len(said.text[end:].lstrip(" ,"))
         before, after = self._groups(said.text, 0, start), self._groups(said.text, end)
-        if not before or not after or (only and only not in after[0].kinds & before[-1].kinds):
+        if not before or not after or (only and not only & after[0].kinds & before[-1].kinds):
             return None
         for i in reversed(range(len(before))):
             wrong, between = before[i], before[i + 1 :]
@@ -223,5 +240,8 @@ def _gaps(kept: set[int], sentence: Normalised) -> tuple[Span, ...]:
 def _pattern_of(template: str) -> str:
     """The regular expression of a template: `(a|b)` is a choice, `[c]` may be left out."""
     pattern = template.replace(".", r"\.").replace("(", "(?:")
-    pattern = re.sub(r" \[([^\[\]]*)\]", r"(?: (?:\1))?", pattern)
-    return re.sub(r"\[([^\[\]]*)\] ", r"(?:(?:\1) )?", pattern)
+    while option := _OPTION.search(pattern):
+        last, first = option.groups()
+        either = f"(?:(?:{first}) )?" if last is None else f"(?: (?:{last}))?"
+        pattern = pattern[: option.start()] + either + pattern[option.end() :]
+    return pattern

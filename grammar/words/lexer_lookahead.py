@@ -24,6 +24,7 @@ _PERCENT = re.compile(r"[^ %]+ ?(?:%|percent|per cent)(?= |$)")
 _NAMED = re.compile(r" (?:the|my|your|our|its|it|this|that|\")")
 _ARTICLE = re.compile(r"an? ")
 _BEFORE_QUANTITIES = ("in", "under", "above", "below")
+_IS = ("is", "are", "gets", "goes")
 _PLACES = ("RELATION", "BETWEEN", "REGION_OF_TABLE", "TO_X", "INTO", "PARTICLE")
 _QUANTITIES = ("THE_SIDE_OF", "BOUND")
 _BEFORE_PARTICLES = ("VERB", "WORD", "IT", "QUOTED")
@@ -119,10 +120,16 @@ class Lookahead:
             "WHICH_IS": lambda _phrase, text, end, _last: (
                 self._any("COMPARATIVE", text, end + 1) or self._any("SUPERLATIVE", text, end + 1)
             ),
+            "TO_BE": lambda phrase, text, end, _last: (
+                not phrase.endswith("get") or self._any("VERB_ED", text, end + 1)
+            ),
             "TO_LEVEL": lambda _phrase, text, end, _last: bool(_PERCENT.match(text, end + 1)),
             "FROM_SIDE": lambda _phrase, text, end, _last: self._ends_name(text, end),
             "FROM_TABLE": lambda _phrase, _text, _end, last: last != "LENGTH_UNIT",
             "LENGTH_UNIT": self._no_preposition,
+            "NEEDS": lambda _phrase, text, end, _last: (
+                self._any("STROKE", text, end + 1) or self._any("VERB_ING", text, end + 1)
+            ),
             "NEXT": self._not_next_to,
             "OF": lambda _phrase, text, end, _last: bool(_NAMES_BEGIN.match(text, end)),
             "OR": self._in_a_list,
@@ -133,8 +140,14 @@ class Lookahead:
             ),
             "SAME": self._not_to_a_direction,
             "SOME_OF": self._some_of_a_liquid,
-            "STROKE": lambda phrase, text, end, _: (
-                self._last_goal(text, end - len(phrase)) == "hand_over"
+            "BE": lambda phrase, text, end, _last: (
+                phrase not in _IS or self._any("VERB_ED", text, end + 1)
+            ),
+            "EVENT": lambda phrase, text, end, _last: (
+                phrase not in _IS or not self._any("VERB_ED", text, end + 1)
+            ),
+            "STROKE": lambda phrase, text, end, last: (
+                last == "NEEDS" or self._last_goal(text, end - len(phrase)) == "hand_over"
             ),
             "TOWARD": self._not_to_make,
             "TO_DO": lambda _phrase, text, end, _last: self._any("EVENT_INFINITIVE", text, end + 1),

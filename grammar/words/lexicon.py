@@ -18,6 +18,7 @@ from grammar.words.numerals import NumberWords
 
 T = TypeVar("T")
 
+_RULE = re.compile(r"<(\w+)>")
 _GROUP = re.compile(r"\(([^()\[\]]*)\)|\[([^()\[\]]*)\]")
 
 NAME_TERMINALS = ("VERB", "VERB_ED", "VERB_ING")
@@ -37,6 +38,19 @@ def expand_template(template: str) -> Iterator[str]:
     choices = group[1].split("|") if group[1] is not None else ["", *group[2].split("|")]
     for choice in choices:
         yield from expand_template(template[: group.start()] + choice + template[group.end() :])
+
+
+def _with_rules(said: Any, rules: Mapping[str, str]) -> Any:
+    """Words with the choices of the rules in the place of their names: "<can>"."""
+    if isinstance(said, str):
+        while "<" in said:
+            said = _RULE.sub(lambda named: f"({rules[named[1]]})", said)
+        return said
+    if isinstance(said, list):
+        return [_with_rules(each, rules) for each in said]
+    if isinstance(said, dict):
+        return {key: _with_rules(each, rules) for key, each in said.items()}
+    return said
 
 
 @dataclass(frozen=True)
@@ -117,6 +131,7 @@ class Lexicon:
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> Lexicon:
         """Builds a lexicon from the mapping that its file holds."""
+        data = _with_rules(data, data["rules"])
         return cls(
             verbs=_expand_verbs(data["verbs"]),
             verb_forms={verb: (ed, ing) for verb, (ed, ing) in data["verb_forms"].items()},
@@ -284,7 +299,8 @@ class Lexicon:
     @cached_property
     def reserved_words(self) -> frozenset[str]:
         """Words that mean something by themselves; they end a name."""
-        phrases = (*self.terminals.values(), self.asides["fillers"])
+        fillers = [phrase for said in self.asides["fillers"] for phrase in expand_template(said)]
+        phrases = (*self.terminals.values(), fillers)
         single = {p for known in phrases for p in known if " " not in p}
         return frozenset(
             single | self.later_words | self.vague.keys() | self.numbers.first_words

@@ -68,7 +68,7 @@ ANGLES = {
     ),
 }  # fmt: skip
 FORCES = {
-    "newton": ("n", "newton", "newtons"),
+    "newton": ("n", "newton", "newtons", "n of force", "newton of force", "newtons of force"),
     "kilonewton": ("kn", "kilonewton", "kilonewtons"),
     "kilogram_force": (
         "kgf", "kilopond", "kilogram of force", "kilograms of force", "kilo of force",

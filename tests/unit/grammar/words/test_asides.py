@@ -66,3 +66,41 @@ def test_what_is_not_to_be_knocked_over_is_pushed_to_its_place() -> None:
     (frame,) = parse("push the mug next to the tin without knocking it over").frames
     assert frame.goal.kind == "place"
     assert [clause.kind for clause in frame.constraints] == ["no_topple"]
+
+
+@pytest.mark.parametrize(
+    ("text", "plain"),
+    [
+        ("the jar needs pushing away", "push the jar away"),
+        ("the jar could do with a push to the left", "push the jar to the left"),
+        ("make sure the jar is pushed away", "push the jar away"),
+        ("can the jar please be gently pushed away?", "gently push the jar away"),
+        ("would you be able to push the jar away, please?", "push the jar away"),
+        ("how about pushing the jar away?", "push the jar away"),
+        ("the jar, please push it away", "push the jar away"),
+        ("push the mug, er, the jar away", "push the jar away"),
+        ("push the jar away, will you?", "push the jar away"),
+        ("push the jar away, OK?", "push the jar away"),
+        ("push the jar to the right now", "push the jar to the right"),
+        ("push the jar away so nobody knocks it over", "push the jar away"),
+        ("push the jar without exceeding 5 N", "push the jar with at most 5 N"),
+    ],
+)
+def test_other_ways_of_asking_mean_the_same(text: str, plain: str) -> None:
+    assert parse(text).paraphrase == parse(plain).paraphrase
+
+
+@pytest.mark.parametrize(
+    "text", ["could the jar be pushed away?", "would you be able to push the jar away?"]
+)
+def test_without_a_plea_it_stays_a_question(text: str) -> None:
+    assert parse(text).frames[0].query == "possible"
+
+
+def test_praise_alone_is_thanked_for() -> None:
+    assert parse("well done, that was great").frames[0].dialogue == "thank"
+
+
+def test_as_soon_as_gives_no_reason() -> None:
+    (frame,) = parse("push the jar away as soon as it gets about to tip over").frames
+    assert [clause.kind for clause in frame.constraints] == ["until"]

@@ -25,14 +25,17 @@ TERMINALS = (*NAME_TERMINALS, *LEXICON.terminals)
 # What the lexer looks for behind a phrase before it takes it; "box" stands for any name.
 FOLLOWERS = {
     **dict.fromkeys(("BY", "BOUND", "RANGE", "FROM"), "10"),
+    "BE": "pushed",
     "CUPS": "tea",
     "IS_AT": "10",
+    "NEEDS": "pushing",
     "OF": "the box",
     "OR": "topple",
     "PORTION": "the",
     "RELATION": "the",
     "SOME_OF": "tea",
     "WHICH_IS": "heavier",
+    "TO_BE": "pushed",
     "TO_DO": "topple",
     "TO_LEVEL": "80 percent",
     "WHY_DID": "push",
