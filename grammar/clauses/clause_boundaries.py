@@ -30,11 +30,11 @@ def clauses_of(parts: Sequence[ph.Part], sentence: Normalised) -> list[Parts]:
     """
     parts = _with_topic_in_place(_without_requests(parts, sentence))
     parts = _require_joints_join(parts, sentence)
-    if isinstance(parts[0], ph.Separator) and parts[0].word == "and":
+    if isinstance(parts[0], ph.Separator | ph.Next) and parts[0].word in ("and", "then"):
         parts[0] = ph.Filler(parts[0].span, anywhere=False, goes_on=True)
     if any(isinstance(part, ph.Ask) for part in parts):
         return [_question_parts(parts, sentence)]
-    remarked = any(isinstance(part, ph.Remark) for part in parts)
+    remarked = any(isinstance(part, ph.Remark) for part in parts) or _asks_further(parts)
     if sentence.question and not (remarked or _is_request(parts)):
         raise _unclear_question_error(sentence)
     clauses: list[Parts] = [[]]
@@ -123,6 +123,12 @@ def _without_requests(parts: Sequence[ph.Part], sentence: Normalised) -> Parts:
         else ph.Filler(part.span, False)
         for part in parts
     ]
+
+
+def _asks_further(parts: Sequence[ph.Part]) -> bool:
+    """Check for a question that goes on with the one before: "and the mug?"."""
+    heads = any(isinstance(part, _HEADS) for part in parts)
+    return not heads and any(isinstance(part, ph.Filler) and part.goes_on for part in parts)
 
 
 def _with_topic_in_place(parts: Parts) -> Parts:

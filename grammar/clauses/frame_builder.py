@@ -41,6 +41,9 @@ _GOES_ON = (ph.Direction, ph.Heading, ph.Toward, ph.AwayFrom, ph.Place, ph.Lengt
             ph.Sense, ph.Amount, ph.Share)  # fmt: skip
 """Parts that say what should become of the object, also without a verb."""
 
+_SAYS = (*_GOES_ON, ph.Constraint, ph.Avoid)
+"""These, and those that say how."""
+
 
 def frames_of(
     parts: Sequence[ph.Part], lexicon: Lexicon, sentence: Normalised
@@ -244,7 +247,7 @@ class _ClauseReader:
         said = {remark.dialogue for remark in remarks}
         if len(said - {"correct"}) > 1 and said - {"correct"} != {"repeat", "more"}:
             raise unexpected_part(remarks[-1], self._sentence)
-        for dialogue in ("reverse", "correct", "undo", "stop", "do", "same", "repeat", "more"):
+        for dialogue in ("reverse", "stop", "undo", "correct", "do", "same", "repeat", "more"):
             if dialogue in said:
                 return dialogue
         return None
@@ -252,13 +255,13 @@ class _ClauseReader:
     def _remark_frame(self, remarks: Sequence[ph.Remark]) -> g.Frame:
         """A remark without a verb: undo that, a bit more to the left, no, the coffee box."""
         excluded = self._take_parts(ph.NotThis)
-        things = self._take_parts(ph.Thing)
+        things, parts = self._take_parts(ph.Thing), self._parts
         dialogue = self._joint_dialogue(remarks)
         if dialogue is None and excluded and things:
             dialogue = "correct"
         goes_on = any(isinstance(part, ph.Filler) and part.goes_on for part in self._parts)
-        if dialogue is None and things and goes_on:
-            dialogue = "same"
+        if dialogue is None and goes_on and (things or any(isinstance(p, _SAYS) for p in parts)):
+            dialogue = "same" if things and not self._sentence.question else "repeat"
         if dialogue == "undo" and any(isinstance(p, ph.Length | ph.Amount) for p in self._parts):
             dialogue = "reverse"  # "go back 2 cm"
         if dialogue is None:

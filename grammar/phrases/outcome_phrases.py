@@ -220,10 +220,11 @@ class Questions(TokenReader):
         return [ph.Remark(self.span_of(children[:1]), "same"), *things_in(children)]
 
     def how_about_part(self, children: Children) -> list[ph.Part]:
-        """The same, asked of another thing: "how about the mug"."""
-        span = self.span_of(children[:1])
+        """The same, asked of something else: "how about the mug"."""
+        mind, said = children
+        span = self.span_of([mind])
         goes_on = ph.Filler(span, anywhere=False, goes_on=True)
-        return [ph.Remark(span, "repeat"), goes_on, *things_in(children)]
+        return [ph.Remark(span, "repeat"), goes_on, *(said if isinstance(said, list) else [said])]
 
     def value_part(self, children: Children) -> ph.Ask:
         """A question: "how heavy is it"."""

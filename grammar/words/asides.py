@@ -131,6 +131,9 @@ class Asides:
                 return None  # "push it it" may lack a word between them
             if self._goes_on(said.text, match):
                 return None
+        before, comma, _ = said.text[:start].rpartition(" ,")
+        if kind == "fillers" and comma and self._is_open(before.rpartition(" ")[2]):
+            start, end = len(before), end + 2 * said.text.startswith(" ,", end)  # "the, uh, mug"
         left = _joined(said, (0, start), (end, len(said.text)))
         if kind == "after" and self._is_open(left.text.rpartition(" ")[2]):
             return None  # "to the right now"
@@ -239,9 +242,9 @@ def _gaps(kept: set[int], sentence: Normalised) -> tuple[Span, ...]:
 
 def _pattern_of(template: str) -> str:
     """The regular expression of a template: `(a|b)` is a choice, `[c]` may be left out."""
-    pattern = template.replace(".", r"\.").replace("(", "(?:")
+    pattern = template.replace("(", "(?:")
     while option := _OPTION.search(pattern):
         last, first = option.groups()
         either = f"(?:(?:{first}) )?" if last is None else f"(?: (?:{last}))?"
         pattern = pattern[: option.start()] + either + pattern[option.end() :]
-    return pattern
+    return pattern.replace(".", "[.;!?]")

@@ -24,6 +24,11 @@ _PERCENT = re.compile(r"[^ %]+ ?(?:%|percent|per cent)(?= |$)")
 _NAMED = re.compile(r" (?:the|my|your|our|its|it|this|that|\")")
 _ARTICLE = re.compile(r"an? ")
 _BEFORE_QUANTITIES = ("in", "under", "above", "below")
+_ASKED = ("CAN_YOU", "HOW", "HOW_HARD", "HOW_MUCH_DOES", "SEEN", "WHAT_CAN", "WHAT_DID", "WHAT_IF",
+          "WHAT_IS", "WHERE", "WHERE_IS", "WHERE_WILL", "WHICH_CAN", "WHICH_IS",
+          "WHY")  # fmt: skip
+"""Terminals that begin a question."""
+
 _IS = ("is", "are", "gets", "goes")
 _PLACES = ("RELATION", "BETWEEN", "REGION_OF_TABLE", "TO_X", "INTO", "PARTICLE")
 _QUANTITIES = ("THE_SIDE_OF", "BOUND")
@@ -108,7 +113,9 @@ class Lookahead:
             "DOES_NOT": self._no_can,
             "EXCEPT": self._behind_several,
             "FILLER": lambda phrase, text, end, _last: (
-                phrase != "go" or end == len(text) or self._any("VERB", text, end + 1)
+                any(self._any(kind, text, end + 1) for kind in _ASKED)
+                if phrase == "so"
+                else phrase != "go" or end == len(text) or self._any("VERB", text, end + 1)
             ),
             "FILLED": self._behind_fill,
             "FILLED_WITH": self._behind_fill,

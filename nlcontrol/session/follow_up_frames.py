@@ -105,7 +105,7 @@ def followed_frames(
 ) -> Sequence[g.Frame]:
     """The frames that a remark is about, given those said last and those of the last command."""
     if said.dialogue == "do":
-        return [frame for frame in asked if frame.query and frame.action]
+        return [frame for frame in asked if frame.query and frame.action] or done
     if said.dialogue == "correct":
         return asked if not asked or _can_correct(asked[-1], said) else done
     about_deeds = said.action or said.dialogue in ("same", "reverse", "more")
