@@ -267,7 +267,8 @@ def test_bounds(phrase: str, bound: str) -> None:
 @pytest.mark.parametrize("said", LEXICON.phrases_of("BOUND"))
 def test_every_bound_leaves_the_number(said: str) -> None:
     found = goal(f"push the box {said} 5 cm")
-    assert (found["distance"], found["bound"]) == (0.05, LEXICON.value_of("BOUND", said))
+    bound = LEXICON.value_of("BOUND", said) or "exact"
+    assert (found["distance"], found["bound"]) == (0.05, bound)
 
 
 @pytest.mark.parametrize(
