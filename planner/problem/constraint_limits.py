@@ -273,7 +273,7 @@ def _carry_slowly(problem: GraspProblem, clause: g.Slow) -> GraspProblem:
 
 def _carry_at_speed(problem: GraspProblem, clause: g.Speed | g.MinSpeed) -> GraspProblem:
     most, doing = problem.defaults.carry_speed, "moved"
-    if problem.frame.goal.kind != "place":
+    if problem.frame.goal.kind not in ("place", "pour"):
         most, doing = min(most, LIFT_SPEED), "lifted"
     if clause.value > most:
         raise _too_fast(clause.value, most, f"what is held is {doing} at up to", clause.spans)

@@ -344,10 +344,11 @@ def _pour_segments(
     lowers = np.minimum(_LOWERS, np.multiply(_LOWERS_SHARE, step.angle))
     tilts = np.array([0.0, *lowers, step.angle])
     places = [over, over, there, there]
-    first = HeldSegment("pour", R_WB, p_BC, here, over, axis, 0.0, CARRY_SPEED, step.rate)
+    first = HeldSegment("carry", R_WB, p_BC, here, over, axis, 0.0, CARRY_SPEED, step.rate)
     tilting = [
         replace(
             first,
+            phase="pour",
             R_WB=axis_rotation(axis, tilts[k]) @ R_WB,
             start=places[k],
             end=places[k + 1],

@@ -18,6 +18,7 @@ from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan, Reached
 from planner.types.refusal import NoPlanError, Refusal
 from planner.types.world_state import Held, WorldState
+from sim.paths.held_object_path import HeldObject, step_segments
 from tests.unit.planner.grasping.conftest import RuledHand, planned
 
 MUG = 3.285e-4  # what the mug of the registry holds [m³]
@@ -221,3 +222,11 @@ def test_a_part_takes_no_more_tilt_than_everything(
     everything = _step(_pour(known, hand))
     # The tilts that are looked at are up to 5° apart; the last drop takes the longest.
     assert part.angle <= everything.angle + math.radians(5.0)
+
+
+def test_it_is_carried_at_the_speed_that_is_said(known: WorldState, hand: RuledHand) -> None:
+    made = planned("pour 100 ml of the ice tea into the mug at 8 cm/s", known, hand)
+    assert made.speed == pytest.approx(0.08)
+    legs = [leg for step in step_segments(HeldObject.from_plan(made, known)) for leg in step]
+    fastest = max(legs, key=lambda leg: leg.speed)
+    assert (fastest.phase, fastest.speed) == ("carry", pytest.approx(0.08))
