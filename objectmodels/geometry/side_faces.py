@@ -88,7 +88,7 @@ class Face:
         return points, np.broadcast_to(n, points.shape).copy()
 
     def set_back(self, lateral: ArrayLike, radius: float = 0.0) -> tuple[Array, Array]:
-        """Where a ball that comes along the normal touches at lateral places, (...) [m].
+        """Touch of a ball that comes along the normal at lateral places.
 
         Args:
             lateral: of its middle, shape (...) [m].
