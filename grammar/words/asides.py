@@ -50,6 +50,7 @@ _SHAPES = {
 "Like," is a filler, but not in "as fast as you like, then".
 """
 
+_BEGINNING = re.compile(r"[(\[]")
 _OPTION = re.compile(r" \[([^\[\]]*)\]|\[([^\[\]]*)\] ")
 _DOUBLED = re.compile(r"(?<![^ ])((?:[a-z]+ ){0,2}[a-z]+|\d+)(?: ,)?(?= \1(?: |$))")
 _AS_MUCH = re.compile(r"(?<![^ ])as [a-z]+ $")
@@ -70,12 +71,15 @@ class Asides:
     def __init__(self, lexicon: Lexicon, phrases: Phrases) -> None:
         self._lexicon = lexicon
         self._phrases = phrases
+        self._patterns: dict[str, re.Pattern[str]] = {}
 
     def left_out(self, sentence: Normalised) -> Normalised:
         """The sentence without its asides, empty if it says nothing else."""
         said = sentence
-        for kind, pattern in self._patterns.items():
-            said = self._without_all(said, kind, pattern)
+        words = set(sentence.text.split())
+        for kind in _SHAPES:
+            if not words.isdisjoint(self._first_words[kind]):
+                said = self._without_all(said, kind, self._pattern_of(kind))
         said = self._without_all(said, "doubled", _DOUBLED)
         said = self._without_all(said, "stray", _STRAY)
         if said is sentence:
@@ -84,12 +88,20 @@ class Asides:
         return replace(said, asides=_gaps(kept, sentence))
 
     @cached_property
-    def _patterns(self) -> dict[str, re.Pattern[str]]:
-        said = {
-            kind: "|".join(map(_pattern_of, sorted(templates, key=len, reverse=True)))
+    def _first_words(self) -> dict[str, frozenset[str]]:
+        """Words without one of which there is no aside of a kind."""
+        return {
+            kind: frozenset(word for template in templates for word in _first_words(template))
             for kind, templates in self._lexicon.asides.items()
         }
-        return {kind: re.compile(shape.format(said[kind])) for kind, shape in _SHAPES.items()}
+
+    def _pattern_of(self, kind: str) -> re.Pattern[str]:
+        """The pattern of the asides of a kind, made when it is needed first."""
+        if kind not in self._patterns:
+            templates = sorted(self._lexicon.asides[kind], key=len, reverse=True)
+            said = "|".join(map(_pattern_of, templates))
+            self._patterns[kind] = re.compile(_SHAPES[kind].format(said))
+        return self._patterns[kind]
 
     def _without_all(self, said: Normalised, kind: str, pattern: re.Pattern[str]) -> Normalised:
         start = 0
@@ -238,6 +250,26 @@ def _gaps(kept: set[int], sentence: Normalised) -> tuple[Span, ...]:
     marks = "".join(c if c.isalnum() and i not in kept else " " if i not in kept else "\n"
                     for i, c in enumerate(sentence.original))  # fmt: skip
     return tuple(run.span() for run in re.finditer(r"[^\s](?:[^\n]*[^\s])?", marks))
+
+
+def _first_words(template: str) -> set[str]:
+    """The words and marks that the phrases of a template may begin with."""
+    group = _BEGINNING.match(template)
+    if group is None:
+        word = template.split(maxsplit=1)[0]
+        return set(".;!?") if word == "." else {word}
+    depth, end, start, choices = 0, 0, 1, list[str]()
+    for end, char in enumerate(template):
+        depth += (char in "([") - (char in ")]")
+        if depth == 0 or (depth == 1 and char == "|"):
+            choices.append(template[start:end])
+            start = end + 1
+        if depth == 0:
+            break
+    rest = template[end + 1 :].strip()
+    if group[0] == "[" and rest:
+        choices.append(rest)
+    return set().union(*map(_first_words, filter(None, choices)))
 
 
 def _pattern_of(template: str) -> str:

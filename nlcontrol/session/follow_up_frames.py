@@ -107,7 +107,9 @@ def followed_frames(
     if said.dialogue == "do":
         return [frame for frame in asked if frame.query and frame.action] or done
     if said.dialogue == "correct":
-        return asked if not asked or _can_correct(asked[-1], said) else done
+        if not asked:  # what was not understood may have been about another object
+            return done if said.object and not said.object.pronoun else asked
+        return asked if _can_correct(asked[-1], said) else done
     about_deeds = said.action or said.dialogue in ("same", "reverse", "more")
     answered = [frame for frame in asked if frame.query not in _ABOUT_DEEDS]
     return done if about_deeds else answered or done

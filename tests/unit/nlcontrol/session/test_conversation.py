@@ -153,6 +153,22 @@ def test_what_was_not_understood_cannot_be_corrected(conversation: Conversation)
     assert plan(conversation, "again").status == "planned"
 
 
+def test_behind_what_was_not_understood_a_name_corrects_the_last_command(
+    conversation: Conversation,
+) -> None:
+    result = plan(conversation, AWAY, "frobnicate it", "no, the mug")
+    assert goal(result) == ("mug", ("away", None, None))
+
+
+def test_a_question_and_a_remark_go_on_with_the_last_command(conversation: Conversation) -> None:
+    asked = plan(conversation, "can you topple the coffee box?", "and the cereal box?")
+    assert asked.frames[0].query == "possible"
+    assert asked.frames[0].object is not None
+    assert asked.frames[0].object.id == "cereal box"
+    result = plan(conversation, AWAY, "and now 5 cm to the left")
+    assert goal(result) == ("coffee box", ("left", 0.05, None))
+
+
 def test_a_remark_that_cannot_be_taken_leaves_the_sentence_before(
     conversation: Conversation,
 ) -> None:
