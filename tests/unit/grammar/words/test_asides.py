@@ -79,6 +79,7 @@ def test_what_is_not_to_be_knocked_over_is_pushed_to_its_place() -> None:
         ("how about pushing the jar away?", "push the jar away"),
         ("the jar, please push it away", "push the jar away"),
         ("push the mug, er, the jar away", "push the jar away"),
+        ("push the mug, wait a second, the jar away", "push the jar away"),
         ("push the jar away, will you?", "push the jar away"),
         ("push the jar away, OK?", "push the jar away"),
         ("push the jar to the right now", "push the jar to the right"),

@@ -160,6 +160,12 @@ def test_behind_what_was_not_understood_a_name_corrects_the_last_command(
     assert goal(result) == ("mug", ("away", None, None))
 
 
+def test_what_was_not_understood_is_not_done_anyway(conversation: Conversation) -> None:
+    result = plan(conversation, AWAY, "frobnicate the mug", "do it anyway")
+    assert result.error is not None
+    assert result.error.code == "nothing_before"
+
+
 def test_a_question_and_a_remark_go_on_with_the_last_command(conversation: Conversation) -> None:
     asked = plan(conversation, "can you topple the coffee box?", "and the cereal box?")
     assert asked.frames[0].query == "possible"
