@@ -35,11 +35,12 @@ def require_clear(sentence: Normalised, lexicon: Lexicon) -> None:
     Raises:
         ParseError: `unexpected_words`.
     """
+    ends = lexicon.reserved_words - {"of"} | {"", ",", ".", ";"}
     for phrase in lexicon.vague:
-        start = f" {sentence.text} ".find(f" {phrase} ")
-        if " " in phrase and start >= 0 and '"' not in sentence.text:
-            span = sentence.original_span(start, start + len(phrase))
-            raise _vague_error(phrase, span, lexicon)
+        start = f" {sentence.text} ".find(f" {phrase} ") if " " in phrase else -1
+        end = start + len(phrase)
+        if start >= 0 and '"' not in sentence.text and _word_at(sentence, end)[1] in ends:
+            raise _vague_error(phrase, sentence.original_span(start, end), lexicon)
 
 
 def _vague_error(phrase: str, span: Span, lexicon: Lexicon) -> ParseError:

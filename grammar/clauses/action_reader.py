@@ -243,8 +243,8 @@ def _with_stop_as_constraint(parts: Parts) -> Parts:
 
 
 def _into_or_place(part: ph.Part, poured: bool) -> ph.Part:
-    """Takes "pour it to the mug" for into the mug, "put it into the mug" for a place."""
-    if poured and isinstance(part, ph.Place) and part.relation == "to":
+    """Takes "pour it in the mug" for into the mug, "put it into the mug" for a place."""
+    if poured and isinstance(part, ph.Place) and part.relation in ("to", "in"):
         return ph.Into(part.span, cast("tuple[g.ObjectRef, ...]", part.reference)[0])
     if not poured and isinstance(part, ph.Into):
         return ph.Place(part.span, "in", (part.target,))

@@ -26,6 +26,10 @@ _MOVED_BY = {"from": "off", "off": "off", "on": "on"}
 """Particle that a lid's verb has where the sentence names what it goes off or on."""
 
 
+_MOVES_PART = {"up": "open", "out": "open", "down": "shut"}
+"""Where a lid or a drawer is moved, and what becomes of its owner."""
+
+
 # --- which object ------------------------------------------------------------------------------
 
 
@@ -117,6 +121,8 @@ def attach_objects(parts: Sequence[ph.Part], lexicon: Lexicon, sentence: Normali
         return _with_fill_as_pour(parts, verb)
     if asks is not None and asks.goal == "pour":
         return _with_poured_object(parts, verb)
+    parts = _with_moved_part(parts, verb, lexicon, sentence)
+    asks = _asks_for(verb, parts, lexicon)
     parts = _with_owner_of_lid(parts, verb, asks, lexicon, sentence)
     said = any(isinstance(part, ph.Length | ph.Amount) for part in parts)
     if asks is not None and asks.goal == "lift" and not said:
@@ -157,6 +163,22 @@ def _with_poured_object(parts: Sequence[ph.Part], verb: ph.Verb) -> Parts:
 
 
 # --- lids -------------------------------------------------------------------------------------
+
+
+def _with_moved_part(
+    parts: Sequence[ph.Part], verb: ph.Verb, lexicon: Lexicon, sentence: Normalised
+) -> Parts:
+    """Takes "pull the drawer out", "push the lid down" for opening and closing."""
+    thing = next((part for part in parts if isinstance(part, ph.Thing)), None)
+    particle = next((part for part in parts if isinstance(part, ph.Particle)), None)
+    if thing is None or particle is None:
+        return list(parts)
+    parted = part_and_owner(thing, lexicon, sentence)
+    moved = parted[0] if parted else thing.ref.text.casefold().split()[-1]
+    word = _MOVES_PART.get(particle.word, "")
+    if moved not in lexicon.parts or lexicon.find_verb(verb.word, word) is None:
+        return list(parts)
+    return [replace(part, word=word) if part is particle else part for part in parts]
 
 
 def _with_owner_of_lid(

@@ -28,7 +28,9 @@ class Names(TokenReader):
             inner = self.sentence.original[start + 1 : end - 1]
             start, end = end - 1 - len(inner.lstrip()), start + 1 + len(inner.rstrip())
         text = self.sentence.words_as_written((start, end))
+        own_contents = words[0].startswith("its ")
         if words[0].type in ("IT", "THAT"):
+            text = "it" if own_contents else text
             ref = g.ObjectRef(text=text, spans=((start, end),), pronoun=True)
         elif numbered := tokens_in(children, "NUMBER", "NUMBER_WORD"):
             _, end = self.span_of(numbered)
@@ -40,7 +42,7 @@ class Names(TokenReader):
             value = cast(g.Quantifier, self.value_of(children, "QUANTIFIER"))
             spans = tuple(dict.fromkeys((*ref.spans, self.span_of(counted))))
             ref = ref.model_copy(update={"quantifier": value, "spans": spans})
-        return ph.Thing((start, end), ref, bool(tokens_in(children, "CONTENTS")))
+        return ph.Thing((start, end), ref, own_contents or bool(tokens_in(children, "CONTENTS")))
 
     def _described_object(self, text: str, span: g.Span, children: Children) -> g.ObjectRef:
         """A name with what its adjectives say; a quoted name has none."""

@@ -104,6 +104,14 @@ class Parts(Names, Manners, Outcomes, Questions):
         first, last = self.span_of(ends[:1]), self.span_of(ends[-1:])
         return [ph.Verb(first, _CAUSED[event], completed=last), *things_in(children)]
 
+    def held_part(self, children: Children) -> list[ph.Part]:
+        """Use the handle to: take hold of the handle, then."""
+        thing, span = children[1], self.span_of(children[:1])
+        if thing.ref.text.split()[-1].casefold() not in self.lexicon.handles:
+            hint = 'say it in two steps: "grip …, then …"'
+            raise self.does_not_apply_error(children[:2], "is no tool of this robot", hint)
+        return [ph.Verb(span, "grip"), thing, ph.Next(self.span_of(children[-1:]), "then")]
+
     def done_part(self, children: Children) -> list[ph.Part]:
         """The box should be pushed, needs pushing; of a list, each of them."""
         token = tokens_in(children, "VERB_ED", "VERB_ING")[0]

@@ -7,7 +7,7 @@ and some phrases are the beginning of a name ("from the left", "from the left bo
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from grammar.words.lexicon import NAME_TERMINALS, Lexicon
 
@@ -19,6 +19,9 @@ BEFORE_NUMBERS = frozenset({"BY", "BOUND", "RANGE", "FROM", "IS_AT"})
 
 _OF_CONTENTS = ("FILLED", "FILLED_WITH", "TO_LEVEL", "SOME_OF", "PART_OF")
 """Terminals that say how much is poured or filled in; their words mean other things elsewhere."""
+
+_TRIED_FIRST = {*_OF_CONTENTS, *BEFORE_NUMBERS, "TO_DO", "OR", "EXCEPT", "USING"}
+"""Terminals whose rules tell them from others with the same words."""
 
 _PERCENT = re.compile(r"[^ %]+ ?(?:%|percent|per cent)(?= |$)")
 _NAMED = re.compile(r" (?:the|my|your|our|its|it|this|that|\")")
@@ -33,6 +36,8 @@ _IS = ("is", "are", "gets", "goes")
 _PLACES = ("RELATION", "BETWEEN", "REGION_OF_TABLE", "TO_X", "INTO", "PARTICLE")
 _QUANTITIES = ("THE_SIDE_OF", "BOUND")
 _BEFORE_PARTICLES = ("VERB", "WORD", "IT", "QUOTED")
+_BEFORE_COMMANDS = ("", "FILLER", "SEPARATOR", "NEXT")
+_AMOUNTS = ("FORCE_UNIT", "SPEED_UNIT", "LENGTH_UNIT")
 _MULTIPLES = frozenset({"twice", "double", "its"})
 _NAMES_BEGIN = re.compile(r" (?:the|a|an|my|your|its) ")
 
@@ -56,9 +61,7 @@ class Phrases:
     def __init__(self, lexicon: Lexicon) -> None:
         names = [*lexicon.terminals, *NAME_TERMINALS]
         # "Up to 5 cm" is a bound before it is a place.
-        names.sort(
-            key=lambda name: name not in {*_OF_CONTENTS, *BEFORE_NUMBERS, "TO_DO", "OR", "EXCEPT"}
-        )
+        names.sort(key=lambda name: name not in _TRIED_FIRST)
         self._kinds: dict[str, list[str]] = {phrase: ["WORD"] for phrase in lexicon.names}
         for name in names:
             for phrase in lexicon.phrases_of(name):
@@ -157,7 +160,13 @@ class Lookahead:
                 last == "NEEDS" or self._last_goal(text, end - len(phrase)) == "hand_over"
             ),
             "TOWARD": self._not_to_make,
-            "TO_DO": lambda _phrase, text, end, _last: self._any("EVENT_INFINITIVE", text, end + 1),
+            "KEEP": lambda phrase, text, end, _last: (
+                phrase != "leave" or self._follows(("KEPT", "LENGTH_UNIT"), text, end)
+            ),
+            "TO_DO": self._for_something,
+            "USING": lambda _phrase, text, end, last: (
+                last in _BEFORE_COMMANDS and not self._follows(("TOOL", *_AMOUNTS), text, end)
+            ),
             "UNDO": self._not_back_on,
             "WHY_DID": lambda _phrase, text, end, _last: end < len(text),
         }
@@ -225,6 +234,20 @@ class Lookahead:
     def _no_little_box(self, phrase: str, text: str, end: int, _last: str) -> bool:
         """A little, but not a little box."""
         return not phrase.startswith("a ") or self._ends_name(text, end)
+
+    def _follows(self, kinds: Sequence[str], text: str, end: int) -> bool:
+        """Check for a phrase of some terminals in the rest of a clause."""
+        rest = re.compile(" , | [.;] |$").search(text, end)
+        words = WORD.finditer(text, end, rest.start() if rest else len(text))
+        return any(self._any(kind, text, word.start()) for word in words for kind in kinds)
+
+    def _for_something(self, _phrase: str, text: str, end: int, _last: str) -> bool:
+        """To make it slide; use the handle to open it, but not push it to open it."""
+        if self._any("EVENT_INFINITIVE", text, end + 1):
+            return True
+        words = list(WORD.finditer(text, 0, end))
+        held = any(self._any("USING", text, word.start()) for word in words)
+        return held and self._any("VERB", text, end + 1)
 
     def _behind_several(self, phrase: str, text: str, end: int, last: str) -> bool:
         """All boxes but the red one; but not push it, but the jar to the left."""

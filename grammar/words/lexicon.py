@@ -86,6 +86,7 @@ class Lexicon:
         nobodies: words that stand for an object without naming it.
         robot_parts: what the robot calls its own.
         parts: parts of objects that may be opened.
+        handles: parts by which objects are held.
         lids: parts of objects that are taken off and put on.
         names: names of several words that are read as one, whatever their words mean elsewhere.
         numbers: words that number words are made of.
@@ -104,6 +105,7 @@ class Lexicon:
     nobodies: frozenset[str]
     robot_parts: frozenset[str]
     parts: frozenset[str]
+    handles: frozenset[str]
     lids: frozenset[str]
     names: frozenset[str]
     numbers: NumberWords
@@ -142,6 +144,7 @@ class Lexicon:
             nobodies=frozenset(data["nobodies"]),
             robot_parts=frozenset(data["robot_parts"]),
             parts=frozenset(data["parts"]),
+            handles=frozenset(data["handles"]),
             lids=frozenset(data["lids"]),
             names=frozenset(),
             numbers=NumberWords.from_data(

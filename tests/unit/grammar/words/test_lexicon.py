@@ -185,6 +185,7 @@ FORMS = {
     "clutch": ("clutched", "clutching"), "catch": ("caught", "catching"),
     "swing": ("swung", "swinging"), "seal": ("sealed", "sealing"),
     "uncover": ("uncovered", "uncovering"), "uncap": ("uncapped", "uncapping"),
+    "hang": ("hung", "hanging"), "leave": ("left", "leaving"),
     "uncork": ("uncorked", "uncorking"), "unseal": ("unsealed", "unsealing"),
 }  # fmt: skip
 """Participle and gerund of every verb, from the dictionary."""
