@@ -21,7 +21,7 @@ MOST_BYTES = 2000
 MOST_SUMMARY = 300
 
 _DISPENSABLE = ("notes", "facts", "numbers", "from_others", "verdicts", "suggestions", "say")
-"""Parts that are short_text if there is no room for all, the first ones first."""
+"""Parts that are shortened if there is no room for all, the first ones first."""
 
 
 class ToolAnswer(BaseModel):

@@ -221,7 +221,7 @@ def damped_step(
     rows: Mask | bool = True,
     hints: tuple[str, ...] = (),
 ) -> Linear:
-    """Predictions after a step, short_text until there are any.
+    """Predictions after a step, shortened until there are any.
 
     Args:
         balance: the trials and their model.
