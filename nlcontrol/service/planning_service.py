@@ -38,6 +38,7 @@ if TYPE_CHECKING:
         SessionSpec,
         TableSpec,
     )
+    from nlcontrol.session.executor import Motion
     from nlcontrol.session.frame_documents import Frames
     from objectmodels import ObjectModel
 
@@ -233,6 +234,7 @@ class PlanningService:
         session_id: str,
         plan_id: str | None = None,
         said: str | Frames | None = None,
+        motion: Motion | None = None,
         *,
         idempotency_key: str | None = None,
     ) -> RunInfo:
@@ -242,13 +244,18 @@ class PlanningService:
             session_id: in which.
             plan_id: of an `Offer` of the session.
             said: a sentence, or frames, if there is no plan id.
+            motion: that a sentence may make; see `PlanningSession.say`.
             idempotency_key: asked twice under it, the run is begun once.
 
         Raises:
             ControlError: `unknown_session`, `session_lost`, `queue_full`, `key_reused`; what
                 `PlanningSession.execute` or `say` raises.
         """
-        return self._runs.begin(self._session(session_id), plan_id, said, idempotency_key)
+        return self._runs.begin(
+            self._session(session_id),
+            {"plan_id": plan_id, "said": said, "motion": motion},
+            idempotency_key,
+        )
 
     def runs(
         self, session_id: str | None = None, cursor: str | None = None, limit: int = 50

@@ -21,12 +21,13 @@ from pathlib import Path
 from threading import RLock
 from typing import TYPE_CHECKING, Literal, Self
 
-from nlcontrol.errors import ControlError, error, known_errors_raised
+from nlcontrol.errors import error, known_errors_raised
 from nlcontrol.service.beliefs import Tolerances, belief_digest, require_unchanged, table_view
 from nlcontrol.service.bundles.run_request import run_request
 from nlcontrol.service.documents import Affordances, FaceMap, Offer, SessionSpec, TableView
 from nlcontrol.service.offer_drawing import offer_drawing
 from nlcontrol.service.offered_plans import LIFE, OfferedPlans
+from nlcontrol.service.session_protocol import is_question
 from nlcontrol.service.session_runs import SessionRun
 from nlcontrol.service.stated_objects import stated_table
 from nlcontrol.session.controller import Controller
@@ -166,17 +167,10 @@ class Session:
         Raises:
             ControlError: `busy`; where motion is allowed, also what `say` raises.
         """
-        if motion == "simulate" and self._is_question(said):
-            return self._begin_saying(said, motion, None).result()
+        if motion == "simulate" and is_question(self, said):
+            return self.say(said, motion=motion).result()
         with self._idle():
             return self.conversation.plan(said).result
-
-    def _is_question(self, said: str | Frames) -> bool:
-        try:
-            frames = self.controller.command(said).frames
-        except ControlError:
-            return False
-        return all(frame.query is not None for frame in frames)
 
     def predict(
         self,
@@ -286,21 +280,17 @@ class Session:
             return self._begin("execute", execute, text, on_event, plan_id, digest)
 
     def say(
-        self, said: str | Frames, *, on_event: Callable[[Event], object] | None = None
+        self,
+        said: str | Frames,
+        *,
+        motion: Motion | None = None,
+        on_event: Callable[[Event], object] | None = None,
     ) -> SessionRun:
         """Begins to do what a sentence says, planned and executed at one go.
 
         Raises:
             ControlError: `approval_required`, `busy`, `no_robot`.
         """
-        return self._begin_saying(said, None, on_event)
-
-    def _begin_saying(
-        self,
-        said: str | Frames,
-        motion: Motion | None,
-        on_event: Callable[[Event], object] | None,
-    ) -> SessionRun:
         with self._idle():
             self._require_robot()
             if self.spec.approval == "plan":

@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Literal, Protocol, Self
 
+from nlcontrol.errors import ControlError
+
 if TYPE_CHECKING:
     from types import TracebackType
 
@@ -149,8 +151,19 @@ class PlanningSession(Protocol):
                 moved, or is believed in another way), `busy`, `no_robot` (the table was stated).
         """
 
-    def say(self, said: str | Frames, *, on_event: Callable[[Event], object] | None = None) -> Run:
+    def say(
+        self,
+        said: str | Frames,
+        *,
+        motion: Motion | None = None,
+        on_event: Callable[[Event], object] | None = None,
+    ) -> Run:
         """Begins to do what a sentence says, planned and executed at one go.
+
+        Args:
+            said: a sentence, or frames.
+            motion: `simulate` also lets a question move something, `never` nothing at all.
+            on_event: told of every event, in the thread that carries it out.
 
         Raises:
             ControlError: `approval_required` if plans are to be approved first, `busy`, `no_robot`.
@@ -177,3 +190,12 @@ class PlanningSession(Protocol):
         raised: BaseException | None,
         traceback: TracebackType | None,
     ) -> None: ...
+
+
+def is_question(session: PlanningSession, said: str | Frames) -> bool:
+    """Return True if all that is said asks, and nothing commands."""
+    try:
+        frames = session.parse(said).frames
+    except ControlError:
+        return False
+    return all(frame.query is not None for frame in frames)

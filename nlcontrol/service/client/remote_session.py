@@ -24,6 +24,7 @@ from nlcontrol.service.documents import (
     TableView,
     Understanding,
 )
+from nlcontrol.service.session_protocol import is_question
 
 if TYPE_CHECKING:
     from types import TracebackType
@@ -96,8 +97,9 @@ class Client:
 
     def ask(self, said: str | Frames, *, motion: Motion = "never") -> Result:
         """The answer to a question; it moves nothing unless that is allowed."""
-        asked = {**_said_fields(said), "motion": motion}
-        return self._document(Result, "ask", asked, repeatable=motion == "never")
+        if motion == "simulate" and is_question(self, said):
+            return self.say(said, motion=motion).result()
+        return self._document(Result, "ask", _said_fields(said))
 
     def predict(
         self,
@@ -140,10 +142,14 @@ class Client:
         return self._begin_run("runs", {"plan_id": plan_id}, on_event)
 
     def say(
-        self, said: str | Frames, *, on_event: Callable[[Event], object] | None = None
+        self,
+        said: str | Frames,
+        *,
+        motion: Motion | None = None,
+        on_event: Callable[[Event], object] | None = None,
     ) -> RemoteRun:
         """Begins to do what a sentence says; see `PlanningSession.say`."""
-        return self._begin_run("say", _said_fields(said), on_event)
+        return self._begin_run("say", {**_said_fields(said), "motion": motion}, on_event)
 
     def stop(self) -> None:
         """Asks what is being carried out to let go and come to rest; plans are dropped."""

@@ -10,6 +10,7 @@ from pydantic import ConfigDict, Field, SkipValidation, model_validator
 from grammar.frames.command import Command, Frame
 from nlcontrol.json_document import DocumentPart
 from nlcontrol.service.documents import SessionSpec, StatedObjects, TableSpec
+from nlcontrol.session.executor import Motion
 
 _NAME = r"^[A-Za-z0-9_-]{1,64}$"
 
@@ -93,14 +94,19 @@ class ExplainedBody(SaidBody):
         return {**super().arguments, **({"explain": True} if self.explain else {})}
 
 
-class AskBody(ExplainedBody):
-    """A question.
+class SayBody(SaidBody):
+    """A sentence to be carried out, or frames in its place.
 
     Attributes:
-        motion: nothing is moved to answer it.
+        motion: `simulate` also lets a question move something, `never` nothing at all.
     """
 
-    motion: Literal["never"] = "never"
+    motion: Motion | None = None
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """Arguments of a session's method, as JSON has them."""
+        return {**super().arguments, "motion": self.motion}
 
 
 class LookBody(RequestBody):

@@ -20,7 +20,6 @@ from nlcontrol.service.documents import (
 from nlcontrol.service.http.event_streams import STREAM_CONTENT, stream_poses
 from nlcontrol.service.http.openapi_document import PROBLEMS
 from nlcontrol.service.http.request_bodies import (
-    AskBody,
     ExplainedBody,
     IdempotencyKey,
     LookBody,
@@ -29,6 +28,7 @@ from nlcontrol.service.http.request_bodies import (
     PlanIdBody,
     PredictBody,
     SaidBody,
+    SayBody,
     SessionBody,
     SessionId,
 )
@@ -87,7 +87,7 @@ async def parse(session_id: SessionId, body: SaidBody, service: Service) -> Resp
 
 
 @ROUTER.post("/{session_id}/ask", operation_id="session_ask", response_model=Result)
-async def ask(session_id: SessionId, body: AskBody, service: Service) -> Response:
+async def ask(session_id: SessionId, body: ExplainedBody, service: Service) -> Response:
     """Answers a question from what is believed; nothing moves."""
     require_bounded_sentence(body, service.settings)
     return await answer_of(service.call_session(session_id, "ask", **body.arguments))
@@ -137,7 +137,7 @@ async def execute(
     "/{session_id}/say", operation_id="session_say", response_model=RunInfo, status_code=202
 )
 async def say(
-    session_id: SessionId, body: SaidBody, service: Service, key: IdempotencyKey = None
+    session_id: SessionId, body: SayBody, service: Service, key: IdempotencyKey = None
 ) -> Response:
     """Begins to do what a sentence says, planned and executed at one go."""
     require_bounded_sentence(body, service.settings)

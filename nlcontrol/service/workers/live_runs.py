@@ -7,7 +7,7 @@ import json
 import secrets
 import threading
 import time
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from nlcontrol.errors import INTERNAL, ControlError, ErrorInfo, error
@@ -64,11 +64,9 @@ class LiveRuns:
 
     # --- from the caller -----------------------------------------------------------------------
 
-    def begin(
-        self, session: LiveSession, plan_id: str | None, said: Any, key: str | None
-    ) -> RunInfo:
+    def begin(self, session: LiveSession, asked: Mapping[str, Any], key: str | None) -> RunInfo:
         """Begins a run, or lets it wait for its turn; see `PlanningService.begin_run`."""
-        request = hashlib.sha256(json.dumps([plan_id, said], sort_keys=True).encode()).digest()
+        request = hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).digest()
         with session.beginning:
             if key is not None:
                 known = self._store.run_of_key(session.session_id, key, request)
@@ -86,7 +84,7 @@ class LiveRuns:
                 session.run_id = run.run_id
             try:
                 self.queue.enter(run.run_id, lambda: self._give_turn(run))
-                begun = session.call("begin_run", plan_id=plan_id, said=said).result()
+                begun = session.call("begin_run", **asked).result()
                 self._note_begin(run, RunInfo.model_validate_json(begun), key, request)
             except BaseException:
                 self._forget(run)

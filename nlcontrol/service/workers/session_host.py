@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from nlcontrol.service.session_runs import SessionRun
     from nlcontrol.service.workers.worker_host import Tell
     from nlcontrol.session.events import Event
-    from nlcontrol.session.executor import Executor
+    from nlcontrol.session.executor import Executor, Motion
     from sim.traces.trace import Trace
 
 NICE = 10
@@ -99,7 +99,7 @@ class SessionHost:
         )
         return b"{}"
 
-    def _begin_run(self, plan_id: str | None, said: Any) -> bytes:
+    def _begin_run(self, plan_id: str | None, said: Any, motion: Motion | None) -> bytes:
         """Begins a run, which waits for its turn before anything moves.
 
         Its plans take what they take, so that what it does does not depend on the machine.
@@ -108,7 +108,7 @@ class SessionHost:
         self.session.controller.time_limit = None
         try:
             if plan_id is None:
-                run = self.session.say(said, on_event=self._tell_event)
+                run = self.session.say(said, motion=motion, on_event=self._tell_event)
             else:
                 run = self.session.execute(plan_id, on_event=self._tell_event)
             self._run = run

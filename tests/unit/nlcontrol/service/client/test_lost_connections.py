@@ -11,6 +11,7 @@ from typing import Any
 import httpx
 import pytest
 
+from grammar.parser import default_parser
 from nlcontrol import Client, ControlError
 from nlcontrol.service.client import remote_run, service_connection
 from nlcontrol.service.documents import NumberedEvent
@@ -108,18 +109,28 @@ def test_what_is_lost_is_sent_again_with_the_same_key() -> None:
     assert len(set(keys)) == 2
 
 
-def test_a_session_is_opened_once_and_a_question_that_moves_is_sent_once() -> None:
+def test_a_session_is_opened_once() -> None:
     with pytest.raises(ControlError) as raised:
         client(wire := Wire(sessions=[httpx.ReadError]))
     assert raised.value.code == "no_service"
     assert raised.value.info.suggestions
     assert len(wire.requests) == 1
 
-    wire = Wire(ask=[httpx.ReadError, RESULT])
-    with pytest.raises(ControlError, match="lost"):
-        client(wire).ask("how heavy is the mug?", motion="simulate")
+
+def test_a_question_that_moves_is_a_run() -> None:
+    question = default_parser().parse("how heavy is the mug?")
+    understood = {
+        "ok": True,
+        "text": question.text,
+        "frames": [frame.model_dump(mode="json") for frame in question.frames],
+    }
+    wire = Wire(parse=[understood], say=[httpx.ReadError, RUN], r1=[ENDED], ask=[RESULT])
+    session = client(wire)
+    session.ask("how heavy is the mug?", motion="simulate")
+    assert [json.loads(each.content)["motion"] for each in wire.sent("say")] == ["simulate"] * 2
+    assert len({each.headers["Idempotency-Key"] for each in wire.sent("say")}) == 1
+    session.ask("how heavy is the mug?")
     assert len(wire.sent("ask")) == 1
-    assert client(wire).ask("how heavy is the mug?").ok
 
 
 def test_a_service_that_is_slow_is_not_asked_again() -> None:

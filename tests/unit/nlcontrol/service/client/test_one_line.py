@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -9,7 +10,8 @@ import pytest
 from nlcontrol import Client, ControlError
 from nlcontrol.service.session import Session
 from nlcontrol.service.session_protocol import PlanningSession
-from tests.service_process import ServerProcess
+from tests.fakes.counted_executor import motions_in
+from tests.service_process import ServerProcess, serving_counted_robot
 
 PUSH = "push the mug 3 cm to the left"
 
@@ -79,3 +81,13 @@ def test_a_push_is_the_same(server: ServerProcess) -> None:
     assert here[0].pop("files", None) == there[0].pop("files", None)
     for mine, other in zip(here, there, strict=True):
         assert mine == other
+
+
+def test_a_question_may_move_there_too(tmp_path: Path) -> None:
+    asked = "how slippery is the mug?"
+    with serving_counted_robot(tmp_path, "--planners", "1") as server, Client(server.url) as robot:
+        assert robot.ask(PUSH, motion="simulate").status == "planned"
+        before = robot.ask(asked)
+        assert (before.status, motions_in(tmp_path)) == ("answered", 0)
+        robot.ask(asked, motion="simulate")
+        assert motions_in(tmp_path) > 0
