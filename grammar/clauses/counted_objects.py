@@ -86,8 +86,9 @@ def _references_in(part: BaseModel) -> Iterator[g.ObjectRef]:
     """Each reference within a part of a frame."""
     if isinstance(part, g.ObjectRef):
         yield part
-    for key in type(part).model_fields:
-        value = getattr(part, key)
-        for inner in value if isinstance(value, tuple) else (value,):
-            if isinstance(inner, BaseModel):
+    for value in vars(part).values():
+        if isinstance(value, BaseModel):
+            yield from _references_in(value)
+        elif isinstance(value, tuple) and value and isinstance(value[0], BaseModel):
+            for inner in value:
                 yield from _references_in(inner)

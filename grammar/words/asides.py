@@ -76,12 +76,15 @@ class Asides:
     def left_out(self, sentence: Normalised) -> Normalised:
         """The sentence without its asides, empty if it says nothing else."""
         said = sentence
-        words = set(sentence.text.split())
+        spoken = sentence.text.split()
+        words = set(spoken)
         for kind in _SHAPES:
             if not words.isdisjoint(self._first_words[kind]):
                 said = self._without_all(said, kind, self._pattern_of(kind))
-        said = self._without_all(said, "doubled", _DOUBLED)
-        said = self._without_all(said, "stray", _STRAY)
+        if len(words) < len(spoken):
+            said = self._without_all(said, "doubled", _DOUBLED)
+        if not words.isdisjoint(",.;"):
+            said = self._without_all(said, "stray", _STRAY)
         if said is sentence:
             return sentence
         kept = {column for span in said.columns for column in range(*span)}
