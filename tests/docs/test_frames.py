@@ -105,7 +105,6 @@ REFUSED = {
     "duration": "unsupported",
     "set_down": "impossible",  # nothing is held
     "undo": "nothing_before",  # what was planned only is not undone
-    "do": "nothing_before",  # what was said last is no question
 }
 
 
