@@ -166,9 +166,7 @@ class Asides:
         """Check for words that say more the second time: "at the top at the top face"."""
         words, phrases = doubled[1], self._phrases.phrases_at
         start = text.index(words, doubled.end())
-        parts = [phrase for phrase, _ in phrases(words, 0)]
-        stammered = words not in parts or self._is_open(words)
-        if stammered and not self._phrases.has_terminal_at("BOUND", text, start):
+        if self._is_open(words) and not self._phrases.has_terminal_at("BOUND", text, start):
             return False
         for word in WORD.finditer(text, doubled.start(), doubled.start() + len(words)):
             longest = next((phrase for phrase, _ in phrases(text, word.start())), "")
