@@ -105,7 +105,8 @@ def followed_frames(
 ) -> Sequence[g.Frame]:
     """The frames that a remark is about, given those said last and those of the last command."""
     if said.dialogue == "do":
-        return [frame for frame in asked if frame.query and frame.action]
+        told = [frame for frame in asked if frame.action]
+        return [frame for frame in told if frame.query] or told
     if said.dialogue == "correct":
         if not asked:  # what was not understood may have been about another object
             return done if said.object and not said.object.pronoun else asked
