@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
+AXE = Path(__file__).parent / "vendor" / "axe.min.js"
 PATIENCE = 120.0
 """Longest time to wait for something, on a machine that has other things to do [s]."""
 
@@ -58,3 +60,9 @@ class OpenPage:
         while not self.ask(expression):
             assert time.monotonic() < ends, (expression, self.complaints)
             time.sleep(0.05)
+
+    def violations(self) -> list[tuple[str, list[Any]]]:
+        """Rules that the page breaks, and where; all rules of axe count, its best practices too."""
+        self.ask(AXE.read_text("utf-8"))
+        found = self.ask("axe.run().then(({ violations }) => violations)")
+        return [(rule["id"], [node["html"][:200] for node in rule["nodes"]]) for rule in found]

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pytest
 
@@ -16,16 +15,8 @@ if TYPE_CHECKING:
 
 pytestmark = pytest.mark.slow
 
-AXE = Path(__file__).parent / "vendor" / "axe.min.js"
 STATE = "page.state.get"
 WIDE, NARROW = {"width": 1280, "height": 800}, {"width": 390, "height": 844}
-
-
-def violations(opened: OpenPage) -> list[tuple[str, list[Any]]]:
-    """Rules that the page breaks, and where; all rules of axe count, its best practices too."""
-    opened.ask(AXE.read_text("utf-8"))
-    found = opened.ask("axe.run().then(({ violations }) => violations)")
-    return [(rule["id"], [node["html"][:200] for node in rule["nodes"]]) for rule in found]
 
 
 @pytest.mark.parametrize(("size", "scheme"), [(WIDE, "light"), (NARROW, "dark")])
@@ -34,7 +25,7 @@ def test_no_rule_is_broken(
 ) -> None:
     opened = OpenPage.opened(browser, server.url, viewport=size, color_scheme=scheme)
     opened.wait(f"{STATE}('table') !== null")
-    assert violations(opened) == []
+    assert opened.violations() == []
     said = {
         "push the mug without t": f"{STATE}('understanding')?.unfinished",
         "push the ice tea box away": f"{STATE}('offer')?.plan_id",
@@ -47,7 +38,7 @@ def test_no_rule_is_broken(
         if not text.endswith(" t"):
             opened.page.press("#say", "Enter")
         opened.wait(state)
-        assert violations(opened) == [], text
+        assert opened.violations() == [], text
     wide = "document.documentElement.scrollWidth - document.documentElement.clientWidth"
     assert opened.ask(wide) <= 0
     opened.page.close()

@@ -185,6 +185,7 @@ def test_a_browser_logs_in_by_the_link_and_its_streams_bear_the_cookie(browser: 
         link = server.process.stdout.readline().split()[-1]
         stranger = OpenPage.opened(browser, server.url)
         assert stranger.page.is_visible("#login")
+        assert stranger.violations() == []
         stranger.page.fill("#login input", "not this one")
         stranger.page.click("#login button")
         stranger.wait("document.querySelector('#login [role=alert]').textContent !== ''")

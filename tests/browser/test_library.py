@@ -52,6 +52,7 @@ def test_what_can_be_done_is_worked_out_and_can_be_said(opened: OpenPage) -> Non
     look_at(opened, "tea tin")
     opened.page.click("#looked-at details summary")
     opened.wait("document.querySelectorAll('.affordances .mark').length > 4")
+    assert opened.violations() == []
     offered = opened.page.locator(".affordances [data-ok=true] button").first
     text = offered.inner_text()
     offered.click()

@@ -84,6 +84,7 @@ def test_the_sentence_stands_in_the_colours_of_its_parts(opened: OpenPage) -> No
         "[...document.querySelectorAll('.word')].map((e) => getComputedStyle(e).color)"
     )
     assert len(set(colours)) == 4
+    assert opened.violations() == []
 
 
 def test_each_clause_has_its_verdict_and_lights_its_words(opened: OpenPage) -> None:

@@ -46,12 +46,14 @@ def test_a_run_is_seen_while_it_happens_and_goes_on_after_a_reload(opened: OpenP
     assert opened.page.input_value("#say") == SENTENCE
     opened.wait(f"{BOX} > {before} + 0.01")
     opened.wait("page.view.viewer.arrows.some((each) => each.group.visible)")
+    assert opened.violations() == []
     points = opened.page.get_attribute("#chart .felt", "points")
     assert points is not None
     assert points.count(",") > 20  # ten forces a second
     opened.wait(f"{STATE}('result') !== null")
     opened.wait("!document.querySelector('#controls').hidden")
     assert opened.page.inner_text("#run .badge") == "done"
+    assert opened.violations() == []
     # 30 mm were asked; the goal's own tolerance is a tenth of it, and no less than 5 mm.
     assert opened.ask(BOX) - before == pytest.approx(0.03, abs=0.005)
 
@@ -102,6 +104,7 @@ def test_the_history_has_what_was_done(opened: OpenPage, server: ServerProcess) 
     opened.wait("document.querySelectorAll('.runs li').length === 2")
     said = opened.ask("[...document.querySelectorAll('.run')].map((e) => e.textContent)")
     assert said == ["push the coffee box 3 cm away", SENTENCE]
+    assert opened.violations() == []
     last = opened.page.locator(".runs li").last
     bundle = last.get_by_text("Bundle").get_attribute("href")
     assert httpx.get(f"{server.url}{bundle}", timeout=60.0).content.startswith(b"PK")

@@ -119,7 +119,7 @@ def _serve(settings: ServiceSettings, http: HttpSettings, *, opens: bool) -> int
     with listening_socket(http.host, http.port) as listening, known_errors_raised():
         log_as_json()
         with PlanningService(settings) as service:
-            url = url_of(listening)
+            url = url_of(listening, http.hosts)
             click.echo(f"nlcontrol serves at {url}")
             login = None if http.token is None else BrowserLogin(http.token)
             if login is not None:

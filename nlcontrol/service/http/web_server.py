@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import socket
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from ipaddress import ip_address
 from typing import TYPE_CHECKING
 
 import uvicorn
@@ -77,9 +78,11 @@ def listening_socket(host: str, port: int) -> socket.socket:
         ) from raised
 
 
-def url_of(listening: socket.socket) -> str:
-    """URL of a socket that listens."""
+def url_of(listening: socket.socket, names: Sequence[str] = ()) -> str:
+    """URL of a socket that listens; where that is at every address, by the first of some names."""
     host, port = listening.getsockname()[:2]
+    if names and ip_address(host).is_unspecified:
+        host = names[0]
     return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
 
 

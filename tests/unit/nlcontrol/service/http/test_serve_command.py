@@ -13,6 +13,7 @@ from pathlib import Path
 import httpx
 import pytest
 
+from nlcontrol.service.http.web_server import listening_socket, url_of
 from tests.service_process import ROOT, serving
 
 
@@ -81,3 +82,19 @@ def test_a_signal_ends_it_with_all_its_processes(number: signal.Signals, status:
         while any(map(is_alive, children)) and time.monotonic() < deadline:
             time.sleep(0.05)
         assert [pid for pid in children if is_alive(pid)] == []
+
+
+@pytest.mark.parametrize(
+    ("address", "names", "host"),
+    [
+        ("127.0.0.1", ("robot.example",), "127.0.0.1"),
+        ("0.0.0.0", ("robot.example", "other"), "robot.example"),
+        ("0.0.0.0", (), "0.0.0.0"),
+    ],
+)
+def test_a_link_names_the_machine_where_the_address_does_not(
+    address: str, names: tuple[str, ...], host: str
+) -> None:
+    with listening_socket(address, 0) as listening:
+        port = listening.getsockname()[1]
+        assert url_of(listening, names) == f"http://{host}:{port}"
