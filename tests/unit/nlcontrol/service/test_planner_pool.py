@@ -7,6 +7,7 @@ import os
 import signal
 import time
 from collections.abc import Iterator
+from concurrent.futures import Future
 from typing import Any
 
 import pytest
@@ -86,9 +87,16 @@ def test_a_long_search_delays_nobody_else(pool: PlannerPool) -> None:
 
 def test_more_calls_than_may_wait_are_refused(pool: PlannerPool) -> None:
     table = TableSpec()
-    open_calls = [pool.call("plan", table, said=PUSH) for _ in range(4)]
+    open_calls: list[Future[bytes]] = []
+
+    def call_on() -> None:
+        while True:
+            open_calls.append(pool.call("plan", table, said=PUSH))
+
     with pytest.raises(ControlError) as raised:
-        pool.call("plan", table, said=PUSH)
+        call_on()
+    # Two wait, and either planner may work, or may just be starting.
+    assert 2 <= len(open_calls) <= 4
     assert raised.value.code == "queue_full"
     assert raised.value.info.numbers["retry_after"] > 0.0
     for call in open_calls:
