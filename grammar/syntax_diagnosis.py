@@ -35,11 +35,14 @@ def require_clear(sentence: Normalised, lexicon: Lexicon) -> None:
     Raises:
         ParseError: `unexpected_words`.
     """
-    ends = lexicon.reserved_words - {"of"} | {"", ",", ".", ";"}
+    text = f" {sentence.text} "
     for phrase in lexicon.vague:
-        start = f" {sentence.text} ".find(f" {phrase} ") if " " in phrase else -1
+        if " " not in phrase or f" {phrase} " not in text or '"' in text:
+            continue
+        start = text.find(f" {phrase} ")
         end = start + len(phrase)
-        if start >= 0 and '"' not in sentence.text and _word_at(sentence, end)[1] in ends:
+        after = _word_at(sentence, end)[1]
+        if after in ("", ",", ".", ";") or (after != "of" and after in lexicon.reserved_words):
             raise _vague_error(phrase, sentence.original_span(start, end), lexicon)
 
 

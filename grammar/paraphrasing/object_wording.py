@@ -39,11 +39,11 @@ class Naming:
         self, terminal: str, value: str = "", *, ending: str = "", of_object: bool = False
     ) -> str:
         """A phrase of the lexicon with that at its end; `of_object`: no side of the table."""
-        phrases = [
-            phrase
-            for phrase in self.lexicon.phrases_for(terminal, value)
-            if phrase.endswith(ending) and not (of_object and side_of_table_in(phrase))
-        ]
+        phrases = self.lexicon.phrases_for(terminal, value)
+        if ending:
+            phrases = [phrase for phrase in phrases if phrase.endswith(ending)]
+        if of_object:
+            phrases = [phrase for phrase in phrases if not side_of_table_in(phrase)]
         if not phrases:
             raise no_words(f"{value} as {terminal}")
         return _I.sub("I", self._choose(phrases))
@@ -137,7 +137,8 @@ class Naming:
         known = word in lexicon.openers or word in lexicon.verb_words["VERB"]
         if known or _is_joining_of(words, i):
             return True
-        return not (word[0].isdigit() or word in lexicon.reserved_words | lexicon.first_words)
+        known = word in lexicon.reserved_words or word in lexicon.first_words
+        return not (word[0].isdigit() or known)
 
 
 def _name_words(name: str) -> list[str]:

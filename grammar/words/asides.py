@@ -50,6 +50,7 @@ _SHAPES = {
 "Like," is a filler, but not in "as fast as you like, then".
 """
 
+_OPENING = re.compile(r"(?:^|(?<=[.;] ))[^ ]+")
 _BEGINNING = re.compile(r"[(\[]")
 _OPTION = re.compile(r" \[([^\[\]]*)\]|\[([^\[\]]*)\] ")
 _DOUBLED = re.compile(r"(?<![^ ])((?:[a-z]+ ){0,2}[a-z]+|\d+)(?: ,)?(?= \1(?: |$))")
@@ -79,7 +80,8 @@ class Asides:
         spoken = sentence.text.split()
         words = set(spoken)
         for kind in _SHAPES:
-            if not words.isdisjoint(self._first_words[kind]):
+            near = _OPENING.findall(said.text) if kind == "before" else words
+            if not self._first_words[kind].isdisjoint(near):
                 said = self._without_all(said, kind, self._pattern_of(kind))
         if len(words) < len(spoken):
             said = self._without_all(said, "doubled", _DOUBLED)

@@ -64,12 +64,14 @@ class Phrases:
         names.sort(key=lambda name: name not in _TRIED_FIRST)
         self._kinds: dict[str, list[str]] = {phrase: ["WORD"] for phrase in lexicon.names}
         for name in names:
-            for phrase in lexicon.phrases_of(name):
+            for phrase in lexicon.words_of(name):
                 self._kinds.setdefault(phrase, []).append(name)
         self._most: dict[str, int] = {}
         for phrase in self._kinds:
-            first, *more = phrase.split()
-            self._most[first] = max(self._most.get(first, 1), 1 + len(more))
+            first, _, more = phrase.partition(" ")
+            words = more.count(" ") + 2 if more else 1
+            if words > self._most.get(first, 0):
+                self._most[first] = words
 
     def phrases_at(self, text: str, start: int) -> list[tuple[str, list[str]]]:
         """The phrases that stand in a text from the start of a word, longest first."""

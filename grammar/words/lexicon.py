@@ -1,15 +1,19 @@
 """The words of the language: what they mean, and the terminals they make.
 
 The words stand in `lexicon.yaml`; the grammar's rules know only the terminals. A plug-in extends
-the language with `Lexicon.extended`.
+the language with `Lexicon.with_words`. The file is kept as JSON too, which is read ten times as
+fast: `python -m grammar.words.lexicon` writes it anew after a change of the words. One of other
+words is not used.
 """
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
+from hashlib import sha256
 from pathlib import Path
 from typing import Any, TypeVar, cast, get_args
 
@@ -18,8 +22,11 @@ from grammar.words.numerals import NumberWords
 
 T = TypeVar("T")
 
+WORDS = Path(__file__).with_name("lexicon.yaml")
+STORED = Path(__file__).with_name("lexicon.json")
+
 _RULE = re.compile(r"<(\w+)>")
-_GROUP = re.compile(r"\(([^()\[\]]*)\)|\[([^()\[\]]*)\]")
+_MARK = re.compile(r"([()\[\]|])")
 
 NAME_TERMINALS = ("VERB", "VERB_ED", "VERB_ING")
 """Terminals that are made of the verbs: infinitives, participles, gerunds."""
@@ -28,16 +35,25 @@ OPENERS = frozenset({"CAN", "WILL", "FIND_OUT", "TELL", "STOP", "VOCATIVE"})
 """Terminals that begin something new, so that right behind a name they are a part of it."""
 
 
-def expand_template(template: str) -> Iterator[str]:
-    """Yields the phrases of a template: `(a|b)` is a choice, `[c]` may be left out."""
-    # Innermost groups first, so that groups may stand inside one another.
-    group = _GROUP.search(template)
-    if group is None:
-        yield " ".join(template.split())
-        return
-    choices = group[1].split("|") if group[1] is not None else ["", *group[2].split("|")]
-    for choice in choices:
-        yield from expand_template(template[: group.start()] + choice + template[group.end() :])
+def expand_template(template: str) -> list[str]:
+    """The phrases of a template: `(a|b)` is a choice, `[c]` may be left out."""
+    return [" ".join(phrase.split()) for phrase in _choices_of(iter(_MARK.split(template)))]
+
+
+def _choices_of(pieces: Iterator[str]) -> list[str]:
+    """What may be said by the marks and words of a template, up to the end of a group."""
+    choices, said = list[str](), [""]
+    for piece in pieces:
+        if piece in (")", "]"):
+            break
+        if piece == "|":
+            choices, said = choices + said, [""]
+        elif piece in ("(", "["):
+            group = [""] * (piece == "[") + _choices_of(pieces)
+            said = [before + choice for before in said for choice in group]
+        else:
+            said = [before + piece for before in said]
+    return choices + said
 
 
 def _with_rules(said: Any, rules: Mapping[str, str]) -> Any:
@@ -119,20 +135,12 @@ class Lexicon:
     __hash__ = object.__hash__  # what is made of its words is remembered by the lexicon itself
 
     @classmethod
-    def from_file(cls, path: Path) -> Lexicon:
-        """Reads a lexicon from its YAML file.
+    def from_data(cls, data: Mapping[str, Any]) -> Lexicon:
+        """Builds a lexicon from the mapping that its file holds.
 
         Raises:
             ValueError: if a phrase has two meanings in one terminal.
         """
-        import yaml
-
-        loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-        return cls.from_data(yaml.load(path.read_text(encoding="utf-8"), Loader=loader))
-
-    @classmethod
-    def from_data(cls, data: Mapping[str, Any]) -> Lexicon:
-        """Builds a lexicon from the mapping that its file holds."""
         data = _with_rules(data, data["rules"])
         return cls(
             verbs=_expand_verbs(data["verbs"]),
@@ -238,10 +246,13 @@ class Lexicon:
         forms = [(word, *self.verb_forms.get(word, _regular_forms(word))) for word in words]
         return {name: {form[i]: form[0] for form in forms} for i, name in enumerate(NAME_TERMINALS)}
 
+    def words_of(self, terminal: str) -> Mapping[str, str]:
+        """Everything that a terminal may be, with the value, or the verb that it is a form of."""
+        return self.verb_words.get(terminal) or self.terminals[terminal]
+
     def phrases_of(self, terminal: str) -> list[str]:
         """Everything that a terminal may be, longest first."""
-        known = self.verb_words.get(terminal) or self.terminals[terminal]
-        return sorted(known, key=lambda phrase: (-len(phrase), phrase))
+        return sorted(self.words_of(terminal), key=lambda phrase: (-len(phrase), phrase))
 
     def phrases_for(self, terminal: str, value: str = "") -> list[str]:
         """The phrases by which a terminal says a value; paraphrases use the first."""
@@ -265,12 +276,13 @@ class Lexicon:
     def first_words(self) -> frozenset[str]:
         """Words that phrases of the language begin with, but for those behind numbers only."""
         kinds = (known for name, known in self.terminals.items() if name != "CUPS")
-        return frozenset(p.split()[0] for known in kinds for p in known)
+        return frozenset(p.partition(" ")[0] for known in kinds for p in known)
 
     @cached_property
     def definite_endings(self) -> frozenset[str]:
         """Ends of phrases behind a "the"."""
-        phrases = (f" {p}".rpartition(" the ") for k in self.terminals.values() for p in k)
+        definite = (p for known in self.terminals.values() for p in known if "the " in p)
+        phrases = (f" {phrase}".rpartition(" the ") for phrase in definite)
         return frozenset(end for _, the, end in phrases if the)
 
     @cached_property
@@ -288,11 +300,9 @@ class Lexicon:
     @cached_property
     def openers(self) -> frozenset[str]:
         """Words that by themselves begin something new and mean nothing else ("soup can")."""
-        kinds: dict[str, set[str]] = {}
-        for name, known in self.terminals.items():
-            for phrase in known:
-                kinds.setdefault(phrase, set()).add(name)
-        return frozenset(p for p, known in kinds.items() if " " not in p and known <= OPENERS)
+        opening = {p for name in OPENERS for p in self.terminals[name] if " " not in p}
+        others = [known for name, known in self.terminals.items() if name not in OPENERS]
+        return frozenset(opening.difference(*others))
 
     @cached_property
     def ends_names(self) -> frozenset[str]:
@@ -361,5 +371,25 @@ def _merge_words(name: str, known: Mapping[str, T], more: Mapping[str, T]) -> di
 
 @cache
 def default_lexicon() -> Lexicon:
-    """The language that nlcontrol comes with."""
-    return Lexicon.from_file(Path(__file__).with_name("lexicon.yaml"))
+    """The language that nlcontrol comes with: the stored words, if they are those of the file."""
+    source = WORDS.read_bytes()
+    try:
+        stored = json.loads(STORED.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        stored = {}
+    if stored.get("digest") != sha256(source).hexdigest():
+        stored = words_data(source)
+    return Lexicon.from_data(stored["words"])
+
+
+def words_data(source: bytes) -> dict[str, Any]:
+    """The words of a lexicon in YAML as the JSON that is stored."""
+    import yaml
+
+    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    return {"digest": sha256(source).hexdigest(), "words": yaml.load(source, Loader=loader)}
+
+
+if __name__ == "__main__":
+    data = words_data(WORDS.read_bytes())
+    STORED.write_text(json.dumps(data, separators=(",", ":")) + "\n", encoding="utf-8")

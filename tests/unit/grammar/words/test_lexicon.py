@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 from types import SimpleNamespace
@@ -9,12 +10,19 @@ from typing import Any, get_args
 
 import pytest
 
-import grammar
 from grammar import ParseError, parse
 from grammar.frames.command import Action, Goal, Quality
 from grammar.parser import Parser
 from grammar.phrases.lalr_parser import RULES, LalrParser, parse_table
-from grammar.words.lexicon import NAME_TERMINALS, Lexicon, default_lexicon, expand_template
+from grammar.words import lexicon as module
+from grammar.words.lexicon import (
+    NAME_TERMINALS,
+    STORED,
+    WORDS,
+    default_lexicon,
+    expand_template,
+    words_data,
+)
 from grammar.words.normalisation import normalise
 from grammar.words.phrase_lexer import PhraseLexer, Token
 
@@ -58,11 +66,12 @@ LAST = {"OR": "AVOID", "PART_OF": "VOLUME_UNIT", "PARTICLE": "VERB", "SOME_OF": 
         ("to (the|your) left [side]", [
             "to the left", "to the left side", "to your left", "to your left side",
         ]),
-        ("away [from (me|you)]", ["away", "away from me", "away", "away from you"]),
+        ("a[b [c|d]] e", ["a e", "ab e", "ab c e", "ab d e"]),
+        ("away [from (me|you)]", ["away", "away from me", "away from you"]),
     ],
 )  # fmt: skip
 def test_templates_expand(template: str, phrases: list[str]) -> None:
-    assert sorted(expand_template(template)) == sorted(phrases)
+    assert expand_template(template) == phrases
 
 
 def every_phrase() -> list[str]:
@@ -267,8 +276,23 @@ def test_plug_in_cannot_change_meanings(more: dict[str, Any], why: str) -> None:
         LEXICON.with_words(**more)
 
 
-def test_lexicon_is_read_from_its_file(tmp_path: Path) -> None:
-    source = Path(grammar.__file__).parent / "words" / "lexicon.yaml"
-    copy = tmp_path / "lexicon.yaml"
-    copy.write_text(source.read_text(encoding="utf-8"), encoding="utf-8")
-    assert Lexicon.from_file(copy) == LEXICON
+def test_stored_words_are_those_of_the_file() -> None:
+    assert json.loads(STORED.read_text(encoding="utf-8")) == words_data(WORDS.read_bytes())
+
+
+@pytest.mark.parametrize("content", ["", "no JSON", json.dumps({"digest": "of other words"})])
+def test_stored_words_of_another_file_are_not_used(
+    content: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    other = tmp_path / "lexicon.json"
+    other.write_text(content, encoding="utf-8")
+    monkeypatch.setattr(module, "STORED", other)
+    assert default_lexicon.__wrapped__() == LEXICON
+
+
+def test_changed_words_are_read_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    changed = tmp_path / "lexicon.yaml"
+    words = WORDS.read_text(encoding="utf-8").replace("nudge", "budge")
+    changed.write_text(words, encoding="utf-8")
+    monkeypatch.setattr(module, "WORDS", changed)
+    assert {"nudge", "budge"} & default_lexicon.__wrapped__().verbs.keys() == {"budge"}
