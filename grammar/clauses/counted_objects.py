@@ -86,9 +86,9 @@ def _references_in(part: BaseModel) -> Iterator[g.ObjectRef]:
     """Each reference within a part of a frame."""
     if isinstance(part, g.ObjectRef):
         yield part
-    for value in vars(part).values():
+    for value in filter(None, vars(part).values()):
         if isinstance(value, BaseModel):
             yield from _references_in(value)
-        elif isinstance(value, tuple) and value and isinstance(value[0], BaseModel):
+        elif isinstance(value, tuple) and isinstance(value[0], BaseModel):
             for inner in value:
                 yield from _references_in(inner)

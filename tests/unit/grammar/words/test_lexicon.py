@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import re
+import subprocess
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, get_args
@@ -288,6 +290,14 @@ def test_stored_words_of_another_file_are_not_used(
     other.write_text(content, encoding="utf-8")
     monkeypatch.setattr(module, "STORED", other)
     assert default_lexicon.__wrapped__() == LEXICON
+
+
+def test_first_sentence_needs_neither_yaml_nor_lark() -> None:
+    said = "import sys, grammar; grammar.parse('push the box away'); print(*sys.modules)"
+    done = subprocess.run(
+        [sys.executable, "-c", said], capture_output=True, text=True, timeout=60, check=True
+    )
+    assert not {"yaml", "lark"} & set(done.stdout.split())
 
 
 def test_changed_words_are_read_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
