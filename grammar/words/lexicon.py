@@ -41,7 +41,7 @@ def expand_template(template: str) -> list[str]:
 
 
 def _choices_of(pieces: Iterator[str]) -> list[str]:
-    """What may be said by the marks and words of a template, up to the end of a group."""
+    """The phrases of the pieces of a template, marks and words, up to the end of a group."""
     choices, said = list[str](), [""]
     for piece in pieces:
         if piece in (")", "]"):
