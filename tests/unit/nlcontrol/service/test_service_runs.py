@@ -187,5 +187,6 @@ def test_who_hears_of_the_end_may_begin_the_next_run_at_once() -> None:
             run_id = service.begin_run(session_id, said="how heavy is the mug?").run_id
             while not (has_told_end(run_id) if number % 2 else service.run(run_id).result):
                 pass
+        service.wait_for_run(run_id)
         states = [info.state for info in service.runs().runs]
         assert states == ["ended"] * 20
