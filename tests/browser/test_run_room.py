@@ -58,6 +58,12 @@ def test_a_run_is_seen_while_it_happens_and_goes_on_after_a_reload(opened: OpenP
     assert opened.ask(BOX) - before == pytest.approx(0.03, abs=0.005)
 
 
+def test_what_the_push_taught_is_told(opened: OpenPage) -> None:
+    taught = opened.page.inner_text("#run .lesson")
+    assert "slid at" in taught
+    assert "→" in taught
+
+
 def test_what_stands_still_is_drawn_once(opened: OpenPage) -> None:
     opened.wait("page.view.viewer.holder.dataset.settled === String(page.view.viewer.frames)")
     frames = opened.ask("page.view.viewer.frames")

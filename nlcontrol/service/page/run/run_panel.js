@@ -97,10 +97,9 @@ function checksOf(state) {
 
 // What a run taught, and what else is to be said of it.
 function notesOf(state) {
-  const lessons = state.get("result")?.steps.flatMap((step) => step.lessons) ??
-    state.get("events").filter(({ event }) => event.lesson).map(({ event }) => event.lesson);
+  const lessons = state.get("events").filter(({ event }) => event.lesson);
   const notes = state.get("result")?.notes ?? [];
-  return [...lessons.map(({ text }) => ["lesson", text]), ...notes.map((text) => ["asked", text])];
+  return [...lessons.map(({ event }) => ["lesson", event.text]), ...notes.map((text) => ["asked", text])];
 }
 
 function verdict(text, check, sentence) {
