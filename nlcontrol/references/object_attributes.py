@@ -232,8 +232,8 @@ def _same_place(a: SeenObject, b: SeenObject) -> float:
     return SAME_PLACE
 
 
-def ranked(quality: Quality, seen: Sequence[SeenObject], ordinal: int) -> list[SeenObject]:
-    """The one in a place of a row, counted from 1; several if there is a tie before or at it."""
+def objects_at_rank(quality: Quality, seen: Sequence[SeenObject], ordinal: int) -> list[SeenObject]:
+    """The object in a place of a row, counted from 1; several if there is a tie before or at it."""
     left = list(seen)
     for _ in range(ordinal - 1):
         first = with_attribute(quality, left)

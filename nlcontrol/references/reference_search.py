@@ -24,7 +24,7 @@ from nlcontrol.references.disambiguation_text import (
     reference_noun,
     reference_text,
 )
-from nlcontrol.references.object_attributes import in_relation, ranked, with_attribute
+from nlcontrol.references.object_attributes import in_relation, objects_at_rank, with_attribute
 from nlcontrol.references.object_names import Candidate, find_by_name, likely_name, name_words
 from nlcontrol.text_format import enumeration
 
@@ -187,7 +187,8 @@ def _names_by_sight(
         if quality not in COLOURS:
             # Only "nearest to the mug" has an object beside it and no relation.
             near = with_attribute(quality, left, beside)
-            left, ordinal = (ranked(quality, left, ordinal), 1) if ordinal > 1 else (near, 1)
+            left = objects_at_rank(quality, left, ordinal) if ordinal > 1 else near
+            ordinal = 1
     return {s.name for s in left}
 
 

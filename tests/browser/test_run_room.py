@@ -101,8 +101,9 @@ def test_a_run_is_stopped_by_a_key(opened: OpenPage) -> None:
     say(opened, "push the coffee box 3 cm away")
     opened.wait(f"{PHASE} === 'transit'")
     opened.page.keyboard.press("Escape")
-    opened.wait(f"{STATE}('result')?.status === 'cancelled'")
-    opened.wait("document.querySelector('#run .badge').textContent === 'stopped'")
+    opened.wait(f"{STATE}('result') !== null")
+    assert opened.ask(f"{STATE}('result').status") == "cancelled"
+    assert opened.page.inner_text("#run .badge") == "stopped"
 
 
 def test_the_history_has_what_was_done(opened: OpenPage, server: ServerProcess) -> None:

@@ -91,6 +91,10 @@ def test_names_that_end_phrases_are_quoted(name: str, said_as: str) -> None:
         ("the mug again", "mug"),
         ("topple the box that is at the edge", "that is"),
         ("push the box standing away from the mug", "standing"),
+        ("the other way round even more", "even more"),
+        ("do it more", "more"),
+        ("push it away with at most 5 N or more", "or more"),
+        ("reverse that in the opposite direction", "in the opposite direction"),
     ],
 )
 def test_what_says_nothing_is_refused_and_never_dropped(text: str, at: str) -> None:
