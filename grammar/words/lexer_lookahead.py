@@ -341,7 +341,7 @@ class Lookahead:
             return True
         follower = WORD.match(text, end + 1)
         return self._ends_name(text, end) and not (
-            follower and follower.group() in self._determiners
+            follower and (follower.group() in self._determiners or follower.group()[0] == '"')
         )
 
     def _not_back_on(self, phrase: str, text: str, end: int, _last: str) -> bool:

@@ -42,6 +42,12 @@ def test_sentences_offered_for_damaged_ones_are_read(
     assert not unread(damaged_sentence(Random(seed), damage, phrase) + mark)
 
 
+def test_a_quoted_name_follows_on() -> None:
+    for text in ('push the box on "75" away', 'push the box on "75"', 'put the mug on "tin 3"'):
+        command = parse(text)
+        assert parse(command.paraphrase).paraphrase == command.paraphrase
+
+
 @pytest.mark.parametrize(
     ("text", "units"),
     [

@@ -93,8 +93,16 @@ def test_more_calls_than_may_wait_are_refused(pool: PlannerPool) -> None:
         while True:
             open_calls.append(pool.call("plan", table, said=PUSH))
 
-    with pytest.raises(ControlError) as raised:
-        call_on()
+    plan(pool)
+    halted = pool.pids  # else a quick machine answers some in between
+    for pid in halted:
+        os.kill(pid, signal.SIGSTOP)
+    try:
+        with pytest.raises(ControlError) as raised:
+            call_on()
+    finally:
+        for pid in halted:
+            os.kill(pid, signal.SIGCONT)
     # Two wait, and either planner may work, or may just be starting.
     assert 2 <= len(open_calls) <= 4
     assert raised.value.code == "queue_full"
