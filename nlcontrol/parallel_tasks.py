@@ -4,11 +4,11 @@ Model: a task is plain data, and its result depends on that alone. Tasks go out 
 is sent costs time whatever is in it. For each worker some bundles are under way, and some that came
 out before an earlier one wait for it; no others are in memory.
 
-A process that ends takes its whole pool with it, and nobody tells at which task it was. So those
-that were under way are tried once more in a new pool, one by one: the guilty one breaks it again,
-and the others come through. An executor of the caller's cannot be replaced so: Dask does the like
-by itself, and where another one breaks, the run ends. A bundle that has failed there is taken
-apart: each of its tasks is tried again by itself.
+A bundle that fails is taken apart: each of its tasks is tried once more by itself. A process that
+ends takes its whole pool with it, and nobody tells at which task it was. So a bundle that was lost
+with it is tried in a new pool in which nothing else is under way: the guilty task ends that too,
+and the others come through. An executor of the caller's cannot be replaced so: Dask carries tasks
+out elsewhere by itself, and where another one breaks, the run ends.
 """
 
 from __future__ import annotations
@@ -103,19 +103,17 @@ class _Pool(ExitStack, Generic[T, R]):
         super().__init__()
         self._function, self._given = function, executor
         self._workers, self._initializer = workers, initializer
-        self._executor: Executor | None = executor
+        self._executor = executor or self._new_processes()
         self._waiting: deque[tuple[Sequence[T], Future[list[R]]]] = deque()
         self._done: SimpleQueue[Future[list[R]]] = SimpleQueue()
         self._under_way = 0
-        self._works = False
-        """A bundle has come to its end here."""
+        """Bundles."""
+        self._held = 0
+        """Tasks of the bundles that wait."""
 
     @property
     def is_full(self) -> bool:
-        return (
-            self._under_way >= UNDER_WAY * self._workers
-            or sum(len(bundle) for bundle, _ in self._waiting) >= AHEAD * self._workers
-        )
+        return self._under_way >= UNDER_WAY * self._workers or self._held >= AHEAD * self._workers
 
     @property
     def is_busy(self) -> bool:
@@ -123,78 +121,59 @@ class _Pool(ExitStack, Generic[T, R]):
 
     def submit(self, bundle: Sequence[T]) -> None:
         self._waiting.append((bundle, self._begun(bundle)))
+        self._held += len(bundle)
 
     def wait(self) -> None:
-        """Waits until one more bundle is done, or all of them where a process has ended."""
-        future = self._done.get()
+        """Waits until one more bundle is done."""
+        self._done.get()
         self._under_way -= 1
-        if not _is_lost(future):
-            self._works = True
-        elif self._given is None:
-            self._settle()
 
     def results(self) -> Generator[Future[R]]:
         """Futures that are next in order, and done; raises `BrokenExecutor` at the first lost."""
         while self._waiting and self._waiting[0][1].done():
             bundle, future = self._waiting.popleft()
-            if self._given is not None and _is_lost(future):
-                raise BrokenExecutor("the executor has ended") from _reason(future)
-            if future.exception() is None or len(bundle) == 1:
-                yield from _futures(future)
+            self._held -= len(bundle)
+            self._require_executor(future)
+            if _is_lost(future) or (future.exception() and len(bundle) > 1):
+                yield from self._tried_alone(bundle)
             else:
-                self._take_apart(bundle)
+                yield from _futures(future)
+
+    def _tried_alone(self, bundle: Sequence[T]) -> Generator[Future[R]]:
+        """Futures of tasks that failed together, each of them tried by itself."""
+        for task in bundle:
+            while self._under_way and self._given is None:
+                self.wait()
+            future = self._begun((task,))
+            wait([future])
+            self._require_executor(future)
+            yield from _futures(future)
 
     def _begun(self, bundle: Sequence[T]) -> Future[list[R]]:
         try:
-            future = self._opened().submit(_results, self._function, bundle)
+            future = self._executor.submit(_results, self._function, bundle)
         except BrokenExecutor:
             if self._given is not None:
                 raise
-            self._settle()
-            future = self._opened().submit(_results, self._function, bundle)
+            self._renew()
+            future = self._executor.submit(_results, self._function, bundle)
         self._under_way += 1
         future.add_done_callback(self._done.put)
         return future
 
-    def _take_apart(self, bundle: Sequence[T]) -> None:
-        """Begins the tasks of the bundle that was next in order again, each by itself."""
-        for task in reversed(bundle):
-            self._waiting.appendleft(((task,), self._begun((task,))))
-
-    def _settle(self) -> None:
-        """Tries the tasks that a broken pool had once more, each alone, in pools that are whole."""
-        for _ in range(self._under_way):
-            self._works |= not _is_lost(self._done.get())
-        self._under_way = 0
-        self._renew()
-        held, self._waiting, lost = self._waiting, deque(), 0
-        for bundle, future in held:
-            if _is_lost(future):
-                lost += len(bundle)
-                self._waiting.extend(((task,), self._tried_alone(task)) for task in bundle)
-            else:
-                self._waiting.append((bundle, future))
-        if not self._works and lost > 1:
-            raise BrokenExecutor("no process comes to its first result")
-
-    def _tried_alone(self, task: T) -> Future[list[R]]:
-        future = self._opened().submit(_results, self._function, (task,))
-        wait([future])
-        if _is_lost(future):
-            self._renew()
-        else:
-            self._works = True
-        return future
-
-    def _opened(self) -> Executor:
-        if self._executor is None:
-            processes = worker_processes(self._workers, self._initializer)
-            self._executor = self.enter_context(processes)
-        return self._executor
+    def _require_executor(self, future: Future[list[R]]) -> None:
+        """Raises `BrokenExecutor` if the caller's executor has ended at a bundle."""
+        if self._given is not None and _is_lost(future):
+            raise BrokenExecutor("the executor has ended") from _reason(future)
 
     def _renew(self) -> None:
+        """Begins new processes; raises `BrokenExecutor` if they do not come to their first task."""
         self.close()
-        self._executor = None
+        self._executor = self._new_processes()
+        self._executor.submit(_results, self._function, ()).result()
+
+    def _new_processes(self) -> Executor:
+        return self.enter_context(worker_processes(self._workers, self._initializer))
 
 
 def _results(function: Callable[[T], R], bundle: Sequence[T]) -> list[R]:

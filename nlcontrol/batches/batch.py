@@ -9,6 +9,8 @@ together.
 
 from __future__ import annotations
 
+import math
+import os
 import time
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Sized
@@ -24,7 +26,7 @@ from nlcontrol.batches.row_result import RowResult
 from nlcontrol.batches.row_worker import Order, run_row
 from nlcontrol.errors import ControlError, ErrorInfo, error
 from nlcontrol.json_document import DocumentPart
-from nlcontrol.parallel_tasks import finished_tasks
+from nlcontrol.parallel_tasks import UNDER_WAY, finished_tasks
 from objectmodels import Registry
 
 PLANS_TOGETHER = 5
@@ -130,7 +132,7 @@ def _results(
             under_way.append(order)
             yield order
 
-    bundles = _bundles(noted_orders())
+    bundles = _bundles(noted_orders(), workers or os.cpu_count() or 1)
     tasks = finished_tasks(run_row, bundles, executor=executor, workers=workers)
     try:
         with closing(tasks):
@@ -148,12 +150,23 @@ def _results(
 
 
 def _bundles(
-    orders: Iterator[Order | RowResult],
+    orders: Iterator[Order | RowResult], workers: int
 ) -> Iterator[tuple[Order | RowResult, ...]]:
-    """Orders that a worker carries out together: some plans, or one execution."""
+    """Orders that a worker carries out together: one execution, or some plans."""
     for is_carried_out, alike in groupby(orders, _is_carried_out):
-        while bundle := tuple(islice(alike, 1 if is_carried_out else PLANS_TOGETHER)):
-            yield bundle
+        most = 1 if is_carried_out else PLANS_TOGETHER
+        yield from _shrinking_bundles(alike, most, UNDER_WAY * workers)
+
+
+def _shrinking_bundles(
+    orders: Iterator[Order | RowResult], most: int, share: int
+) -> Iterator[tuple[Order | RowResult, ...]]:
+    """Bundles of so many orders, of fewer at the end, so that all workers end at about one time."""
+    ahead = deque(islice(orders, most * share))
+    while ahead:
+        size = math.ceil(len(ahead) / share)
+        yield tuple(ahead.popleft() for _ in range(size))
+        ahead.extend(islice(orders, size))
 
 
 def _is_carried_out(order: Order | RowResult) -> bool:

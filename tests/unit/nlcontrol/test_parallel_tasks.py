@@ -25,8 +25,8 @@ def square_or_end(x: int) -> int:
     return x * x
 
 
-def end(x: int) -> None:
-    os._exit(x)
+def end() -> None:
+    os._exit(1)
 
 
 def square_slowly_at_first(x: int) -> int:
@@ -70,7 +70,7 @@ def test_only_the_task_that_ends_its_process_twice_is_lost(size: int) -> None:
 
 def test_processes_that_cannot_begin_end_the_run() -> None:
     with pytest.raises(BrokenExecutor):
-        list(run_all(end, [1] * 10, workers=1))
+        list(run_all(square, range(10), workers=1, initializer=end))
 
 
 def test_a_bundle_that_fails_on_an_executor_is_taken_apart() -> None:

@@ -12,10 +12,12 @@ from typing import Any, ParamSpec, TypeVar
 
 import pytest
 
+from benchmarks.batches.cluster import local_cluster
 from nlcontrol import BatchRow, ControlError, Controller, DrawnScene, Registry, batch
 from nlcontrol.batches import batch as batches
 from nlcontrol.batches.batch import BatchProgress
 from nlcontrol.batches.batch_summary import summarise
+from nlcontrol.batches.dask_executor import dask_executor
 from nlcontrol.batches.drawn_scenes import draw_scene
 from nlcontrol.batches.result_file import read_outcomes
 from nlcontrol.batches.row_result import RowResult
@@ -41,9 +43,13 @@ ROWS: tuple[dict[str, Any], ...] = tuple(
 
 
 class Inline(Executor):
-    """Carries out everything at once in this process."""
+    """Carries out everything at once in this process, and keeps the bundles that it was given."""
+
+    def __init__(self) -> None:
+        self.bundles: list[tuple[Order | RowResult, ...]] = []
 
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
+        self.bundles += [arg for arg in args if isinstance(arg, tuple)]
         future: Future[T] = Future()
         future.set_result(fn(*args, **kwargs))
         return future
@@ -78,6 +84,19 @@ def test_a_result_does_not_depend_on_what_was_done_before(expected: list[RowResu
 
 def test_processes_come_to_the_same_digests(expected: list[RowResult]) -> None:
     assert digests(run(ROWS[:3], executor=None, workers=1)) == digests(expected[:3])
+
+
+def test_plans_go_together_and_fewer_at_their_end_executions_alone() -> None:
+    executor = Inline()
+    dance = {"text": "dance"}
+    run([dance, *ROWS[2:3] * 40, dance, dance], executor=executor, workers=2)
+    assert [each.line for bundle in executor.bundles for each in bundle] == list(range(1, 44))
+    sizes = [len(bundle) for bundle in executor.bundles]
+    assert sizes[:1] + sizes[-2:] == [1, 1, 1]
+    plans = sizes[1:-2]
+    assert plans[0] == batches.PLANS_TOGETHER
+    assert plans == sorted(plans, reverse=True)
+    assert plans[-4:] == [1, 1, 1, 1]  # two workers, and the next one of each
 
 
 def test_other_seeds_are_other_results(expected: list[RowResult]) -> None:
@@ -120,18 +139,11 @@ def test_a_scene_file_is_shipped_with_its_models(tmp_path: Path) -> None:
     source = Path(__file__).parents[4] / "sim" / "scenes" / "kitchen.yaml"
     (tmp_path / "own.yaml").write_text(source.read_text("utf-8"), "utf-8")
     row = {"text": AWAY, "scene": "own.yaml", "execute": False}
-    shipped: list[Order] = []
-
-    class Watched(Inline):
-        def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
-            bundles = [arg for arg in args if isinstance(arg, tuple)]
-            shipped.extend(each for bundle in bundles for each in bundle)
-            return super().submit(fn, *args, **kwargs)
-
-    first = run([row], folder=tmp_path, executor=Watched())
+    executor = Inline()
+    first = run([row], folder=tmp_path, executor=executor)
     assert first[0].status == "planned"
     (tmp_path / "own.yaml").unlink()
-    assert run_row(shipped[0]).digest == first[0].digest
+    assert run_row(executor.bundles[0][0]).digest == first[0].digest
     # What stands in the file is a part of the key, the name of the file is not all of it.
     heavier = source.read_text("utf-8").replace("mass_kg: ", "mass_kg: 1", 1)
     (tmp_path / "own.yaml").write_text(heavier, "utf-8")
@@ -209,6 +221,27 @@ def test_a_row_that_ends_its_workers_is_told(
     assert found[1].error is not None
     assert found[1].error.code == "worker_lost"
     assert {found[i].digest for i in (0, 2, 3)} == {expected[2].digest}
+
+
+@pytest.mark.slow
+def test_a_row_that_ends_its_workers_is_told_on_a_cluster(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, expected: list[RowResult]
+) -> None:
+    pytest.importorskip("distributed")
+
+    def end_at_second(order: Order | RowResult) -> RowResult:
+        if order.line == 2:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return run_row(order)
+
+    monkeypatch.setattr(batches, "run_row", end_at_second)
+    monkeypatch.setenv("DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES", "1")
+    with local_cluster(tmp_path) as address, dask_executor(address) as (executor, _):
+        found = run(ROWS[2:3] * 12, executor=executor, workers=2)
+    assert [each.line for each in found if each.status == "lost"] == [2]
+    assert found[1].error is not None
+    assert found[1].error.code == "worker_lost"
+    assert {each.digest for each in found if each.line != 2} == {expected[2].digest}
 
 
 def test_a_defect_in_a_row_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
