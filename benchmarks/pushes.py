@@ -18,16 +18,18 @@ the one that started first.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels import BoxModel, PrismModel
+from objectmodels.geometry.support_points import Support
 from objectmodels.models.object_model import ObjectModel
 from sim.face_experiment.applied_force import onset_time
 
 Array = NDArray[np.float64]
+Stands = Literal["corners", "weighted", "evenly"]
 
 STEP = 1e-3
 """Of both engines [s]."""
@@ -104,16 +106,22 @@ class World(Protocol):
         ...
 
 
-def random_push(seed: int, number: int) -> Push:
-    """The push of that number; it depends on nothing else."""
+def random_push(seed: int, number: int, stands: Stands = "corners") -> Push:
+    """The push of that number; it depends on nothing else.
+
+    Args:
+        seed: of all pushes.
+        number: of this one.
+        stands: on corners that bear alike, on corners of random weights, or evenly.
+    """
     rng = np.random.default_rng((seed, number))
     while True:
-        push = _push_of(_random_model(rng), number, rng)
+        push = _push_of(_random_model(rng, stands), number, rng)
         if push is not None:
             return push
 
 
-def _random_model(rng: np.random.Generator) -> ObjectModel:
+def _random_model(rng: np.random.Generator, stands: Stands) -> ObjectModel:
     """A box or a prism with its centre of mass off the middle."""
     height, half = float(rng.uniform(0.05, 0.30)), rng.uniform(0.02, 0.07, 2)
     mass, friction = float(rng.uniform(0.1, 2.0)), float(rng.uniform(0.2, 0.6))
@@ -126,13 +134,17 @@ def _random_model(rng: np.random.Generator) -> ObjectModel:
         corners = half * [[1, 1], [-1, 1], [-1, -1], [1, -1]]
     x, y = (0.8 * rng.dirichlet(np.ones(k)) @ corners).tolist()
     com = (x, y, float(rng.uniform(0.25, 0.75)) * height)
+    support: Support = "uniform" if stands == "evenly" else "corners"
+    if stands == "weighted":
+        weights = rng.uniform(0.2, 1.0, k)
+        support = tuple(map(tuple, np.column_stack((corners, weights)).tolist()))
     if prism:
         return PrismModel(
             name="prism", corners=corners.tolist(), height=height, mass=mass, friction=friction,
-            com=com, support="corners",
+            com=com, support=support,
         )  # fmt: skip
     size = (2.0 * float(half[0]), 2.0 * float(half[1]), height)
-    return BoxModel(name="box", size=size, mass=mass, friction=friction, com=com, support="corners")
+    return BoxModel(name="box", size=size, mass=mass, friction=friction, com=com, support=support)
 
 
 def _push_of(model: ObjectModel, number: int, rng: np.random.Generator) -> Push | None:

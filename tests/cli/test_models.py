@@ -280,6 +280,17 @@ def test_import_a_mesh_and_predict_it(
     assert mass == pytest.approx(900 * math.pi * 0.04**2 * 0.09, rel=0.003)
 
 
+def test_export_a_model_for_another_simulator(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    options = ["--output", str(tmp_path), "--format"]
+    status, told = answer(capsys, "objects", "export", "mug", *options, "sdf")
+    assert (status, told["files"]) == (0, [str(tmp_path / "mug.sdf")])
+    assert "<mass>0.118</mass>" in Path(told["files"][0]).read_text("utf-8")
+    status, told = answer(capsys, "objects", "export", "unicorn", *options, "mjcf")
+    assert (status, told["error"]["code"]) == (3, "unknown_object")
+
+
 @pytest.mark.slow
 def test_what_can_be_done_with_an_imported_mesh(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, objects_folder: Path

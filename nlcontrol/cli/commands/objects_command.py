@@ -14,6 +14,7 @@ from nlcontrol.errors import CODES, OK
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel, Registry
+    from objectmodels.descriptions.description_files import Format
 
 
 @click.group("objects")
@@ -146,6 +147,32 @@ def import_mesh_file(
         return _keep_model(registry, model, as_json)
     save_model(model, output)
     return _print_written(model, output, as_json)
+
+
+@group.command("export")
+@click.argument("name")
+@click.option(
+    "--format",
+    "form",
+    required=True,
+    type=click.Choice(["mjcf", "sdf", "urdf"]),
+    help="Format of the file.",
+)
+@click.option(
+    "--output",
+    type=click.Path(path_type=Path, file_okay=False),
+    default=".",
+    help="Folder for the file, and for a mesh if the shape needs one.",
+)
+@json_option
+def export_model(name: str, form: Format, output: Path, as_json: bool) -> int:
+    """Describe the object NAME to another simulator: inertia, feet and friction."""
+    from objectmodels.descriptions.description_files import write_description
+
+    model = open_registry().find_one(name)
+    files = [str(path) for path in write_description(model, form, output)]
+    document = {"ok": True, "name": model.name, "files": files}
+    return print_answer(document, [f"wrote {file}" for file in files], as_json=as_json)
 
 
 @group.command("remove")

@@ -1,0 +1,1 @@
+"""Models as other simulators read them: MJCF, SDF and URDF."""

@@ -1,0 +1,73 @@
+"""MJCF, the model files of MuJoCo.
+
+A constraint's force f is (k r − b v − a) / R, with penetration r, speed v, acceleration a and the
+regularisation R = (1 − d)/d · 1/m, the same for all feet where the impedance d is. Stiffnesses that
+are stated (`solref` with negative numbers) are then springs in the ratio of the weights. A mass on
+n of them moves with
+
+    (ρ + n) a = Σk r − Σb v − ρ g,  ρ = (1 − d)/d,
+
+so that frequency ω and critical damping ask for Σk = (ρ + n) ω² and Σb = 2 (ρ + n) ω. MuJoCo takes
+k and b from what is stated by dividing by d.
+
+Friction of a pair is that of the geom of higher priority, which the feet and the solid have.
+"""
+
+from __future__ import annotations
+
+from xml.sax.saxutils import quoteattr
+
+from objectmodels.descriptions.rigid_body import FOOT, RigidBody
+from objectmodels.geometry.base_shapes import Array
+from objectmodels.mechanics.push_thresholds import GRAVITY
+
+_IMPEDANCE = 0.5
+_FREQUENCY = 450.0
+"""Of the mass on its feet, ω [rad/s]; steps of a millisecond bear it."""
+
+
+def mjcf_text(body: RigidBody) -> str:
+    """A model of one free body; its world has gravity and steps, and no table yet."""
+    share = (1.0 - _IMPEDANCE) + _IMPEDANCE * len(body.feet)
+    stiffness, damping = share * _FREQUENCY**2, 2.0 * share * _FREQUENCY
+    feet = "\n".join(
+        f'      <geom class="foot" pos="{_row(place)}"'
+        f' solref="{-stiffness * weight:.9g} {-damping * weight:.9g}"/>'
+        for place, weight in zip(body.feet, body.weights, strict=True)
+    )
+    asset, solid = _solid(body)
+    return f"""<mujoco model={quoteattr(body.name)}>
+  <option timestep="0.001" gravity="0 0 {-GRAVITY}" cone="elliptic" impratio="1000"/>
+  <default>
+    <default class="foot">
+      <geom type="sphere" size="{FOOT}" friction="{body.friction:.9g} 0 0" condim="3" priority="1"
+        solimp="{_IMPEDANCE} {_IMPEDANCE} 0.001" group="3"/>
+    </default>
+  </default>{asset}
+  <worldbody>
+    <body name={quoteattr(body.name)}>
+      <freejoint/>
+      <inertial pos="{_row(body.com)}" mass="{body.mass:.9g}" diaginertia="{_row(body.inertia)}"/>
+      <geom name="solid" {solid} friction="{body.finger_friction:.9g} 0 0" condim="3" priority="1"/>
+{feet}
+    </body>
+  </worldbody>
+</mujoco>
+"""
+
+
+def _solid(body: RigidBody) -> tuple[str, str]:
+    """The assets, and what a geom says of the shape."""
+    x, y, z = (body.size / 2.0).tolist()
+    place = f'pos="{_row(body.middle)}"'
+    if body.shape == "box":
+        return "", f'type="box" size="{x:.9g} {y:.9g} {z:.9g}" {place}'
+    if body.shape == "cylinder":
+        return "", f'type="cylinder" size="{x:.9g} {z:.9g}" {place}'
+    corners = "  ".join(_row(vertex) for vertex in body.vertices)
+    asset = f'\n  <asset>\n    <mesh name="hull" vertex="{corners}"/>\n  </asset>'
+    return asset, 'type="mesh" mesh="hull"'
+
+
+def _row(values: Array) -> str:
+    return " ".join(f"{value:.9g}" for value in values.tolist())

@@ -1,0 +1,80 @@
+"""SDF, the model files of Gazebo and others; Drake reads its stiffnesses by their own tags."""
+
+from __future__ import annotations
+
+from xml.sax.saxutils import quoteattr
+
+from objectmodels.descriptions.rigid_body import FOOT, RELAXATION, SINKS, RigidBody
+from objectmodels.geometry.base_shapes import Array
+from objectmodels.mechanics.push_thresholds import GRAVITY
+
+
+def sdf_text(body: RigidBody, mesh: str) -> str:
+    """A model of one link.
+
+    Args:
+        body: to be described.
+        mesh: name of the mesh file of its hull, beside this one.
+    """
+    xx, yy, zz = body.inertia.tolist()
+    feet = "\n".join(
+        _collision(f"foot_{k}", place, f"<sphere><radius>{FOOT}</radius></sphere>", body, weight)
+        for k, (place, weight) in enumerate(zip(body.feet, body.weights, strict=True))
+    )
+    shape, place = _shape(body, mesh)
+    return f"""<?xml version="1.0"?>
+<sdf version="1.9" xmlns:drake="http://drake.mit.edu">
+  <model name={quoteattr(body.name)}>
+    <link name={quoteattr(body.name)}>
+      <inertial>
+        <pose>{_row(body.com)} 0 0 0</pose>
+        <mass>{body.mass:.9g}</mass>
+        <inertia>
+          <ixx>{xx:.9g}</ixx><iyy>{yy:.9g}</iyy><izz>{zz:.9g}</izz>
+          <ixy>0</ixy><ixz>0</ixz><iyz>0</iyz>
+        </inertia>
+      </inertial>
+      <visual name="solid">
+        <pose>{_row(place)} 0 0 0</pose>
+        <geometry>{shape}</geometry>
+      </visual>
+{_collision("solid", place, shape, body, None)}
+{feet}
+    </link>
+  </model>
+</sdf>
+"""
+
+
+def _collision(name: str, place: Array, shape: str, body: RigidBody, weight: float | None) -> str:
+    """A collision geometry: a foot of a weight, or the solid, which has none."""
+    mu = body.finger_friction if weight is None else body.friction
+    spring = ""
+    if weight is not None:
+        stiffness = weight * body.mass * GRAVITY / SINKS
+        spring = f"""
+        <drake:proximity_properties>
+          <drake:point_contact_stiffness>{stiffness:.9g}</drake:point_contact_stiffness>
+          <drake:relaxation_time>{RELAXATION}</drake:relaxation_time>
+        </drake:proximity_properties>"""
+    return f"""      <collision name="{name}">
+        <pose>{_row(place)} 0 0 0</pose>
+        <geometry>{shape}</geometry>
+        <surface><friction><ode><mu>{mu:.9g}</mu><mu2>{mu:.9g}</mu2></ode></friction></surface>{spring}
+      </collision>"""
+
+
+def _shape(body: RigidBody, mesh: str) -> tuple[str, Array]:
+    """Geometry of the solid, and where its own frame is."""
+    x, _, z = body.size.tolist()
+    if body.shape == "box":
+        return f"<box><size>{_row(body.size)}</size></box>", body.middle
+    if body.shape == "cylinder":
+        size = f"<radius>{x / 2.0:.9g}</radius><length>{z:.9g}</length>"
+        return f"<cylinder>{size}</cylinder>", body.middle
+    uri = f"<uri>{mesh}</uri><drake:declare_convex/>"
+    return f"<mesh>{uri}</mesh>", 0.0 * body.middle
+
+
+def _row(values: Array) -> str:
+    return " ".join(f"{value:.9g}" for value in values.tolist())

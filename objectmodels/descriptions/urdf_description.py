@@ -1,0 +1,78 @@
+"""URDF, the model files of ROS; it knows friction only by the tags of Drake and Gazebo."""
+
+from __future__ import annotations
+
+from xml.sax.saxutils import quoteattr
+
+from objectmodels.descriptions.rigid_body import FOOT, RELAXATION, SINKS, RigidBody
+from objectmodels.geometry.base_shapes import Array
+from objectmodels.mechanics.push_thresholds import GRAVITY
+
+
+def urdf_text(body: RigidBody, mesh: str) -> str:
+    """A robot of one link.
+
+    Args:
+        body: to be described.
+        mesh: name of the mesh file of its hull, beside this one.
+    """
+    xx, yy, zz = body.inertia.tolist()
+    feet = "\n".join(
+        _collision(place, f'<sphere radius="{FOOT}"/>', body, weight)
+        for place, weight in zip(body.feet, body.weights, strict=True)
+    )
+    shape, place = _shape(body, mesh)
+    return f"""<?xml version="1.0"?>
+<robot name={quoteattr(body.name)} xmlns:drake="http://drake.mit.edu">
+  <link name={quoteattr(body.name)}>
+    <inertial>
+      <origin xyz="{_row(body.com)}"/>
+      <mass value="{body.mass:.9g}"/>
+      <inertia ixx="{xx:.9g}" iyy="{yy:.9g}" izz="{zz:.9g}" ixy="0" ixz="0" iyz="0"/>
+    </inertial>
+    <visual>
+      <origin xyz="{_row(place)}"/>
+      <geometry>{shape}</geometry>
+    </visual>
+{_collision(place, shape, body, None)}
+{feet}
+  </link>
+  <gazebo reference={quoteattr(body.name)}>
+    <mu1>{body.friction:.9g}</mu1>
+    <mu2>{body.friction:.9g}</mu2>
+  </gazebo>
+</robot>
+"""
+
+
+def _collision(place: Array, shape: str, body: RigidBody, weight: float | None) -> str:
+    """A collision geometry: a foot of a weight, or the solid, which has none."""
+    mu = body.finger_friction if weight is None else body.friction
+    spring = ""
+    if weight is not None:
+        stiffness = weight * body.mass * GRAVITY / SINKS
+        spring = f"""
+        <drake:point_contact_stiffness value="{stiffness:.9g}"/>
+        <drake:relaxation_time value="{RELAXATION}"/>"""
+    return f"""    <collision>
+      <origin xyz="{_row(place)}"/>
+      <geometry>{shape}</geometry>
+      <drake:proximity_properties>
+        <drake:mu_static value="{mu:.9g}"/>
+        <drake:mu_dynamic value="{mu:.9g}"/>{spring}
+      </drake:proximity_properties>
+    </collision>"""
+
+
+def _shape(body: RigidBody, mesh: str) -> tuple[str, Array]:
+    """Geometry of the solid, and where its own frame is."""
+    x, _, z = body.size.tolist()
+    if body.shape == "box":
+        return f'<box size="{_row(body.size)}"/>', body.middle
+    if body.shape == "cylinder":
+        return f'<cylinder radius="{x / 2.0:.9g}" length="{z:.9g}"/>', body.middle
+    return f'<mesh filename="{mesh}"><drake:declare_convex/></mesh>', 0.0 * body.middle
+
+
+def _row(values: Array) -> str:
+    return " ".join(f"{value:.9g}" for value in values.tolist())
