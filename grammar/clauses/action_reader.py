@@ -73,7 +73,7 @@ class ActionReader:
         goal, thing = self._of_a_part(goal, thing)
         if verb.action == "push" and is_still(constraints) and not _says_more(goal):
             goal = g.NoGoal()  # a push need not move what it pushes
-        action = "open" if isinstance(goal, g.Open) else verb.action
+        action = goal.kind if isinstance(goal, g.Open | g.Close) else verb.action
         frame = g.Frame(
             action=cast(g.Action, action),
             query=self._query,
@@ -90,13 +90,15 @@ class ActionReader:
     def _require_no_touch(self, constraints: Sequence[g.Constraint], placed: bool) -> None:
         """Refuse where to touch an object in place of where to put it: "put it on its left side".
 
-        Behind a comma a face may be that of the thing that was named last.
+        A face behind a place may be that of the thing that was named last.
         """
         for clause in constraints:
             if not isinstance(clause, g.ContactRegion):
                 continue
             before = self._sentence.original[: clause.spans[0][0]].rstrip()
-            if not placed or (clause.face and before.endswith(",")):
+            said = self._sentence.words_as_written(clause.spans[0]).casefold()
+            beside = clause.face != "top" and said.startswith("on the ")
+            if not placed or (clause.face and (beside or before.endswith(","))):
                 message = "says where to touch it, and not where to put it"
                 raise self._sentence.error_at(
                     clause.spans[0], "does_not_apply", message, "left of the mug", "on the left"
@@ -244,7 +246,7 @@ def _with_stop_as_constraint(parts: Parts) -> Parts:
 
 def _into_or_place(part: ph.Part, poured: bool) -> ph.Part:
     """Takes "pour it in the mug" for into the mug, "put it into the mug" for a place."""
-    if poured and isinstance(part, ph.Place) and part.relation in ("to", "in"):
+    if poured and isinstance(part, ph.Place) and part.relation in ("to", "in", "on"):
         return ph.Into(part.span, cast("tuple[g.ObjectRef, ...]", part.reference)[0])
     if not poured and isinstance(part, ph.Into):
         return ph.Place(part.span, "in", (part.target,))

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 from grammar.clauses.clause_parts import Parts, unexpected_part
 from grammar.errors import ParseError
@@ -18,6 +19,7 @@ from grammar.words.normalisation import Normalised
 _JOINTS = (ph.Separator, ph.Next)
 _HEADS = (ph.Verb, ph.Explore)
 _WHERE_TO = (ph.Direction, ph.Heading, ph.Toward, ph.AwayFrom, ph.Place, ph.Length)
+_TELLING = (ph.Place, ph.Side, ph.ThatIs)
 _OPENINGS = (ph.Filler, ph.Amount, ph.Constraint, ph.Avoid, ph.Remark)
 """What may stand before a verb."""
 
@@ -44,24 +46,50 @@ def clauses_of(parts: Sequence[ph.Part], sentence: Normalised) -> list[Parts]:
         elif _goes_on(part, clauses, parts[i + 1 :]):
             clauses.append([])
         clauses[-1].append(part)
-    return [_without_joints(clause, ph.Separator) for clause in clauses]
+    return _with_shared_way([_without_joints(clause, ph.Separator) for clause in clauses])
+
+
+def _with_shared_way(clauses: list[Parts]) -> list[Parts]:
+    """Takes "push the mug and then the jar to the left" for both to the left."""
+    for i, (clause, after) in enumerate(pairwise(clauses)):
+        match clause, after:
+            case [ph.Verb(), ph.Thing()], [ph.Next(word="then"), ph.Thing(), *way] if way and all(
+                isinstance(part, _WHERE_TO) for part in way
+            ):
+                clauses[i] = [*clause, *way]
+    return clauses
 
 
 def _goes_on(joint: ph.Part, clauses: list[Parts], rest: Parts) -> bool:
     """Check for a joint before a clause without its verb.
 
     It stands behind "then", or is of a thing and where it goes, after such a pair ("…, and the jar
-    to the left").
+    to the left"), or of a length and its direction ("10 cm away and 5 cm to the left").
     """
     if isinstance(joint, ph.Next):
         return joint.word == "then" and bool(_without_joints(clauses[-1]))
-    if not isinstance(joint, ph.Separator) or not isinstance(rest[0], ph.Thing):
+    if not isinstance(joint, ph.Separator):
+        return False
+    if _is_way(rest):
+        return joint.word != "." and any(_is_way(clauses[-1][i:]) for i in range(len(clauses[-1])))
+    if not isinstance(rest[0], ph.Thing):
         return False
     thing = next((i for i, p in enumerate(clauses[-1]) if isinstance(p, ph.Thing)), None)
     went = thing is not None and any(isinstance(p, _WHERE_TO) for p in clauses[-1][thing:])
     verbs = [part for clause in clauses for part in clause if isinstance(part, ph.Verb)]
     headed = bool(verbs) and not verbs[-1].passive
     return headed and went and len(rest) > 1 and isinstance(rest[1], _WHERE_TO)
+
+
+def _is_way(parts: Parts) -> bool:
+    """Check for parts that begin with a length and its direction, in any order."""
+    match parts[:2]:
+        case [ph.Length(), ph.Direction(implied=False)] | [
+            ph.Direction(implied=False),
+            ph.Length(),
+        ]:
+            return True
+    return False
 
 
 def _without_joints(clause: Parts, *kinds: type[ph.Part]) -> Parts:
@@ -132,12 +160,18 @@ def _asks_further(parts: Sequence[ph.Part]) -> bool:
 
 
 def _with_topic_in_place(parts: Parts) -> Parts:
-    """Takes "the box, push it away" for "push the box away"."""
-    match parts:
-        case [ph.Thing() as topic, ph.Separator(word="," | "."), *rest]:
-            pronouns = (p for p in rest if isinstance(p, ph.Thing) and p.ref.pronoun)
-            if it := next(pronouns, None):
-                return [replace(it, ref=topic.ref) if part is it else part for part in rest]
+    """Takes "the box, push it away" for "push the box away", with what tells the box apart."""
+    end = next((i for i, part in enumerate(parts) if isinstance(part, ph.Separator)), 0)
+    match parts[:end], parts[end:]:
+        case [ph.Thing(ref=ref), *told], [ph.Separator(word="," | "."), *rest]:
+            row = (ph.Constraint, ph.Direction) if ref.ordinal else ()  # "from the right"
+            it = next((p for p in rest if isinstance(p, ph.Thing) and p.ref.pronoun), None)
+            if it is None or not all(isinstance(p, (*_TELLING, *row)) for p in told):
+                return parts
+            if told and isinstance(told[0], ph.Place):
+                told = [ph.ThatIs(told[0].span), *told]
+            topic = [replace(it, ref=ref), *told]
+            return [p for part in rest for p in (topic if part is it else [part])]
     return parts
 
 

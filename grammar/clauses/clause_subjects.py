@@ -26,7 +26,10 @@ _MOVED_BY = {"from": "off", "off": "off", "on": "on"}
 """Particle that a lid's verb has where the sentence names what it goes off or on."""
 
 
-_MOVES_PART = {"up": "open", "out": "open", "down": "shut"}
+_MOVES_LID = {"off": "take", "on": "put"}
+"""Particle → verb by which a lid is said to be moved, of one that is pushed or slid."""
+
+_MOVES_PART = {"up": "open", "out": "open", "down": "shut", "in": "shut"}
 """Where a lid or a drawer is moved, and what becomes of its owner."""
 
 
@@ -151,15 +154,32 @@ def _with_fill_as_pour(parts: Sequence[ph.Part], verb: ph.Verb) -> Parts:
     if filled is None or any(isinstance(part, ph.Into) for part in parts):
         return list(parts)
     out: Parts = [ph.Into(filled.span, filled.ref) if p is filled else p for p in parts]
-    source = next((part.thing for part in parts if isinstance(part, ph.FilledWith)), None)
-    return [*out, source or _pronoun_after(verb)]
+    liquid = next((part.thing for part in parts if isinstance(part, ph.FilledWith)), None)
+    if (poured := _with_source(out, liquid)) is not None:
+        return poured
+    return [*out, liquid or _pronoun_after(verb)]
 
 
 def _with_poured_object(parts: Sequence[ph.Part], verb: ph.Verb) -> Parts:
     """Takes "pour 100 ml into the mug" for 100 ml of what was spoken of before."""
     amount = any(isinstance(part, ph.Volume | ph.Amount) for part in parts)
-    named = any(isinstance(part, ph.Thing) for part in parts)
-    return list(parts) if named or not amount else [*parts, _pronoun_after(verb)]
+    liquid = next((part for part in parts if isinstance(part, ph.Thing)), None)
+    rest = [part for part in parts if part is not liquid]
+    if (poured := _with_source(rest, liquid)) is not None:
+        return poured
+    return list(parts) if liquid or not amount else [*parts, _pronoun_after(verb)]
+
+
+def _with_source(parts: Parts, liquid: ph.Thing | None) -> Parts | None:
+    """Takes "(the milk) from the jug" for the jug, or the milk in it; None without a source."""
+    for i, part in enumerate(parts):
+        match part:
+            case ph.Place(relation="from" | "out_of", reference=(g.ObjectRef() as jug,)):
+                spans = (*jug.spans, part.span)
+                whole = ph.Thing(part.span, jug.model_copy(update={"spans": spans}))
+                milk = liquid and [liquid, replace(part, relation="in")]
+                return [*parts[:i], *(milk or [whole]), *parts[i + 1 :]]
+    return None
 
 
 # --- lids -------------------------------------------------------------------------------------
@@ -209,8 +229,11 @@ def _with_owner_of_lid(
     if place is None:
         return _with_lid_of_known_object(parts, verb, asks, off, ph.Lid(thing.span, words))
     particle = _MOVED_BY.get(place.relation, "")
-    known = lexicon.find_verb(verb.word, particle)
     goal = None if asks is None else asks.goal
+    measured = any(isinstance(part, ph.Length) for part in parts)
+    pushed = goal in ("displace", "contact") and particle in _MOVES_LID and not measured
+    moving = replace(verb, word=_MOVES_LID[particle]) if pushed else verb
+    known = lexicon.find_verb(moving.word, particle)
     opens = (goal in ("open", "remove") and particle == "off") or (goal, particle) == (
         "close",
         "on",
@@ -222,8 +245,8 @@ def _with_owner_of_lid(
     start, end = _relation_span(place, whole, sentence)
     lid = ph.Lid((thing.span[0], end) if opens else thing.span, words)
     moved: Parts = [whole] if opens else [ph.Particle((start, end), particle), whole]
-    said = [lid if part is thing else part for part in parts]
-    return [p for part in said for p in (moved if part is place else [part])]
+    instead: dict[int, Parts] = {id(thing): [lid], id(verb): [moving], id(place): moved}
+    return [p for part in parts for p in instead.get(id(part), [part])]
 
 
 def with_lid_as_pronoun(clause: Parts, previous: Parts, lexicon: Lexicon) -> Parts:

@@ -21,8 +21,20 @@ _UNCOUNTED = frozenset({"other", "same", "moved_first", "moved_last", "middle"})
 """Qualities that put nothing in a row."""
 
 
+def with_listed_exceptions(parts: Sequence[ph.Part]) -> Parts:
+    """The parts of a sentence, with each thing of a list of exceptions as an exception."""
+    out: Parts = []
+    for part in parts:
+        match [*out[-2:], part]:
+            case [ph.Except(), ph.Separator(word="and" | ","), ph.Thing() as thing]:
+                out[-1] = ph.Except(thing.span, thing)
+            case _:
+                out.append(part)
+    return out
+
+
 def with_exception(
-    things: Sequence[ph.Thing], part: ph.Except, sentence: Normalised
+    things: Sequence[ph.Thing], part: ph.Except | ph.NotThis, sentence: Normalised
 ) -> list[ph.Thing]:
     """The objects of a clause, of which a thing is not meant.
 

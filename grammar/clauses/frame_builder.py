@@ -28,6 +28,7 @@ from grammar.clauses.counted_objects import (
     require_countable,
     require_no_other_meant,
     with_exception,
+    with_listed_exceptions,
 )
 from grammar.clauses.goal_builder import goal_builder_for
 from grammar.clauses.object_descriptions import attach_descriptions
@@ -40,6 +41,9 @@ from grammar.words.normalisation import Normalised
 _GOES_ON = (ph.Direction, ph.Heading, ph.Toward, ph.AwayFrom, ph.Place, ph.Length, ph.Angle,
             ph.Sense, ph.Amount, ph.Share)  # fmt: skip
 """Parts that say what should become of the object, also without a verb."""
+
+_RESTORING = ("upright", "set_down", "close")
+"""Goals of which "again" says that it was so before."""
 
 _SAYS = (*_GOES_ON, ph.Constraint, ph.Avoid)
 """These, and those that say how."""
@@ -55,7 +59,7 @@ def frames_of(
     """
     frames: list[g.Frame] = []
     previous: Parts = []
-    for clause in _in_order(clauses_of(parts, sentence)):
+    for clause in _in_order(clauses_of(with_listed_exceptions(parts), sentence)):
         headed = any(isinstance(p, ph.Verb | ph.Explore | ph.Remark) for p in clause)
         said = clause
         if frames and not headed:
@@ -86,18 +90,27 @@ def _complete_clause(
 ) -> Parts:
     """A clause without its verb ("then to the left") goes on with verb and object of the last."""
     head = next((part for part in previous if isinstance(part, ph.Verb)), None)
+    things = [part for part in clause if isinstance(part, ph.Thing)]
+    if head is not None and things and things == clause:
+        return _with_other_things(previous, things)
     if head is None or not any(isinstance(part, _GOES_ON) for part in clause):
         raise no_verb(sentence, clause)
     particle = next((part for part in previous if isinstance(part, ph.Particle)), None)
     verb: Parts = [head]
     if particle is not None and lexicon.find_verb(head.word, particle.word):
         verb.append(particle)  # "up" of "push it up" is a direction
-    named = any(isinstance(part, ph.Thing) for part in clause)
-    thing = [] if named else [part for part in previous if isinstance(part, ph.Thing)][:1]
+    thing = [] if things else [part for part in previous if isinstance(part, ph.Thing)][:1]
     return [*verb, *thing, *clause]
 
 
-def _with_meant_verb(parts: Sequence[ph.Part], lexicon: Lexicon) -> Parts:
+def _with_other_things(clause: Parts, things: Sequence[ph.Thing]) -> Parts:
+    """The same with others: "push the mug away, then the jar"."""
+    first = next(i for i, part in enumerate(clause) if isinstance(part, ph.Thing))
+    rest = [part for part in clause[first:] if not isinstance(part, ph.Thing | ph.Except)]
+    return [*clause[:first], *things, *rest]
+
+
+def _with_meant_verb(parts: Sequence[ph.Part], lexicon: Lexicon, sentence: Normalised) -> Parts:
     """Takes "give it a push" for "push it", "I want it further left" for "move it further left"."""
     strokes = [part for part in parts if isinstance(part, ph.Stroke)]
     wishes = [part for part in parts if isinstance(part, ph.Wish)]
@@ -111,7 +124,11 @@ def _with_meant_verb(parts: Sequence[ph.Part], lexicon: Lexicon) -> Parts:
     if strokes or not wishes or verb is not None:
         return [part for part in parts if not isinstance(part, ph.Wish)]
     if any(isinstance(part, _GOES_ON) for part in rest):
-        return [ph.Verb(wishes[0].span, "move", passive=True), *rest]
+        wish = wishes[0]
+        verb = ph.Verb(wish.span, "move", passive=True, completed=wish.state)
+        return [verb, *rest]
+    if wishes[0].state:
+        raise no_verb(sentence, rest)
     return [ph.Remark(wishes[0].span, "correct"), *rest]
 
 
@@ -121,7 +138,7 @@ class _ClauseReader:
     def __init__(self, parts: Sequence[ph.Part], lexicon: Lexicon, sentence: Normalised) -> None:
         self._lexicon = lexicon
         self._sentence = sentence
-        parts = complete_avoidances(_with_meant_verb(parts, lexicon), lexicon)
+        parts = complete_avoidances(_with_meant_verb(parts, lexicon, sentence), lexicon)
         self._parts = attach_descriptions(
             attach_objects(parts, lexicon, sentence), lexicon, sentence
         )
@@ -145,6 +162,8 @@ class _ClauseReader:
         excluded = self._take_parts(ph.NotThis)
         excepted = self._take_parts(ph.Except)
         things = clause_objects(self._parts, ask, remarks, self._lexicon, self._sentence)
+        if any(thing.ref.quantifier in ("all", "rest") for thing in things):
+            excepted, excluded = [*excepted, *excluded], []
         for part in excepted:
             things = with_exception(things, part, self._sentence)
         self._take_parts(ph.Thing)
@@ -166,7 +185,7 @@ class _ClauseReader:
         dialogue = self._joint_dialogue(remarks)
         if dialogue in ("undo", "stop"):
             raise unexpected_part(remarks[0], self._sentence)
-        restored = dialogue == "repeat" and frames[0].goal.kind == "upright"
+        restored = dialogue == "repeat" and frames[0].goal.kind in _RESTORING
         if restored:  # "stand it up again" repeats nothing
             dialogue = None
         spans = tuple(part.span for part in (*remarks, *excluded))

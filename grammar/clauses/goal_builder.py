@@ -246,14 +246,19 @@ def _taking_goal(clause: Clause) -> g.Place:
 
 def open_goal(clause: Clause) -> g.Open:
     """Take the lid off the jar; open it all the way, which it is anyway."""
+    _take_whole_way(clause)
+    return g.Open(part=clause.take_value(ph.Lid), spans=clause.all_spans)
+
+
+def _take_whole_way(clause: Clause) -> None:
     share = clause.first_part(ph.Share)
     if share is not None and share.of_way and share.value == 1.0:
         clause.take_only(ph.Share)
-    return g.Open(part=clause.take_value(ph.Lid), spans=clause.all_spans)
 
 
 def close_goal(clause: Clause) -> g.Close:
     """Put the lid back on the jar."""
+    _take_whole_way(clause)
     return g.Close(part=clause.take_value(ph.Lid), spans=clause.all_spans)
 
 

@@ -183,8 +183,9 @@ def _is_description(part: ph.Place, parts: Parts, i: int, before: Parts, lexicon
     goal = _goal_of_verb(parts, lexicon)
     if goal in ("lift", "remove") and part.relation == "from":
         return False
-    if goal == "pour" and part.relation == "in" and not any(isinstance(p, ph.Into) for p in parts):
-        return False  # pour it in the mug
+    into = any(isinstance(p, ph.Into) for p in parts)
+    if goal == "pour" and part.relation in ("in", "on") and not into:
+        return False  # pour it in the mug, onto the plate
     if goal not in _TAKES_PLACE:
         # "Lean it against the wall" is no box that stands against the wall.
         return goal is not None and part.relation not in ("touching", "above", "below")

@@ -215,7 +215,7 @@ class Open(BaseGoal):
         part: name of the part ("lid", "drawer"); None if the object itself is named.
     """
 
-    words: ClassVar[GoalWords] = GoalWords(verbs={"open": "open"})
+    words: ClassVar[GoalWords] = GoalWords(verbs={"open": "open"}, outcomes=("opens",))
     kind: Literal["open"] = "open"
     part: str | None = None
     spans: Spans = ()
@@ -228,7 +228,7 @@ class Close(BaseGoal):
         part: as of `open`.
     """
 
-    words: ClassVar[GoalWords] = GoalWords(verbs={"close": "close"})
+    words: ClassVar[GoalWords] = GoalWords(verbs={"close": "close"}, outcomes=("closes",))
     kind: Literal["close"] = "close"
     part: str | None = None
     spans: Spans = ()

@@ -68,10 +68,9 @@ class Naming:
                 told.append(self.phrase_for("SIDE_QUALITY", quality))
         if ref.relation is not None:
             told += [self.phrase_for("THAT_IS"), self._relation_words(ref.relation, ref.reference)]
-        for other in ref.exceptions:
-            told.append(
-                f"{self.phrase_for('EXCEPT', ending='except for')} {self.object_words(other)}"
-            )
+        if ref.exceptions:
+            told.append(self.phrase_for("EXCEPT", ending="except for"))
+            told.append(self._joined_names(ref.exceptions))
         return " ".join(told)
 
     def _counted_words(self, ref: g.ObjectRef, plain: bool) -> str:
@@ -86,7 +85,9 @@ class Naming:
             return ref.text
         if not plain or ref.ordinal is not None or ref.pronoun:
             raise no_words(f"{ref.quantifier} of {ref.text}")
-        return f"{self.phrase_for('QUANTIFIER', ref.quantifier or '', ending=' the')} {ref.text}"
+        one = {"all": "every", "any": "any"}.get(ref.quantifier or "")
+        ending = one if one and not ref.text.endswith("s") else " the"
+        return f"{self.phrase_for('QUANTIFIER', ref.quantifier or '', ending=ending)} {ref.text}"
 
     def _joined_names(self, refs: Sequence[g.ObjectRef]) -> str:
         return " and ".join(self.object_words(ref) for ref in refs)

@@ -13,6 +13,9 @@ _STOPS = {"moves": "moves", "slides": "moves", "tips": "tips", "about_to_tip": "
           "tilts": "about_to_tip"}  # fmt: skip
 """Events at which a push may be stopped."""
 
+_ENDS = ("ends_up", "opens", "closes")
+"""Events that say what has become of the object, so that it is done then."""
+
 _PURPOSES = {"moves": "moves", "slides": "slides", "tips": "tips", "about_to_tip": "tips",
              "tilts": "tilts", "turns": "turns", "stays_upright": "stays_upright"}  # fmt: skip
 """Events that a question may ask about."""
@@ -124,15 +127,18 @@ class Outcomes(TokenReader):
         result = ph.Result(self.span_of(children[:2]), "ends_up", subject)
         return self._with_manner(children, [result, ph.Place(span, relation, (other.ref,))])
 
-    def until_part(self, children: Children) -> ph.Constraint:
-        """Until it touches the mug."""
+    def until_part(self, children: Children) -> ph.Constraint | ph.Result:
+        """Until it touches the mug; until it is in the middle of the table."""
         things, span = things_in(children), self.span_of(children)
+        said = self.value_of(children, "EVENT")
         if tokens_in(children, "TOUCHES", "TOUCHING", "LEVEL_WITH"):
             event = self.value_of(children, "TOUCHES", self.value_of(children, "LEVEL_WITH"))
             event = event or "touching"
             subject = things[0] if len(things) > 1 else None
             stop = g.Until(event=cast(Any, event), object=things[-1].ref, spans=(span,))
             return ph.Constraint(span, stop, subject)
+        if not self.value_of(children, "UNTIL") and said in _ENDS:
+            return ph.Result(span, said, things[0])
         event = "edge" if tokens_in(children, "REACHES_EDGE") else self._stop_event(children)
         return ph.Constraint(span, g.Until(event=cast(Any, event), spans=(span,)), things[0])
 

@@ -77,7 +77,13 @@ class Verb(Part):
 
 
 class Wish(Part):
-    """I want: what follows is how things should be."""
+    """I want: what follows is how things should be.
+
+    Attributes:
+        state: the words for where something is to be ("should be").
+    """
+
+    state: g.Span | None = None
 
 
 class Stroke(Part):

@@ -90,7 +90,8 @@ class Parts(Names, Manners, Outcomes, Questions):
         """Push; you push; would you mind pushing."""
         token = next(c for c in children if isinstance(c, Token) and c.type.startswith("VERB"))
         word = self.lexicon.verb_words[token.type][str(token)]
-        verb: list[ph.Part] = [ph.Verb(self.span_of([token]), word), *parts_in(children)]
+        said = [token, *tokens_in(children, "UPON")]
+        verb: list[ph.Part] = [ph.Verb(self.span_of(said), word), *parts_in(children)]
         if polite := tokens_in(children, "MIND"):
             return [ph.Filler(self.span_of(polite), anywhere=False, asks=True), *verb]
         return verb
@@ -123,7 +124,9 @@ class Parts(Names, Manners, Outcomes, Questions):
         """I want the box pushed; I want the box further left."""
         if tokens_in(children, "VERB_ED"):
             return self.done_part(children[1:])
-        return [ph.Wish(self.span_of(children[:1])), *parts_in(children)]
+        wish, to_be = (tokens_in(children, kind) for kind in ("WISH", "TO_BE"))
+        state = self.span_of(to_be) if to_be else None
+        return [ph.Wish(self.span_of(wish or to_be), state), *parts_in(children)]
 
     def needs_part(self, children: Children) -> list[ph.Part]:
         """The box needs a push."""

@@ -20,7 +20,7 @@ BEFORE_NUMBERS = frozenset({"BY", "BOUND", "RANGE", "FROM", "IS_AT"})
 _OF_CONTENTS = ("FILLED", "FILLED_WITH", "TO_LEVEL", "SOME_OF", "PART_OF")
 """Terminals that say how much is poured or filled in; their words mean other things elsewhere."""
 
-_TRIED_FIRST = {*_OF_CONTENTS, *BEFORE_NUMBERS, "TO_DO", "OR", "EXCEPT", "USING"}
+_TRIED_FIRST = {*_OF_CONTENTS, *BEFORE_NUMBERS, "TO_DO", "OR", "EXCEPT", "UPON", "USING"}
 """Terminals whose rules tell them from others with the same words."""
 
 _PERCENT = re.compile(r"[^ %]+ ?(?:%|percent|per cent)(?= |$)")
@@ -38,7 +38,7 @@ _QUANTITIES = ("THE_SIDE_OF", "BOUND")
 _BEFORE_PARTICLES = ("VERB", "WORD", "IT", "QUOTED")
 _BEFORE_COMMANDS = ("", "FILLER", "SEPARATOR", "NEXT")
 _AMOUNTS = ("FORCE_UNIT", "SPEED_UNIT", "LENGTH_UNIT")
-_MULTIPLES = frozenset({"twice", "double", "its"})
+_MULTIPLES = frozenset({"twice", "double"})
 _NAMES_BEGIN = re.compile(r" (?:the|a|an|my|your|its) ")
 
 Rule = Callable[[str, str, int, str], bool]
@@ -98,6 +98,7 @@ class Lookahead:
         self._from_sides = lexicon.phrases_of("FROM_SIDE")
         self._first_of_number = lexicon.numbers.first_words
         self._adjectives = lexicon.adjectives
+        self._nobodies = lexicon.nobodies
         self._function_words = lexicon.reserved_words | lexicon.first_words
         self._determiners = {p for n in ("THE", "A", "THAT", "IT") for p in lexicon.phrases_of(n)}
         self._verbs = {
@@ -116,6 +117,10 @@ class Lookahead:
             "CAUSE": self._makes_it_happen,
             "CUPS": self._no_cup,
             "DOES_NOT": self._no_can,
+            "THE": lambda phrase, text, end, _last: (
+                phrase != "its" or not self._any("SIDE_OF_OBJECT", text, end + 1)
+            ),
+            "UPON": self._onto_what_is_pushed,
             "EXCEPT": self._behind_several,
             "FILLER": lambda phrase, text, end, _last: (
                 any(self._any(kind, text, end + 1) for kind in _ASKED)
@@ -163,7 +168,9 @@ class Lookahead:
             ),
             "TOWARD": self._not_to_make,
             "KEEP": lambda phrase, text, end, _last: (
-                phrase != "leave" or self._follows(("KEPT", "LENGTH_UNIT"), text, end)
+                phrase != "leave"
+                or self._begins_a_number(text, end + 1)
+                or self._follows(("KEPT",), text, end)
             ),
             "TO_DO": self._for_something,
             "USING": lambda _phrase, text, end, last: (
@@ -197,6 +204,7 @@ class Lookahead:
             word[0] in "+-.0123456789"
             or word in self._first_of_number
             or word in _MULTIPLES
+            or (word == "its" and self._any("SIDE_OF_OBJECT", text, match.end() + 1))
             or any(self._any(kind, text, start) for kind in _QUANTITIES)
         )
 
@@ -253,9 +261,14 @@ class Lookahead:
 
     def _behind_several(self, phrase: str, text: str, end: int, last: str) -> bool:
         """All boxes but the red one; but not push it, but the jar to the left."""
-        follower = WORD.match(text, end + 1)
-        named = follower is not None and follower.group() in self._determiners
-        return named and (not phrase.endswith("but") or last in ("WORD", "QUANTIFIER"))
+        listed = last in ("WORD", "QUANTIFIER") or self._ends_with_name(text, end)
+        return self._names_begin(text, end) and (not phrase.endswith("but") or listed)
+
+    def _ends_with_name(self, text: str, end: int) -> bool:
+        """Check that the sentence ends with a name: "… but the red one"."""
+        name = text[end:].split()[1:]
+        told = self._adjectives.keys() | self._nobodies
+        return bool(name) and all(w in told or w not in self._function_words for w in name)
 
     def _no_can(self, phrase: str, text: str, end: int, _last: str) -> bool:
         """It can not topple, but not the soup can not below 3 cm."""
@@ -337,12 +350,23 @@ class Lookahead:
         """Take the lid off, but not off the jar; take off the lid; pull it open, and open it."""
         if phrase in self._verbs and last not in _BEFORE_PARTICLES:
             return False
+        if phrase == "in":
+            return end == len(text) or text[end + 1] in ",.;"
         if not phrase.endswith(("on", "off", "open", "shut", "closed")) or last == "VERB":
             return True
+        return self._ends_name(text, end) and not self._names_begin(text, end)
+
+    def _names_begin(self, text: str, end: int) -> bool:
+        """Check for an article, a pronoun or a quotation that follows."""
         follower = WORD.match(text, end + 1)
-        return self._ends_name(text, end) and not (
-            follower and (follower.group() in self._determiners or follower.group()[0] == '"')
+        return follower is not None and (
+            follower.group() in self._determiners or follower.group()[0] == '"'
         )
+
+    def _onto_what_is_pushed(self, phrase: str, text: str, end: int, _last: str) -> bool:
+        """Press on the mug, but not on the left side, nor put on the lid."""
+        pushed = self._last_goal(text, end - len(phrase)) in ("displace", "contact")
+        return pushed and self._names_begin(text, end)
 
     def _not_back_on(self, phrase: str, text: str, end: int, _last: str) -> bool:
         """Put it back, but not back on the book."""
