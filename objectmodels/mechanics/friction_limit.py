@@ -32,7 +32,9 @@ PRECISE = 1e-10
 
 _FEW = 12
 _STEPS, _STEPS_MANY = 40, 16
+_STEPS_NEAR = 8  # from limits near by
 _SMOOTH = 0.1  # slip speed below which friction is smoothed at first
+_SMOOTH_NEAR = 1e-4  # the same from limits near by
 _SHARPER = 0.03  # by which that shrinks in every step
 _SHARPEST = 1e-13
 _NEARLY = 0.05  # residual of forces that may bound the limit from below
@@ -70,34 +72,53 @@ class Limit:
             getattr(self, name)[i] = getattr(other, name)
         self.along_i[:, i], self.across_i[:, i] = other.along_i, other.across_i
 
+    def chosen_pushes(self, i: NDArray[np.bool_] | NDArray[np.intp]) -> Limit:
+        """The limits of some pushes."""
+        return Limit(
+            self.ratio[i], self.across[i], self.turn[i],
+            self.along_i[:, i], self.across_i[:, i], self.residual[i],
+        )  # fmt: skip
+
     def slip_velocities(self, along: Array, left: Array) -> tuple[Array, Array]:
         """Slip velocities of the points, along and across the push, each (k, n)."""
         return 1.0 - self.turn * left, self.across + self.turn * along
 
 
-def friction_limit(loads: Array, along: Array, left: Array, compared: Array | None = None) -> Limit:
+@np.errstate(divide="ignore", invalid="ignore", over="ignore")  # points in the centre do not slip
+def friction_limit(
+    loads: Array, along: Array, left: Array,
+    compared: Array | None = None, near: Limit | None = None,
+) -> Limit:  # fmt: skip
     """The push that the loaded points resist.
 
-    Loads N_i are shares of the whole; places of the points along the push, ξ_i, and their distances
-    to the left of its line of action, η_i, are in [m]; shape (k, n) each. Where only the side of
-    the ratio on which another one lies is asked for, `compared` with it, shape (n,), a coarse limit
-    on the same side will do.
+    Args:
+        loads: N_i as shares of the whole, shape (k, n).
+        along: places of the points along the push, ξ_i, shape (k, n) [m].
+        left: their distances to the left of its line of action, η_i, shape (k, n) [m].
+        compared: ratios, shape (n,); a coarse limit will do that lies on the same side of them.
+        near: limits for loads and places that differ a little, to begin with.
     """
     found = Limit.empty_limit(*loads.shape)
     compared = np.full(loads.shape[1], np.nan) if compared is None else compared
     # Few points carry the centre of rotation often, one of many hardly ever.
-    methods = _about_a_point, _by_newton, _by_descent
+    methods = [_about_a_point, _by_newton, _by_descent]
     if len(loads) > _FEW:
-        methods = _by_newton, _about_a_point, _by_descent
+        methods = [_by_newton, _about_a_point, _by_descent]
+    if near is not None:
+        methods.insert(methods.index(_by_newton), _from_another)
     for method in methods:
         (rest,) = np.nonzero(np.isinf(found.residual))
         if not rest.size:
             break
-        found.take_over(rest, method(loads[:, rest], along[:, rest], left[:, rest], compared[rest]))
+        begin = None if near is None else near.chosen_pushes(rest)
+        args = loads[:, rest], along[:, rest], left[:, rest], compared[rest], begin
+        found.take_over(rest, method(*args))
     return found
 
 
-def _about_a_point(loads: Array, along: Array, left: Array, compared: Array) -> Limit:
+def _about_a_point(
+    loads: Array, along: Array, left: Array, compared: Array, near: Limit | None
+) -> Limit:
     """The limits of those pushes that turn the body about one of the points.
 
     The friction of all other points is then known; what balance asks of that one must not exceed
@@ -113,16 +134,15 @@ def _about_a_point(loads: Array, along: Array, left: Array, compared: Array) -> 
         x, y = along - along[about, None], left - left[about, None]
         r = np.hypot(x, y)
         r[own] = 1.0
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            turn = 1.0 / left[about]
-            sense = np.sign(turn)[:, None]
-            d_x, d_y = -sense * y / r, sense * x / r
-            r[own] = d_x[own] = d_y[own] = 0.0
-            ratio = (loads * r).sum(axis=1) * np.abs(turn)
-            # What is left for the point in the centre to balance the push.
-            missing_x = (ratio - (loads * d_x).sum(axis=1)) / loads[about]
-            missing_y = -(loads * d_y).sum(axis=1) / loads[about]
-            holds = np.hypot(missing_x, missing_y) <= 1.0
+        turn = 1.0 / left[about]
+        sense = np.sign(turn)[:, None]
+        d_x, d_y = -sense * y / r, sense * x / r
+        r[own] = d_x[own] = d_y[own] = 0.0
+        ratio = (loads * r).sum(axis=1) * np.abs(turn)
+        # What is left for the point in the centre to balance the push.
+        missing_x = (ratio - (loads * d_x).sum(axis=1)) / loads[about]
+        missing_y = -(loads * d_y).sum(axis=1) / loads[about]
+        holds = np.hypot(missing_x, missing_y) <= 1.0
         d_x[own], d_y[own] = missing_x, missing_y
         (i,) = np.nonzero(holds.any(axis=0) & np.isinf(found.residual))
         if i.size:
@@ -144,25 +164,46 @@ def _start_motion(loads: Array, along: Array, left: Array) -> tuple[Array, Array
     return -turn * o, turn
 
 
-def _by_newton(loads: Array, along: Array, left: Array, compared: Array) -> Limit:
+def _by_newton(
+    loads: Array, along: Array, left: Array, compared: Array, near: Limit | None
+) -> Limit:
     """The limits by the primal-dual Newton method; an infinite residual where it fails."""
+    begin = Limit.empty_limit(*loads.shape)
+    begin.across, begin.turn = _start_motion(loads, along, left)
+    v_x, v_y = begin.slip_velocities(along, left)
+    speed = np.hypot(v_x, v_y) + 1e-3
+    begin.along_i, begin.across_i = v_x / speed, v_y / speed
+    steps = _STEPS if len(loads) <= _FEW else _STEPS_MANY
+    return _newton_limit(loads, along, left, compared, begin, _SMOOTH, steps)
+
+
+def _from_another(
+    loads: Array, along: Array, left: Array, compared: Array, near: Limit | None
+) -> Limit:
+    """The same, beginning with limits near by, in a few steps."""
+    assert near is not None, "else another method is taken"
+    return _newton_limit(loads, along, left, compared, near, _SMOOTH_NEAR, _STEPS_NEAR)
+
+
+def _newton_limit(
+    loads: Array, along: Array, left: Array, compared: Array,
+    begin: Limit, smooth: float, steps: int,
+) -> Limit:  # fmt: skip
+    """The limits by Newton steps from others, with friction smoothed at first below a slip."""
     # Lengths in units of the support's size keep the equations well scaled.
-    unit = np.sqrt(along.var(axis=0) + left.var(axis=0))
+    unit = _spread(along, left)
     along, left = along / unit, left / unit
-    across, turn = _start_motion(loads, along, left)
+    across, turn = begin.across, begin.turn * unit
+    d_x, d_y = begin.along_i, begin.across_i
     found = Limit.empty_limit(*loads.shape)
     left_over = np.arange(loads.shape[1])
-    v_x, v_y = 1.0 - turn * left, across + turn * along
-    speed = np.hypot(v_x, v_y) + 1e-3
-    d_x, d_y = v_x / speed, v_y / speed
-    smooth = _SMOOTH
-    for _ in range(_STEPS if len(loads) <= _FEW else _STEPS_MANY):
+    for _ in range(steps):
         across, turn, d_x, d_y = _newton_step(loads, along, left, across, turn, d_x, d_y, smooth)
         smooth = max(_SHARPER * smooth, _SHARPEST)
         found_now, done = _certified_limit(loads, along, left, across, turn, d_x, d_y)
         done |= _is_beside(found_now, compared)
         if done.any():
-            found.take_over(left_over[done], _chosen_pushes(found_now, done))
+            found.take_over(left_over[done], found_now.chosen_pushes(done))
             keep = ~done
             left_over, compared = left_over[keep], compared[keep]
             loads, along, left = loads[:, keep], along[:, keep], left[:, keep]
@@ -171,6 +212,12 @@ def _by_newton(loads: Array, along: Array, left: Array, compared: Array) -> Limi
             break
     found.turn /= unit
     return found
+
+
+def _spread(along: Array, left: Array) -> Array:
+    """Root of the mean squared distance of the points from their middle, shape (n,) [m]."""
+    off_x, off_y = along - along.mean(axis=0), left - left.mean(axis=0)
+    return np.asarray(np.sqrt((off_x * off_x + off_y * off_y).mean(axis=0)))
 
 
 def _newton_step(
@@ -187,10 +234,9 @@ def _newton_step(
     g_b, g_w = (c * v_y).sum(axis=0), (c * (along * v_y - left * v_x)).sum(axis=0)
     h_bb, h_bw = yy.sum(axis=0), (along * yy - left * xy).sum(axis=0)
     h_ww = (left * left * xx - 2.0 * left * along * xy + along * along * yy).sum(axis=0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        scale = 1.0 / (h_bb * h_ww - h_bw * h_bw)
-        more_across = (g_w * h_bw - g_b * h_ww) * scale
-        more_turn = (g_b * h_bw - g_w * h_bb) * scale
+    scale = 1.0 / (h_bb * h_ww - h_bw * h_bw)
+    more_across = (g_w * h_bw - g_b * h_ww) * scale
+    more_turn = (g_b * h_bw - g_w * h_bb) * scale
     w_x, w_y = -more_turn * left, more_across + more_turn * along
     dot = (v_x * w_x + v_y * w_y) / (speed * speed)
     new_x, new_y = (v_x + w_x) / speed - d_x * dot, (v_y + w_y) / speed - d_y * dot
@@ -207,10 +253,9 @@ def _certified_limit(
     lower = (loads * d_x).sum(axis=0)
     off_across = np.abs((loads * d_y).sum(axis=0))
     off_turn = np.abs((loads * (along * d_y - left * d_x)).sum(axis=0))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        # What the forces lack in balance counts by the motion that it would feed.
-        residual = (np.abs(upper - lower) + off_across * np.abs(across) + off_turn * np.abs(turn)
-                    + off_across + off_turn) / upper  # fmt: skip
+    # What the forces lack in balance counts by the motion that it would feed.
+    residual = (np.abs(upper - lower) + off_across * (np.abs(across) + 1.0)
+                + off_turn * (np.abs(turn) + 1.0)) / upper  # fmt: skip
     return Limit(upper, across, turn, d_x, d_y, residual), residual <= PRECISE
 
 
@@ -222,16 +267,11 @@ def _is_beside(limit: Limit, ratio: Array) -> NDArray[np.bool_]:
     return np.asarray(less | (near & (limit.ratio * (1.0 - 2.0 * limit.residual) > ratio)))
 
 
-def _chosen_pushes(limit: Limit, i: NDArray[np.bool_] | NDArray[np.intp]) -> Limit:
-    return Limit(
-        limit.ratio[i], limit.across[i], limit.turn[i],
-        limit.along_i[:, i], limit.across_i[:, i], limit.residual[i],
-    )  # fmt: skip
-
-
-def _by_descent(loads: Array, along: Array, left: Array, compared: Array) -> Limit:
+def _by_descent(
+    loads: Array, along: Array, left: Array, compared: Array, near: Limit | None
+) -> Limit:
     """The few that Newton's method does not settle, by a slower continuation."""
-    unit = np.sqrt(along.var(axis=0) + left.var(axis=0))
+    unit = _spread(along, left)
     along, left = along / unit, left / unit
     across, turn = _start_motion(loads, along, left)
     d_x, d_y = np.zeros_like(loads), np.zeros_like(loads)
@@ -245,6 +285,6 @@ def _by_descent(loads: Array, along: Array, left: Array, compared: Array) -> Lim
         now, _ = _certified_limit(loads, along, left, across, turn, d_x, d_y)
         better = now.residual < best.residual
         if better.any():
-            best.take_over(better, _chosen_pushes(now, better))
+            best.take_over(better, now.chosen_pushes(better))
     best.turn /= unit
     return best

@@ -48,7 +48,7 @@ _OVER = 0.47  # height of T in places over the table [m]
 _RAISED = (0.4, 0.8, 1.2)  # how far the arm swings up halfway [rad]
 
 _AT_ONCE, _ASKED = 48, 12  # hands of a unit of work, and the arm is asked for together
-_MOST_AT_ONCE = 192  # hands that are looked at together
+_MOST_AT_ONCE = 768  # hands that are looked at together
 _BEGUN, _LOOKED, _ROAD = 1, 2, 1  # units of work: to begin, of some hands, of some arm poses
 _AT_T = np.zeros((1, 3))  # where T is about itself
 _BACK_POINTS = 4  # places on the way back from a turned face that are looked at
@@ -203,18 +203,30 @@ class PushMotionSearch:
             clear = self._approach.clear_hands(some)
             stopped_by = np.full(len(some), -1)
             stopped_by[clear] = self._stopping_others(some[clear], near, sweeps)
-            for block in np.split(np.arange(len(some)), range(_AT_ONCE, len(some), _AT_ONCE)):
-                self._work += _LOOKED
-                reached = block[clear[block]]
-                free = reached[stopped_by[reached] < 0]
-                if not len(reached):
-                    self._stopped.add(self._push.object)
-                elif not len(free):
-                    self._stopped.add(near[stopped_by[reached].max()].name)
-                yield from (some[free[k : k + _ASKED]] for k in range(0, len(free), _ASKED))
+            block, before = np.arange(len(some)) // _AT_ONCE, self._work
+            free = clear & (stopped_by < 0)
+            for each in np.unique(block[free]).tolist():
+                self._work = before + (each + 1) * _LOOKED
+                (chosen,) = np.nonzero(free & (block == each))
+                yield from (some[chosen[k : k + _ASKED]] for k in range(0, len(chosen), _ASKED))
+            self._work = before + (int(block[-1]) + 1) * _LOOKED
+            self._note_stopping(block, clear, free, stopped_by, near)
             first += len(some)
             # Where the best hands will not do, many are looked at.
-            together = min(2 * together, _MOST_AT_ONCE)
+            together = min(4 * together, _MOST_AT_ONCE)
+
+    def _note_stopping(
+        self, block: NDArray[np.intp], clear: NDArray[np.bool_], free: NDArray[np.bool_],
+        stopped_by: NDArray[np.intp], near: tuple[Obstacle, ...],
+    ) -> None:  # fmt: skip
+        """Takes note of what stops all hands of a block."""
+        last = np.full(int(block[-1]) + 1, -1)
+        np.maximum.at(last, block, stopped_by)
+        last[block[free]] = len(near)
+        names = [*(each.name for each in near), None, self._push.object]
+        touched = np.logical_or.reduceat(clear, np.arange(0, len(block), _AT_ONCE))
+        last[~touched] = len(near) + 1
+        self._stopped |= {name for k in np.unique(last).tolist() if (name := names[k]) is not None}
 
     def _swept_path(self) -> list[tuple[Array, Array]]:
         """The way in parts along which the palm does not turn: its frame and points (w, 3)."""

@@ -15,7 +15,7 @@ push, and from Coulomb's law.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import isclose
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -111,10 +111,10 @@ class ExactThresholds(Thresholds):
 
 def exact_thresholds(model: PushedBody, p: Array, u: Array, friction: Friction) -> ExactThresholds:
     """See `ObjectModel.thresholds`, which checks its arguments."""
-    closed, support = closed_form_thresholds(model, p, u, friction), _support(model)
+    closed, springs = closed_form_thresholds(model, p, u, friction), _springs(model)
     slide, residual = np.full(len(p), np.inf), np.zeros(len(p))
     motion = np.full((2, len(p)), np.nan)
-    for b, search, guess in _searches(model, closed, support):
+    for b, search, guess in _searches(model, closed, springs):
         answer = search.first_slides(guess)
         r, residual[b], motion[:, b] = answer.ratio, answer.residual, answer.motion
         jams = 1.0 + np.where(np.isfinite(r), r, 0.0) * u[b, 2] <= 0.0
@@ -126,7 +126,7 @@ def exact_thresholds(model: PushedBody, p: Array, u: Array, friction: Friction) 
         push=(p, u),
         body=closed.body,
         residual=residual,
-        support=support,
+        support=(springs.points, springs.weights, _distance_factor(model, springs)),
         coefficient=model.friction_coefficient(friction),
         motion=motion,
         fitted=not isclose(model.friction_radius, friction_radius(model.support, model.footprint)),
@@ -141,7 +141,7 @@ def exact_codes(model: PushedBody, p: Array, u: Array) -> NDArray[np.uint8]:
     """
     closed = closed_form_thresholds(model, p, u)
     code = np.where(np.isfinite(closed.topple), 2, 0).astype(np.uint8)
-    for b, search, guess in _searches(model, closed, _support(model)):
+    for b, search, guess in _searches(model, closed, _springs(model)):
         code[b][search.slide_first(guess)] = 1
     return code
 
@@ -149,23 +149,27 @@ def exact_codes(model: PushedBody, p: Array, u: Array) -> NDArray[np.uint8]:
 Support = tuple[Array, Array, float]
 
 
-def _support(model: PushedBody) -> Support:
-    """See `ExactThresholds`."""
-    points, weights = support_points(model.support, model.footprint)
-    return points, weights, model.friction_radius / mean_distance(points, weights)
+@lru_cache(maxsize=64)
+def _springs(model: PushedBody) -> Springs:
+    """What an object stands on, kept, since models never change."""
+    return Springs(*support_points(model.support, model.footprint))
+
+
+def _distance_factor(model: PushedBody, springs: Springs) -> float:
+    """Factor of the points' distances that makes the friction radius that of the model."""
+    return model.friction_radius / mean_distance(springs.points, springs.weights)
 
 
 def _searches(
-    model: PushedBody, closed: Thresholds, support: Support
+    model: PushedBody, closed: Thresholds, springs: Springs
 ) -> Iterator[tuple[slice, _Search, Array]]:
     """Blocks of pushes, the searches for them, and guesses of the load ratios."""
-    (p, u), (points, weights, scale) = closed.push, support
+    (p, u), points, scale = closed.push, springs.points, _distance_factor(model, springs)
     mu, c, weight = model.friction_coefficient(closed.friction), np.array(model.com), model.weight
     block = max(BLOCK // len(points), 1)
     for start in range(0, len(p), block):
         b = slice(start, start + block)
         tips, guess = (ratio_at(s[b], u[b, 2], weight) for s in (closed.topple, closed.slide))
-        springs = Springs(points, weights)
         yield b, _Search(model.base, springs, scale, mu, c[:2], p[b], u[b], tips), guess
 
 
@@ -254,19 +258,18 @@ class _Search:
         i = self._movable()
         zero, last = np.zeros(i.size), self.last[i]
         self._solve_brackets(i, zero, last, np.minimum(guess[i], last), answer)
-        lo, hi, earlier = self._earlier_brackets(i, np.minimum(answer.ratio[i], last))
-        self._solve_brackets(i[earlier], lo, hi, 0.5 * (lo + hi), answer)
+        i, lo, hi = self._earlier_brackets(i, np.minimum(answer.ratio[i], last))
+        self._solve_brackets(i, lo, hi, 0.5 * (lo + hi), answer)
         return answer
 
     def slide_first(self, guess: Array) -> NDArray[np.bool_]:
         """Return True for pushes that slide before they topple, from guesses, shape (n,)."""
         slides = np.zeros(len(guess), dtype=bool)
         i = self._movable()
-        for at in (self.last[i], np.minimum(guess[i], self.last[i])):
-            excess = self.friction_excess(at, i, sign=True).excess
-            slides[i] |= excess < -_PRECISE * self.h[i] * at
-        i = i[~slides[i]]
-        slides[i] = self._earlier_brackets(i, self.last[i])[2]
+        for at in (np.minimum(guess, self.last), self.last):
+            slides[i] = self.friction_excess(at[i], i).excess < -_PRECISE * self.h[i] * at[i]
+            i = i[~slides[i]]
+        slides[self._earlier_brackets(i, self.last[i])[0]] = True
         return slides
 
     def _movable(self) -> Index:
@@ -280,11 +283,12 @@ class _Search:
         """
         lo, hi, at = lo.copy(), hi.copy(), at.copy()
         open_ = np.arange(i.size)
+        near = None
         for number in range(_STEPS):
             if not open_.size:
                 return
             x, pushes = at[open_], i[open_]
-            look = self.friction_excess(x, pushes)
+            look = self.friction_excess(x, pushes, x >= self.last[pushes], near)
             value, limit = look.excess, look.limit
             done = np.abs(value) <= _PRECISE * self.h[pushes] * x
             slides = (value < 0.0) | done
@@ -297,25 +301,33 @@ class _Search:
             far = ~slides & (step >= high) & (high >= self.last[pushes])
             at[open_] = np.where(inside, step, np.where(far, high, 0.5 * (low + high)))
             done |= ~never & (high - low <= _PRECISE * high)
-            answer.ratio[pushes[done]] = x[done]
-            answer.residual[pushes[done]] = self._residual(x[done], pushes[done], look, done)
-            answer.motion[:, pushes[done]] = limit.across[done], limit.turn[done]
+            if done.any():
+                answer.ratio[pushes[done]] = x[done]
+                answer.residual[pushes[done]] = self._residual(x[done], pushes[done], look, done)
+                answer.motion[:, pushes[done]] = limit.across[done], limit.turn[done]
             # Toppling comes first: it would slide later, if its loads stayed those at tipping.
             kept = never & np.isfinite(self.tips[pushes])
             answer.ratio[pushes[kept]] = self.mu * limit.ratio[kept] / self.h[pushes[kept]]
-            open_ = open_[~done & ~never]
+            going = ~done & ~never
+            open_, near = open_[going], limit.chosen_pushes(going)
         answer.residual[i[open_]] = np.inf
 
-    def _earlier_brackets(self, i: Index, found: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
-        """Brackets of slides before those found, and which pushes have them.
+    def _earlier_brackets(self, i: Index, found: Array) -> tuple[Index, Array, Array]:
+        """Pushes that slide before those found, where looked at last, and brackets of that.
 
         While the same points are loaded the loads are linear in r and S is concave in them: a push
         that holds at both ends of such a stretch holds on all of it. So the ends are looked at, or
         even steps where the points are many.
         """
+        changed = (self.loaded[:, i] != self._loaded_at_rest).any(axis=0) | (found > self.leaves[i])
+        i, found = i[changed], found[changed]
+        if not i.size:
+            return i, found, found
         if len(self.springs.points) <= _FEW:
             last = np.minimum(found, self.leaves[i])
-            ends = [*self.springs.load_changes(self.start[:, i], self.moves[:, i], last), last]
+            begin = np.repeat(self._loaded_at_rest, i.size, axis=1)
+            moves = self.start[:, i], self.moves[:, i]
+            ends = [*self.springs.load_changes(*moves, last, begin), last]
         else:
             ends = list(np.arange(1, _LOOKS)[:, None] / _LOOKS * found)
         lo, hi, earlier = np.zeros(i.size), found.copy(), np.zeros(i.size, dtype=bool)
@@ -327,13 +339,20 @@ class _Search:
             row, k = np.nonzero((r < found * (1.0 - _SHORT)) & ~earlier)
             if not k.size:
                 continue
-            excess = self.friction_excess(r[row, k], i[k], sign=True).excess
+            excess = self.friction_excess(r[row, k], i[k]).excess
             slides[row, k] = excess < -_PRECISE * self.h[i[k]] * r[row, k]
             holds[row, k] = ~slides[row, k]
             first = np.where(slides, r, np.inf).min(axis=0)
             lo = np.maximum(lo, np.where(holds & (r < first), r, 0.0).max(axis=0))
             hi, earlier = np.minimum(hi, first), earlier | slides.any(axis=0)
-        return lo[earlier], hi[earlier], earlier
+        return i[earlier], lo[earlier], hi[earlier]
+
+    @cached_property
+    def _loaded_at_rest(self) -> NDArray[np.bool_]:
+        """Which points are loaded before anybody pushes, shape (k, 1)."""
+        loaded = np.ones((len(self.springs.points), 1), dtype=bool)
+        self.springs.loads(self.start[:, :1], self.moves[:, :1], loaded)
+        return loaded
 
     def pressure_centres(self, r: Array, i: Index) -> tuple[Array, Array]:
         """Centres of pressure and how they move with r, each (2, n)."""
@@ -344,14 +363,21 @@ class _Search:
             q, dq = q / beyond, np.where(beyond > 1.0, 0.0, dq)
         return q, dq
 
-    def friction_excess(self, r: Array, i: Index, *, sign: bool = False) -> _Look:
-        """What friction holds at load ratios; of the excess the sign alone, if that is enough."""
+    def friction_excess(
+        self, r: Array, i: Index, precise: NDArray[np.bool_] | bool = False,
+        near: Limit | None = None,
+    ) -> _Look:  # fmt: skip
+        """What friction holds at load ratios: the sign of the excess, and itself where it is small.
+
+        Limits of looks near by spare steps. Where `precise`, the excess is found however large.
+        """
         q, dq = self.pressure_centres(r, i)
         loaded = self.loaded[:, i]
         loads, change = self.springs.loads(q, dq, loaded)
         self.loaded[:, i] = loaded
         along, left = self.friction_points(q, i)
-        limit = friction_limit(loads, along, left, r * self.h[i] / self.mu if sign else None)
+        compared = np.where(precise, np.nan, r * self.h[i] / self.mu)
+        limit = friction_limit(loads, along, left, compared, near)
         slope = (change * np.hypot(*limit.slip_velocities(along, left))).sum(axis=0)
         if self.scale != 1.0:
             ahead, aside = self.in_push_axes((1.0 - self.scale) * dq, i)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from objectmodels.geometry.base_shapes import Array
 
-_QUICK = 6  # guesses of the loaded points before they are searched
+_QUICK = 15  # guesses of the loaded points before they are searched
 _STEPS = 80  # of the search for the loaded points; a handful suffices
 _HALVINGS = 60
 _SOFT = 1e-9  # stiffness added, for where too few points are loaded to fix the base
@@ -29,6 +29,14 @@ _MOST_CHANGES = 3  # for each point; loads come and go at most once or twice
 _DEEP = 1e3  # no base presses a point in so far, in units of a mean load
 _BALANCED = 1e-9  # imbalance up to which a set of loaded points counts as the right one
 _SETTLED = 1e-13  # imbalance at which loads are found
+
+# Sets of points that carry nothing have no plane.
+_SINGULAR = np.errstate(divide="ignore", invalid="ignore", over="ignore")
+
+# Cofactors of a symmetric matrix as products of its upper triangle, and where that stands in it.
+_FIRST, _OTHER = np.array([[3, 4, 1, 0, 1, 0], [5, 2, 4, 5, 2, 3]])
+_LESS, _TIMES = np.array([[4, 1, 3, 2, 0, 1], [4, 5, 2, 2, 4, 1]])
+_SYMMETRIC = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
 
 
 @dataclass(frozen=True)
@@ -43,6 +51,7 @@ class Springs:
     points: Array
     weights: Array
 
+    @_SINGULAR
     def loads(self, q: Array, dq: Array, loaded: NDArray[np.bool_]) -> tuple[Array, Array]:
         """Loads for centres of pressure, and how they change as those move.
 
@@ -58,45 +67,55 @@ class Springs:
         return self._scaled_loads(to_units.T @ (q - middle[:, None]), to_units.T @ dq, loaded)
 
     def _scaled_loads(self, q: Array, dq: Array, loaded: NDArray[np.bool_]) -> tuple[Array, Array]:
-        """`loads` in the units of `_units`."""
-        gap = self._carried_depth(q, loaded)
-        wrong = np.flatnonzero(self._are_wrong(gap, q, loaded))
+        """`loads` in the units of `_scaled_points`."""
+        target = _with_row(1.0, q)
+        inverse = self._inverse_stiffness(loaded)
+        depth = self._plane_depth(_times(inverse, target))
+        pressing = _is_pressing(depth)
+        (wrong,) = np.nonzero((pressing != loaded).any(axis=0))
         # Mostly the points that a set of points presses are the next better set.
         for _ in range(_QUICK):
             if not wrong.size:
                 break
-            new = _is_pressing(gap[:, wrong])
-            loaded[:, wrong] = new
-            gap[:, wrong] = self._carried_depth(q[:, wrong], new)
-            wrong = wrong[self._are_wrong(gap[:, wrong], q[:, wrong], new)]
+            loaded[:, wrong] = pressing[:, wrong]
+            inverse[:, wrong] = self._inverse_stiffness(loaded[:, wrong])
+            depth[:, wrong] = self._plane_depth(_times(inverse[:, wrong], target[:, wrong]))
+            pressing[:, wrong] = _is_pressing(depth[:, wrong])
+            wrong = wrong[(pressing[:, wrong] != loaded[:, wrong]).any(axis=0)]
+        # Two points, or some on a line, make equations that only rounding seems to solve.
+        off = np.abs(self._imbalance(depth, target)).max(axis=0)
+        off[wrong] = np.inf
+        (wrong,) = np.nonzero(~(off <= _BALANCED))
         if wrong.size:
-            loaded[:, wrong] = self._search_loaded(q[:, wrong])
-            gap[:, wrong] = self._carried_depth(q[:, wrong], loaded[:, wrong])
-        change = self._plane_depth(self._solve_plane(loaded, np.zeros(q.shape[1]), dq[0], dq[1]))
-        stiffness = np.broadcast_to(self.weights[:, None], loaded.shape)
-        loads = np.where(loaded, stiffness * np.maximum(gap, 0.0), 0.0)
+            depth[:, wrong] = self._searched_depth(target[:, wrong])
+            loaded[:, wrong] = _is_pressing(depth[:, wrong])
+            inverse[:, wrong] = self._inverse_stiffness(loaded[:, wrong])
+        change = self._plane_depth(_times(inverse, _with_row(0.0, dq)))
+        stiffness = self.weights[:, None]
+        loads = np.where(loaded, stiffness * np.maximum(depth, 0.0), 0.0)
         return loads, np.where(loaded, stiffness * change, 0.0)
 
-    def load_changes(self, start: Array, moves: Array, last: Array) -> list[Array]:
+    @_SINGULAR
+    def load_changes(
+        self, start: Array, moves: Array, last: Array, loaded: NDArray[np.bool_]
+    ) -> list[Array]:
         """Ratios r up to last (n,) at which the set of loaded points changes, q = start + r·moves.
 
-        Centres of pressure at r = 0 [m] and their velocities are (2, n). Each change has its r,
-        shape (n,), in rising order; inf for pushes that have no more.
+        Centres of pressure at r = 0 [m] and their velocities are (2, n), the points that are loaded
+        then are (k, n). Each change has its r, shape (n,), in rising order; inf for pushes that
+        have no more.
         """
         _, middle, to_units = self._scaled_points
         start, moves = to_units.T @ (start - middle[:, None]), to_units.T @ moves
-        n = last.size
-        loaded = np.ones((len(self.points), n), dtype=bool)
-        self._scaled_loads(start, moves, loaded)
+        n, loaded = last.size, loaded.copy()
         r, found = np.zeros(n), []
         open_ = np.arange(n)
         for _ in range(_MOST_CHANGES * len(self.points)):
             here, on = r[open_], loaded[:, open_]
-            depth = self._carried_depth(start[:, open_], on)
-            zero = np.zeros(open_.size)
-            rate = self._plane_depth(self._solve_plane(on, zero, *moves[:, open_]))
-            with np.errstate(divide="ignore", invalid="ignore"):
-                change = -depth / rate
+            inverse = self._inverse_stiffness(on)
+            depth = self._plane_depth(_times(inverse, _with_row(1.0, start[:, open_])))
+            rate = self._plane_depth(_times(inverse, _with_row(0.0, moves[:, open_])))
+            change = -depth / rate
             step = _AFTER * last[open_]
             # Loaded points let go as their depth falls to zero, others touch as it rises to it.
             ahead = (change > here + 0.5 * step) & (np.where(on, -rate, rate) > 0.0)
@@ -112,10 +131,6 @@ class Springs:
             self._scaled_loads(start[:, open_] + r[open_] * moves[:, open_], moves[:, open_], guess)
             loaded[:, open_] = guess
         return found
-
-    def _carried_depth(self, q: Array, loaded: NDArray[np.bool_]) -> Array:
-        """Depth of each point if the given ones carry the load, shape (k, n)."""
-        return self._plane_depth(self._solve_plane(loaded, np.ones(q.shape[1]), q[0], q[1]))
 
     @cached_property
     def _scaled_points(self) -> tuple[Array, Array, Array]:
@@ -136,50 +151,37 @@ class Springs:
         (x, y), w = self._scaled_points[0].T, self.weights
         return np.stack((w, w * x, w * y, w * x * x, w * x * y, w * y * y))
 
-    def _are_wrong(self, depth: Array, q: Array, loaded: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Return True for sets of points that do not carry the loads, or press others, (n,)."""
-        others = (_is_pressing(depth) != loaded).any(axis=0)
-        # Two points, or some on a line, make equations that only rounding seems to solve.
-        with np.errstate(invalid="ignore"):
-            off = np.abs(self._depth_imbalance(depth, np.vstack((np.ones(q.shape[1]), q)))).max(
-                axis=0
-            )
-        return np.asarray(others | ~(off <= _BALANCED))
+    @cached_property
+    def _rows(self) -> Array:
+        """The points as rows (1, r_i) of the equations, shape (k, 3)."""
+        return np.column_stack((np.ones(len(self.points)), self._scaled_points[0]))
 
     def _plane_depth(self, plane: Array) -> Array:
         """Depth of each point, a + b·r_i, shape (k, n)."""
-        x, y = self._scaled_points[0].T[:, :, None]
-        with np.errstate(invalid="ignore", over="ignore"):  # of sets that carry nothing
-            return np.asarray(plane[0] + x * plane[1] + y * plane[2])
+        return np.asarray(self._rows @ plane)
 
-    def _search_loaded(self, q: Array) -> NDArray[np.bool_]:
-        """The points that are loaded, shape (k, n)."""
-        target = np.vstack((np.ones(q.shape[1]), q))
+    def _searched_depth(self, target: Array) -> Array:
+        """Depth of each point under the plane of least energy, shape (k, n)."""
         plane = np.zeros_like(target)
         plane[0] = 1.0 / self.weights.sum()
-        open_ = np.arange(q.shape[1])
+        open_ = np.arange(target.shape[1])
         for _ in range(_STEPS):
             here, aim = plane[:, open_], target[:, open_]
-            down = -self._plane_imbalance(here, aim)
+            depth = self._plane_depth(here)
+            down = -self._imbalance(depth, aim)
             settled = np.abs(down).max(axis=0) <= _SETTLED
-            step = self._solve_plane(
-                self._plane_depth(here) > 0.0, down[0], down[1], down[2], soft=_SOFT
-            )
+            step = _times(self._inverse_stiffness(depth > 0.0, soft=_SOFT), down)
             plane[:, open_] = here + np.where(
                 settled, 0.0, self._step_share(here, step, aim) * step
             )
             open_ = open_[~settled]
             if not open_.size:
                 break
-        return _is_pressing(self._plane_depth(plane))
+        return self._plane_depth(plane)
 
-    def _plane_imbalance(self, plane: Array, target: Array) -> Array:
+    def _imbalance(self, depth: Array, target: Array) -> Array:
         """Slope of the energy: Σ N_i (1, r_i) − (1, q), shape (3, n)."""
-        return self._depth_imbalance(self._plane_depth(plane), target)
-
-    def _depth_imbalance(self, depth: Array, target: Array) -> Array:
-        loads = self.weights[:, None] * np.maximum(depth, 0.0)
-        return np.vstack((loads.sum(axis=0), self._scaled_points[0].T @ loads)) - target
+        return np.asarray(self._moments[:3] @ np.maximum(depth, 0.0) - target)
 
     def _plane_energy(self, plane: Array, target: Array) -> Array:
         depth = np.maximum(self._plane_depth(plane), 0.0)
@@ -197,23 +199,25 @@ class Springs:
             share[worse] *= 0.5
         return share
 
-    def _solve_plane(
-        self, loaded: NDArray[np.bool_], r0: Array, r1: Array, r2: Array, soft: float = 0.0
-    ) -> Array:
-        """(a, b) with Σ w_i (1, r_i)(1, r_i)ᵀ (a, b) = rhs over the loaded points, (3, n)."""
-        m, mx, my, xx, xy, yy = self._moments @ loaded
-        m, xx, yy = m + soft, xx + soft, yy + soft
-        c00, c01, c02 = xx * yy - xy * xy, xy * my - mx * yy, mx * xy - xx * my
-        c11, c12, c22 = m * yy - my * my, mx * my - m * xy, m * xx - mx * mx
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            scale = 1.0 / (m * c00 + mx * c01 + my * c02)
-            return np.stack(
-                (
-                    (c00 * r0 + c01 * r1 + c02 * r2) * scale,
-                    (c01 * r0 + c11 * r1 + c12 * r2) * scale,
-                    (c02 * r0 + c12 * r1 + c22 * r2) * scale,
-                )
-            )
+    def _inverse_stiffness(self, loaded: NDArray[np.bool_], soft: float = 0.0) -> Array:
+        """Inverse of Σ w_i (1, r_i)(1, r_i)ᵀ over the loaded points: its upper triangle, (6, n)."""
+        s = self._moments @ loaded
+        if soft:
+            s[[0, 3, 5]] += soft
+        cofactors = s[_FIRST] * s[_OTHER] - s[_LESS] * s[_TIMES]
+        return np.asarray(cofactors / (s[:3] * cofactors[:3]).sum(axis=0))
+
+
+def _with_row(value: float, q: Array) -> Array:
+    """Vectors (value, q), shape (3, n)."""
+    row = np.empty((3, q.shape[1]))
+    row[0], row[1:] = value, q
+    return row
+
+
+def _times(inverse: Array, v: Array) -> Array:
+    """Products of symmetric matrices, given as upper triangles, with vectors, shape (3, n)."""
+    return np.asarray((inverse[_SYMMETRIC] * v).sum(axis=1))
 
 
 def _is_pressing(depth: Array) -> NDArray[np.bool_]:
