@@ -29,12 +29,12 @@ from pydantic import Field
 
 from benchmarks.record import Kept, carried_out
 from nlcontrol import Controller, Registry
-from nlcontrol.batches.drawn_scenes import truth_as_believed
 from nlcontrol.checks.trace_measures import tilt_at_end
 from nlcontrol.checks.verdicts import PLANNED_ENDS, Check
 from nlcontrol.learning.lessons import change_contents
 from objectmodels import ObjectModel
 from objectmodels.models.object_parts import Lid, LiftOffLid
+from sim.truth.object_placing import truth_as_believed
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Pose, Scene, SceneObject, load_scene
 

@@ -37,7 +37,7 @@ from benchmarks.strokes import (
     upright,
 )
 from nlcontrol import Controller, Registry
-from nlcontrol.batches.drawn_scenes import scene_of, truth_as_believed
+from nlcontrol.batches.drawn_scenes import scene_of
 from planner.types.actions import Push
 from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer, ReachEffort
@@ -46,6 +46,7 @@ from sim.cell.cell_description import Vision
 from sim.motion.robot_reach import ArmHandReach
 from sim.simulated_executor import simulation
 from sim.standard_robot import ARM, HAND
+from sim.truth.object_placing import truth_as_believed
 from sim.truth.scene_file import Pose, Scene, SceneObject
 
 OBJECT = "ice tea box"

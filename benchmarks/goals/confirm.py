@@ -35,12 +35,13 @@ from benchmarks.goals.sentences import said
 from benchmarks.goals.worlds import Job, believed
 from benchmarks.record import Kept, carried_out
 from benchmarks.strokes import Array, heading_of, upright
-from nlcontrol.batches.drawn_scenes import Generator, truth_as_believed
+from nlcontrol.batches.drawn_scenes import Generator
 from nlcontrol.checks.frame_checks import require_checkable
 from nlcontrol.errors import ControlError
 from objectmodels import ObjectModel
 from planner.types.world_state import WorldState
 from sim.simulated_executor import simulation
+from sim.truth.object_placing import truth_as_believed
 from sim.truth.scene_file import Pose, Scene
 
 Verdict = Literal["confirmed", "unlikely", "unconfirmed", "not looked for"]

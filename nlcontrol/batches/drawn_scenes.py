@@ -15,12 +15,13 @@ from functools import cache
 import numpy as np
 
 from nlcontrol.batches.batch_row import DrawnScene
-from objectmodels import BoxModel, CylinderModel, ObjectModel, PrismModel, Registry
+from objectmodels import ObjectModel, Registry
 from planner.geometry.footprints import footprint, overlaps
 from planner.types.world_state import PlanarPose, SeenObject
 from sim.cell.cell_description import RobotMount, Vision
 from sim.motion.robot_reach import lowest_contact
 from sim.standard_robot import HAND
+from sim.truth.object_placing import GREY, truth_as_believed
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Pose, Scene, SceneObject, built_in_scenes, load_scene
 
@@ -44,7 +45,6 @@ FRAGILE = 0.25
 _TRIES = 200  # places that are tried for an object before it is left out
 _GRIP = 0.01  # an object must be so much higher than the lowest contact [m]
 _HANDLED = frozenset({"ice tea", "ice tea cup", "jar"})
-_COLOUR = (0.6, 0.6, 0.6)  # of what stands in no built-in scene
 
 
 def draw_scene(recipe: DrawnScene) -> Scene:
@@ -143,7 +143,7 @@ def _free_place(
 def _draw_truth(model: ObjectModel, rng: Generator) -> Truth:
     """Draws how an object of a model really is, within the bounds."""
     mass, friction, finger, *shift = rng.uniform(-1.0, 1.0, 6).tolist()
-    changed = truth_as_believed(model).model_copy(
+    changed = truth_as_believed(model, _colours().get(model.name, GREY)).model_copy(
         update={
             "mass_kg": model.mass * (1.0 + MASS * mass),
             "friction_table": model.friction * (1.0 + FRICTION * friction),
@@ -151,38 +151,6 @@ def _draw_truth(model: ObjectModel, rng: Generator) -> Truth:
         }
     )
     return changed.with_shift([CENTRE_OF_MASS * s for s in shift])
-
-
-def truth_as_believed(model: ObjectModel) -> Truth:
-    """An object that is exactly as its model says.
-
-    Raises:
-        TypeError: the model is of a kind that the simulation has no shape for.
-    """
-    shape: dict[str, object]
-    match model:
-        case BoxModel():
-            shape = {"size_m": model.size}
-        case CylinderModel():
-            shape = {
-                "radius_m": model.radius,
-                "height_m": model.height,
-                "base_radius_m": model.base_radius,
-            }
-        case PrismModel():
-            shape = {"corners_m": model.corners, "height_m": model.height}
-        case _:
-            raise TypeError(f"{model.name} is no box, cylinder or prism")
-    return Truth.model_validate(
-        shape
-        | {
-            "mass_kg": model.mass,
-            "friction_table": model.friction,
-            "friction_finger": model.finger_friction,
-            "centre_of_mass_m": tuple(model.com),
-            "colour": _colours().get(model.name, _COLOUR),
-        }
-    )
 
 
 @cache

@@ -10,7 +10,7 @@ from functools import cached_property
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from pydantic import BeforeValidator, Field, model_validator
 
 from objectmodels.errors import ModelError
@@ -149,11 +149,25 @@ class HullModel(ObjectModel):
         slope = nearest[2] if nearest @ level > _BESIDE else 0.0
         normal = np.sqrt(1.0 - slope**2) * level + np.array([0.0, 0.0, slope])
         depth = self._vertex_array @ normal
-        near = self._vertex_array[depth >= depth.max() - _BULGE]
+        near = self._part_beyond(normal, depth.max() - _BULGE)
         across = near @ np.array([-level[1], level[0], 0.0])
         if np.ptp(across) < WIDE or np.ptp(near[:, 2]) < WIDE:
             return []
         return [_outlined_face(normal, near + (depth.max() - near @ normal)[:, None] * normal)]
+
+    def _part_beyond(self, normal: Array, offset: float) -> Array:
+        """Corners of what lies beyond a plane, those where edges cross it too, shape (k, 3)."""
+        depth = self._vertex_array @ normal - offset
+        ends = self._edges[(depth[self._edges] >= 0.0).sum(axis=1) == 1]
+        (a, b), (p, q) = depth[ends].T, np.swapaxes(self._vertex_array[ends], 0, 1)
+        crossings = p + (a / (a - b))[:, None] * (q - p)
+        return np.vstack((self._vertex_array[depth >= 0.0], crossings))
+
+    @cached_property
+    def _edges(self) -> NDArray[np.intp]:
+        """Pairs of vertices that an edge of a triangle of its surface ties, shape (k, 2)."""
+        triangles = _scipy_hull(self._vertex_array).simplices
+        return np.unique(np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)), axis=0)
 
     @cached_property
     def rests(self) -> tuple[Resting, ...]:

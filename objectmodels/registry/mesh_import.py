@@ -1,8 +1,8 @@
 """From a mesh to a model: the base it stands on, its volume and its centre of mass.
 
-Model: the object is the convex hull of the mesh; its volume and centre of mass are those of the
-mesh itself where that is closed, at uniform density. Mesh files state no units and often no upward
-direction; both are asked for.
+Model: the object is the convex hull of the mesh, or the upright solid that this nearly is; its
+volume and centre of mass are those of the mesh itself where that is closed, at uniform density.
+Mesh files state no units and often no upward direction; both are asked for.
 """
 
 from __future__ import annotations
@@ -28,7 +28,9 @@ from objectmodels.models.convex_hull import (
     turning_down,
     volume_and_centre,
 )
+from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.parameters import Provenance
+from objectmodels.registry.upright_shape import upright_shape
 
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
 """Lengths of the units that a mesh may be in [m]."""
@@ -249,8 +251,8 @@ def import_mesh(
     up: str = "+z",
     friction: float | None = None,
     synonyms: tuple[str, ...] = (),
-) -> HullModel:
-    """A model of the object that a mesh shows.
+) -> ObjectModel:
+    """A model of the object that a mesh shows: a box, a cylinder, a prism or a hull.
 
     Args:
         path: see `read_mesh`.
@@ -282,6 +284,9 @@ def import_mesh(
     mu = FRICTION if friction is None else friction
     how = "mass stated" if density is None else f"mass from {density:g} kg/m³"
     sure = "friction estimated (30 %)" if friction is None else "friction stated"
+    shape = upright_shape(solid.vertices)
+    kind = HullModel if shape is None else shape.kind
+    looks = solid.method_text() if shape is None else f"{solid.method_text()}; {shape.text()}"
     fields: dict[str, Any] = {
         "name": name,
         "synonyms": synonyms,
@@ -293,15 +298,15 @@ def import_mesh(
         "finger_friction_sd": 0.12,
         "com": tuple(np.round(solid.com, 6).tolist()),
         "com_sd": tuple(np.round(COM_SHARE_SD * np.ptp(solid.vertices, axis=0), 6).tolist()),
-        "vertices": tuple(map(tuple, solid.vertices.tolist())),
         "provenance": Provenance(
-            source=f"mesh {printable(path.name)}", method=f"{solid.method_text()}; {how}; {sure}"
+            source=f"mesh {printable(path.name)}", method=f"{looks}; {how}; {sure}"
         ),
     }
+    fields |= {"vertices": solid.vertices.tolist()} if shape is None else shape.fields
     try:
-        return HullModel(**fields)
+        return kind(**fields)
     except ValidationError as error:
-        fault = first_fault(error, HullModel)
+        fault = first_fault(error, kind)
         raise ModelError(
             fault.code, fault.message, path=fault.key, suggestions=fault.suggestions
         ) from error

@@ -6,6 +6,7 @@ Frame: B is the object's frame at the centre of its base.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Annotated
 
@@ -16,18 +17,20 @@ from pydantic import model_validator
 from objectmodels.containers import lid_geometry
 from objectmodels.files.value_types import Deviation, Friction, Length, Mass, length_of
 from objectmodels.geometry.base_shapes import Base, Disc, Polygon
+from objectmodels.geometry.support_points import hull_polygon
 from objectmodels.models.object_parts import Container, Lid
 from objectmodels.models.vessel import Vessel
 from sim.cell.strict_model import Fraction, Part, Point2, Point3
 
 _RIM_POINTS = 16
+_FLAT = 1e-4  # heights of a hull that differ by less are one [m]
 
 
 class Truth(Part):
     """The truth of an object; only the simulated world and an observer of it may read this.
 
-    Its shape is one of three: a box (`size_m`), an upright cylinder (`radius_m`, `height_m`) or a
-    prism over a convex polygon (`corners_m`, `height_m`).
+    Its shape is one of four: a box (`size_m`), an upright cylinder (`radius_m`, `height_m`), a
+    prism over a convex polygon (`corners_m`, `height_m`) or a convex hull (`vertices_m`).
 
     Attributes:
         size_m: of a box along B's axes.
@@ -35,6 +38,7 @@ class Truth(Part):
         base_radius_m: of the circle on which a cylinder stands, if that is smaller.
         corners_m: of a prism's base in B's x, y, in order.
         height_m: of a cylinder or prism.
+        vertices_m: of a convex hull in B; it stands on those at z = 0.
         mass_kg: true mass.
         friction_table: the one coefficient of the contact between base and table. A discrete
             simulation has no separate static coefficient; this is the sliding one.
@@ -55,6 +59,7 @@ class Truth(Part):
     base_radius_m: Length | None = None
     corners_m: Annotated[tuple[Point2, ...], length_of("corners")] | None = None
     height_m: Length | None = None
+    vertices_m: Annotated[tuple[Point3, ...], length_of("vertices")] | None = None
     mass_kg: Mass
     friction_table: Friction
     friction_finger: Friction
@@ -67,15 +72,23 @@ class Truth(Part):
 
     @model_validator(mode="after")
     def _one_shape(self) -> Truth:
-        shapes = (self.size_m, self.radius_m, self.corners_m)
+        upright = (self.radius_m, self.corners_m)
+        shapes = (self.size_m, *upright, self.vertices_m)
         if sum(shape is not None for shape in shapes) != 1:
-            raise ValueError("needs one shape: size_m, radius_m or corners_m")
-        if (self.size_m is None) == (self.height_m is None):
+            raise ValueError("needs one shape: size_m, radius_m, corners_m or vertices_m")
+        if any(shape is not None for shape in upright) == (self.height_m is None):
             raise ValueError("height_m belongs to a radius_m or corners_m, and to nothing else")
+        if self.vertices_m is not None and (self.container is not None or self.lid is not None):
+            raise ValueError("a hull of vertices_m has neither container nor lid")
         if self.base_radius_m is not None and self.radius_m is None:
             raise ValueError("base_radius_m belongs to a radius_m")
         if self.corners_m is not None:
             Polygon.convex(self.corners_m)
+        if self.vertices_m is not None:
+            if min(z for _, _, z in self.vertices_m) != 0.0:
+                raise ValueError("the lowest of vertices_m are at z = 0")
+            if len(self.support) < 3 or not self.upper_points:
+                raise ValueError("vertices_m has a base of three or more at z = 0")
         return self
 
     @model_validator(mode="after")
@@ -127,6 +140,8 @@ class Truth(Part):
         """Of its top above the table [m]."""
         if self.size_m is not None:
             return self.size_m[2]
+        if self.vertices_m is not None:
+            return max(z for _, _, z in self.vertices_m)
         assert self.height_m is not None
         return self.height_m
 
@@ -136,6 +151,8 @@ class Truth(Part):
         if self.size_m is not None:
             a, b = self.size_m[0] / 2, self.size_m[1] / 2
             return ((a, b), (-a, b), (-a, -b), (a, -b))
+        if self.vertices_m is not None:
+            return _outline(self.vertices_m)
         return self.corners_m or _circle(self.radius_m or 0.0)
 
     @property
@@ -165,7 +182,16 @@ class Truth(Part):
         """Support points in B's x, y [m]."""
         if self.support_m is not None:
             return self.support_m
+        if self.vertices_m is not None:
+            return _thinned(_outline([point for point in self.vertices_m if point[2] <= _FLAT]))
         return self.outline if self.base_radius_m is None else _circle(self.base_radius_m)
+
+    @property
+    def upper_points(self) -> tuple[Point2, ...]:
+        """Points of its top in B's x, y [m], on which it lies if it has fallen over."""
+        if self.vertices_m is None:
+            return self.outline
+        return _thinned(_outline([p for p in self.vertices_m if p[2] >= self.height - _FLAT]))
 
 
 def _is_surrounded(point: Point2, points: tuple[Point2, ...]) -> bool:
@@ -173,6 +199,19 @@ def _is_surrounded(point: Point2, points: tuple[Point2, ...]) -> bool:
     x, y = (np.array(points) - point).T
     angles = np.sort(np.arctan2(y, x))
     return bool(np.diff(angles, append=angles[0] + 2.0 * np.pi).max() < np.pi)
+
+
+def _outline(points: Sequence[Point3]) -> tuple[Point2, ...]:
+    """Corners of points as seen from above; one or two are their own."""
+    seen = np.array(points)[:, :2]
+    if len(seen) < 3:
+        return tuple(map(tuple, seen.tolist()))
+    return tuple(map(tuple, hull_polygon(seen).vertices.tolist()))
+
+
+def _thinned(corners: tuple[Point2, ...]) -> tuple[Point2, ...]:
+    """Corners of which there are no more than of a rim."""
+    return corners[:: math.ceil(len(corners) / _RIM_POINTS)]
 
 
 def _circle(radius: float) -> tuple[Point2, ...]:

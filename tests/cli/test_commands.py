@@ -37,6 +37,21 @@ def test_parse_answers_with_text_frames_and_paraphrase(capsys: pytest.CaptureFix
     assert [SENTENCE[a:b] for a, b in frame["object"]["spans"]] == ["ice tea box"]
 
 
+def test_a_sentence_needs_no_quotes(capsys: pytest.CaptureFixture[str]) -> None:
+    quoted = _json(capsys, "parse", SENTENCE)
+    assert _json(capsys, "parse", *SENTENCE.split()) == quoted
+
+
+def test_what_is_put_on_the_table_can_be_spoken_of(capsys: pytest.CaptureFixture[str]) -> None:
+    sentence = "push the jar 5 cm to the right"
+    assert run(["plan", sentence]) == 3
+    assert "not_on_table" in capsys.readouterr().out
+    status, document = _json(capsys, "plan", sentence, "--put", "jar@0.45,0.18,30")
+    assert status == 0
+    # The mean of 30 frames with 2 mm of noise each: eight deviations.
+    assert document["steps"][0]["before"]["y"] == pytest.approx(0.18, abs=0.003)
+
+
 def test_parse_as_text_quotes_the_words(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["parse", SENTENCE]) == 0
     out = capsys.readouterr().out
@@ -213,6 +228,12 @@ def test_a_hand_that_this_robot_lacks(capsys: pytest.CaptureFixture[str]) -> Non
         ["say", SENTENCE, "--replay", "no/such/folder/x.html"],
         ["plan", SENTENCE, "--scene", "kichen"],
         ["plan", SENTENCE, "--scene", "no_such_file.yaml"],
+        ["plan", SENTENCE, "--put", "jar"],
+        ["plan", SENTENCE, "--put", "jar@here"],
+        ["plan", SENTENCE, "--put", "jar@nan,0"],
+        ["plan", SENTENCE, "--put", "jar@0.45,0"],
+        ["plan", SENTENCE, "--put", "jar@3,0"],
+        ["plan", "--put", "jar@0.45,0.18", "--frames", "x.json", "push", "the", "jar"],
     ],
     ids=" ".join,
 )

@@ -11,9 +11,11 @@ import click
 
 from nlcontrol.cli.console.command_options import (
     ParameterNames,
+    Placed,
     Settings,
     keep_options,
     open_controller,
+    put_option,
     world_options,
 )
 from nlcontrol.cli.console.console_output import (
@@ -61,6 +63,7 @@ if TYPE_CHECKING:
     help="Take what is believed of mass and friction as a guess that may be off by this factor.",
 )
 @world_options
+@put_option
 @click.option("--picture", type=FILE, help="Draw the force curves (PNG, SVG or PDF).")
 @keep_options
 @json_option
@@ -73,6 +76,7 @@ def command(
     scene: str,
     seed: int,
     settings: Settings,
+    put: tuple[Placed, ...],
     picture: Path | None,
     saved_as: str | None,
     output: Path | None,
@@ -96,7 +100,7 @@ def command(
         raise click.UsageError("--precision: nan is no number")
     _require_file_ending(output, ".yaml", ".yml")
     _require_file_ending(picture, ".png", ".svg", ".pdf")
-    controller = open_controller(scene, seed, settings)
+    controller = open_controller(scene, seed, settings, put=put)
     item = object_on_table(name, controller.cell, controller.models, controller.registry)
     if saved_as is not None:
         believed = controller.models[item.name]

@@ -10,7 +10,7 @@ import click
 
 from nlcontrol.cli.console.command_options import open_registry
 from nlcontrol.cli.console.console_output import FILE, json_option, print_answer, print_json
-from nlcontrol.errors import CODES, OK
+from nlcontrol.errors import CODES, OK, ErrorInfo
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel, Registry
@@ -66,7 +66,8 @@ def validate_files(files: tuple[Path, ...], as_json: bool) -> int:
             verdicts.append({"file": str(file), "ok": True, "name": model.name})
     ok = all(verdict["ok"] for verdict in verdicts)
     if as_json:
-        print_json({"ok": ok, "files": verdicts})
+        fault = {} if ok else {"error": _fault(len(verdicts)).model_dump(mode="json")}
+        print_json({"ok": ok, "files": verdicts, **fault})
     else:
         for verdict in verdicts:
             mark = f"{verdict['file']}: a good model of {verdict.get('name')!r}"
@@ -185,6 +186,15 @@ def remove_model(name: str, as_json: bool) -> int:
     removed, place = remove_own_model(name)
     document = {"ok": True, "removed": removed, "file": str(place)}
     return print_answer(document, [f"removed {removed}: {place}"], as_json=as_json)
+
+
+def _fault(count: int) -> ErrorInfo:
+    """The error of files that were checked, of which one or more are no good."""
+    return ErrorInfo(
+        code="bad_model_file",
+        message=f"not all of {count} files are good models" if count > 1 else "no good model",
+        suggestions=("`files` says what is wrong with each of them",),
+    )
 
 
 def _keep_model(registry: Registry, model: ObjectModel, as_json: bool) -> int:

@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from nlcontrol.cli.console.command_options import (
+    Placed,
     Settings,
     motion_option,
     open_controller,
+    put_option,
     time_limit_option,
     world_options,
 )
@@ -49,7 +51,7 @@ _picture = click.option(
 
 
 def _sentence_options(command: Command) -> Command:
-    for option in (_picture, _explain, time_limit_option, world_options, json_option):
+    for option in (_picture, _explain, time_limit_option, put_option, world_options, json_option):
         command = option(command)
     return _said_options(command)
 
@@ -61,21 +63,21 @@ def _said_options(command: Command) -> Command:
         type=click.Path(dir_okay=False, path_type=Path, allow_dash=True),
         help="Take frames (JSON, docs/frames.md) in place of a sentence; - is standard input.",
     )
-    return click.argument("sentence", required=False)(frames(command))
+    return click.argument("sentence", nargs=-1)(frames(command))
 
 
-def _said(sentence: str | None, frames: Path | None) -> str | Frames:
-    """The task: a sentence, or the frames of a file."""
-    if frames is not None and sentence is not None:
+def _said(words: tuple[str, ...], frames: Path | None) -> str | Frames:
+    """The task: a sentence, in quotes or as several words, or the frames of a file."""
+    if frames is not None and words:
         raise click.UsageError("give SENTENCE or --frames, not both")
     if frames is not None:
         from nlcontrol.session.frame_documents import read_frames
 
         found: Frames = read_frames(frames)
         return found
-    if sentence is None:
+    if not words:
         raise click.UsageError("Missing argument 'SENTENCE'; or give --frames.")
-    return sentence
+    return " ".join(words)
 
 
 @click.command()
@@ -113,7 +115,7 @@ def plan(**options: Any) -> int:
 @click.command()
 @_said_options
 @json_option
-def parse(sentence: str | None, frames: Path | None, as_json: bool) -> int:
+def parse(sentence: tuple[str, ...], frames: Path | None, as_json: bool) -> int:
     """Read SENTENCE: what was understood, as frames; of frames, whether they make sense."""
     from grammar.parser import default_parser
     from nlcontrol.session.frame_documents import command_of, text_of
@@ -177,11 +179,12 @@ def sample(count: int, seed: int, nouns: tuple[str, ...], as_json: bool) -> int:
 
 def _answer_sentence(
     *,
-    sentence: str | None,
+    sentence: tuple[str, ...],
     frames: Path | None,
     scene: str,
     seed: int,
     settings: Settings,
+    put: tuple[Placed, ...],
     time_limit: float | None,
     as_json: bool,
     explain: bool,
@@ -194,7 +197,7 @@ def _answer_sentence(
     for path in wanted.values():
         require_writable(path)
     said = _said(sentence, frames)
-    controller = open_controller(scene, seed, settings, time_limit)
+    controller = open_controller(scene, seed, settings, time_limit, put)
     print_skipped_with_words(controller.registry.problems)
     with Narrator() as narrate, stop_on_signal(moves=motion != "never") as stop:
         told: list[Event] = []

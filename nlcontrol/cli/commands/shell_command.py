@@ -17,9 +17,11 @@ from typing import TYPE_CHECKING
 import click
 
 from nlcontrol.cli.console.command_options import (
+    Placed,
     Settings,
     motion_option,
     open_controller,
+    put_option,
     time_limit_option,
     world_options,
 )
@@ -44,6 +46,7 @@ WORDS = ("help", *sorted(LEAVING), "again", "a bit more", "undo that", "why")
 @click.command(name="shell")
 @click.option("--json", "as_json", is_flag=True, help="Answer with one JSON document per line.")
 @world_options
+@put_option
 @time_limit_option
 @click.option("--plan-only", is_flag=True, help="Stop before anything is executed.")
 @motion_option
@@ -52,6 +55,7 @@ def command(
     scene: str,
     seed: int,
     settings: Settings,
+    put: tuple[Placed, ...],
     time_limit: float | None,
     plan_only: bool,
     motion: Motion | None,
@@ -63,7 +67,7 @@ def command(
         raise click.UsageError("standard input is closed, so there is no sentence to read")
     if plan_only:
         motion = "never"
-    controller = open_controller(scene, seed, settings, time_limit)
+    controller = open_controller(scene, seed, settings, time_limit, put)
     print_skipped_with_words(controller.registry.problems)
     conversation = Conversation(controller)
     if sys.stdin.isatty() and sys.stdout.isatty():

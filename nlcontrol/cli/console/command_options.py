@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -13,9 +13,11 @@ from nlcontrol.cli.console.console_output import FILE, print_skipped
 if TYPE_CHECKING:
     from nlcontrol.session.controller import Controller
     from objectmodels import Face, ObjectModel, Registry
+    from sim.truth.scene_file import Scene
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 Settings = tuple[tuple[str, float], ...]
+Placed = tuple[str, float, float, float]
 
 
 class Assignment(click.ParamType[tuple[str, float]]):
@@ -36,6 +38,28 @@ class Assignment(click.ParamType[tuple[str, float]]):
             self.fail(f"{value!r} is not a name and a number, like distance_m=0.15", param, ctx)
 
 
+class Placement(click.ParamType["Placed"]):
+    """A name and a place on the table with an at sign between them."""
+
+    name = "name@x,y"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> Placed:
+        """Read the name, x and y [m] and the heading [degrees], 0 if not given."""
+        if isinstance(value, tuple):
+            return value
+        name, _, place = str(value).rpartition("@")
+        numbers = place if place.count(",") == 2 else f"{place},0"
+        try:
+            x, y, yaw = map(float, numbers.split(","))
+        except ValueError:
+            self.fail(f"{value!r} is no name and place, like crate@0.5,0.1", param, ctx)
+        if not (abs(x) <= 10.0 and abs(y) <= 10.0 and abs(yaw) <= 360.0):
+            self.fail(f"{value!r} is in metres and degrees, like crate@0.5,0.1,45", param, ctx)
+        return name.strip(), x, y, yaw
+
+
 scene_option = click.option(
     "--scene", default="kitchen", show_default=True, help="A built-in scene, or a scene file."
 )
@@ -49,6 +73,16 @@ set_option = click.option(
     multiple=True,
     metavar="NAME=VALUE",
     help="Set a default, e.g. distance_m=0.15; may be repeated. `nlcontrol defaults` lists them.",
+)
+
+
+put_option = click.option(
+    "--put",
+    type=Placement(),
+    multiple=True,
+    metavar="NAME@X,Y",
+    help="Put an object on the table, which really is as its model says: at x, y [m], turned by a "
+    "third number [degrees]; may be repeated.",
 )
 
 
@@ -76,12 +110,17 @@ def world_options(command: Command) -> Command:
 
 
 def open_controller(
-    scene: str, seed: int, settings: Settings, time_limit: float | None = None
+    scene: str,
+    seed: int,
+    settings: Settings,
+    time_limit: float | None = None,
+    put: Sequence[Placed] = (),
 ) -> Controller:
     """The controller that the options ask for; the settings go on top of the scene's defaults.
 
     Raises:
-        ControlError: the scene cannot be read, or a default is none.
+        ControlError: the scene cannot be read, a default is none, or there is no room for what is
+            to be put there.
     """
     from nlcontrol.errors import known_errors_raised
     from nlcontrol.session.controller import Controller
@@ -91,7 +130,23 @@ def open_controller(
     with known_errors_raised():
         loaded = load_scene(scene)
         defaults = with_settings(loaded.defaults, dict(settings))
+        if put:
+            loaded = _scene_with_objects(loaded, put)
     return Controller(loaded, seed=seed, defaults=defaults, time_limit=time_limit)
+
+
+def _scene_with_objects(scene: Scene, put: Sequence[Placed]) -> Scene:
+    from objectmodels import Registry
+    from sim.truth.object_placing import scene_with_object
+    from sim.truth.scene_file import Pose
+
+    registry = Registry.default()
+    for path in scene.models:
+        registry.load(path)
+    for name, x, y, yaw in put:
+        pose = Pose(x_m=x, y_m=y, yaw_deg=yaw)
+        scene = scene_with_object(scene, registry.find_one(name), pose)
+    return scene
 
 
 face_option = click.option(

@@ -180,7 +180,7 @@ def add_object(plant: MultibodyPlant, item: SceneObject) -> tuple[RigidBody, Geo
     )
     r = _CORNER_RADIUS
     base = [(*_drawn_in(point, r), r) for point in truth.support]
-    top = [(*_drawn_in(point, r), truth.height - r) for point in truth.outline]
+    top = [(*_drawn_in(point, r), truth.height - r) for point in truth.upper_points]
     feet = [
         plant.RegisterCollisionGeometry(
             body,
@@ -225,6 +225,8 @@ def _shape(truth: Truth) -> tuple[Shape, RigidTransform]:
         return Box(*truth.size_m), middle
     if truth.radius_m is not None:
         return Cylinder(truth.radius_m, truth.height), middle
+    if truth.vertices_m is not None:
+        return Convex(np.array(truth.vertices_m).T, "hull"), RigidTransform()
     ends = [[(x, y, z) for x, y in truth.outline] for z in (0.0, truth.height)]
     return Convex(np.array(ends[0] + ends[1]).T, "prism"), RigidTransform()
 

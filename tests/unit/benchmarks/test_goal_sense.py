@@ -7,10 +7,11 @@ import pytest
 from benchmarks.goals.sense import sensible, tips
 from benchmarks.goals.worlds import standing
 from nlcontrol import Controller, Registry
-from nlcontrol.batches.drawn_scenes import scene_of, truth_as_believed
+from nlcontrol.batches.drawn_scenes import scene_of
 from planner.types.world_state import WorldState
 from sim.cell.cell_description import Vision
 from sim.simulated_executor import simulation
+from sim.truth.object_placing import truth_as_believed
 from sim.truth.scene_file import Pose, SceneObject
 
 REGISTRY = Registry.built_in()

@@ -11,10 +11,10 @@ from benchmarks.goals.search import Asked, Found, missed, repeated, search
 from benchmarks.rollouts import GOALS, OBJECT, world
 from benchmarks.strokes import BEFORE, Stroke, at, heading_of, upright
 from nlcontrol import Controller, Registry
-from nlcontrol.batches.drawn_scenes import truth_as_believed
 from objectmodels.geometry.side_faces import Face
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.standard_robot import HAND
+from sim.truth.object_placing import truth_as_believed
 from sim.truth.scene_file import SceneObject
 
 MODEL = Registry.built_in().get(OBJECT)

@@ -1,0 +1,97 @@
+"""Objects put on the table of a scene, which really are as their models say.
+
+Frames: W is the world, z up, table plane z = 0; B is an object's frame at the centre of its base.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from objectmodels import BoxModel, CylinderModel, HullModel, ObjectModel, PrismModel
+from objectmodels.errors import printable
+from objectmodels.geometry.base_shapes import Array
+from planner.geometry.footprints import gap, room_to_edge
+from sim.errors import SceneError
+from sim.truth.object_truth import Truth
+from sim.truth.scene_file import Pose, Scene, SceneObject
+
+Colour = tuple[float, float, float]
+
+GREY: Colour = (0.6, 0.6, 0.6)
+
+
+def truth_as_believed(model: ObjectModel, colour: Colour = GREY) -> Truth:
+    """The truth of an object that is exactly as its model says, without contents and lid.
+
+    Raises:
+        TypeError: the model is of a kind that the simulation has no shape for.
+    """
+    shape: dict[str, object]
+    match model:
+        case BoxModel():
+            shape = {"size_m": model.size}
+        case CylinderModel():
+            shape = {
+                "radius_m": model.radius,
+                "height_m": model.height,
+                "base_radius_m": model.base_radius,
+            }
+        case PrismModel():
+            shape = {"corners_m": model.corners, "height_m": model.height}
+        case HullModel():
+            shape = {"vertices_m": model.vertices}
+        case _:
+            raise TypeError(f"{model.name} is no box, cylinder, prism or hull")
+    return Truth.model_validate(
+        shape
+        | {
+            "mass_kg": model.mass,
+            "friction_table": model.friction,
+            "friction_finger": model.finger_friction,
+            "centre_of_mass_m": tuple(model.com),
+            "colour": colour,
+        }
+    )
+
+
+def scene_with_object(scene: Scene, model: ObjectModel, pose: Pose) -> Scene:
+    """The scene with one more object, which is as its model says.
+
+    Raises:
+        SceneError: `bad_scene` if the simulation has no shape for the model, its name is taken, or
+            it would stand beyond the table's edge or in something else.
+    """
+    try:
+        truth = truth_as_believed(model)
+    except TypeError as raised:
+        raise _no_place(model, str(raised), "write its truth into a scene file") from raised
+    item = SceneObject(name=model.name, model=model.name, pose=pose, truth=truth)
+    covered = _covered(item)
+    if room_to_edge(covered, scene.table.extent) < 0.0:
+        extent = scene.table.extent
+        bounds = f"x from {extent.x_min:g} to {extent.x_max:g}, y from {extent.y_min:g} to "
+        hint = f"the table has {bounds}{extent.y_max:g} m"
+        raise _no_place(model, "it would stand beyond the table's edge", hint)
+    for other in scene.objects:
+        if other.name.casefold() == model.name.casefold():
+            hint = "say its name alone: it stands there already"
+            raise _no_place(model, "there is an object of that name in the scene", hint)
+        if (apart := gap(covered, _covered(other))) <= 0.0:
+            hint = f"put it {max(1.0, -1e2 * apart):.0f} cm or more away from there"
+            raise _no_place(model, f"the {other.name} stands there", hint)
+    return scene.model_copy(update={"objects": (*scene.objects, item)})
+
+
+def _covered(item: SceneObject) -> Array:
+    """Corners of what an object covers of the table in W, shape (k, 2) [m]."""
+    yaw = math.radians(item.pose.yaw_deg)
+    turn = np.array([[math.cos(yaw), math.sin(yaw)], [-math.sin(yaw), math.cos(yaw)]])
+    return np.asarray(np.array(item.truth.outline) @ turn + [item.pose.x_m, item.pose.y_m])
+
+
+def _no_place(model: ObjectModel, why: str, hint: str) -> SceneError:
+    return SceneError(
+        "bad_scene", f"the {printable(model.name)} cannot be put there: {why}", (hint,)
+    )
