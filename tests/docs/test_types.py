@@ -20,7 +20,7 @@ CHECKERS = {
 @pytest.mark.parametrize("checker", CHECKERS)
 def test_a_type_checker_accepts_the_python_of_the_guides(checker: str, tmp_path: Path) -> None:
     guides = 0
-    for guide in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))):
+    for guide in (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))):
         text = guide.read_text(encoding="utf-8")
         blocks = re.findall(r"^```python[^\n]*\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
         if blocks:  # which may go on from one to the next
