@@ -367,7 +367,7 @@ class _Search:
         self, r: Array, i: Index, precise: NDArray[np.bool_] | bool = False,
         near: Limit | None = None,
     ) -> _Look:  # fmt: skip
-        """What friction holds at load ratios: the sign of the excess, and itself where it is small.
+        """The friction at load ratios: the sign of the excess, and itself where it is small.
 
         Limits of looks near by spare steps. Where `precise`, the excess is found however large.
         """
