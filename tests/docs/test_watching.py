@@ -27,4 +27,4 @@ def test_fields_of_an_event_are_told() -> None:
 def test_exit_codes_are_told() -> None:
     for code in EXIT_CODES.values():
         assert str(code) in GUIDE
-        assert str(code) in (ROOT / "README.md").read_text(encoding="utf-8")
+        assert str(code) in (ROOT / "docs" / "command_line.md").read_text(encoding="utf-8")
