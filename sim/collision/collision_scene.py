@@ -159,8 +159,17 @@ class Obstacle:
         Returns:
             Shape (n,).
         """
-        n, k, _ = robot.shape
-        spheres = robot.reshape(-1, 4)
+        hit = self.hits_along(robot.reshape(-1, 4), offsets, clearance)
+        return np.asarray(~hit.reshape(robot.shape[:2]).any(axis=1))
+
+    def hits_along(self, spheres: Array, offsets: Array, clearance: float) -> NDArray[np.bool_]:
+        """Which spheres do not keep a clearance somewhere where they are moved, shape (n,).
+
+        Args:
+            spheres: in W before they are moved, shape (n, 4).
+            offsets: by which they are, shape (w, 3) [m].
+            clearance: to be kept [m].
+        """
         low, high = offsets.min(axis=0), offsets.max(axis=0)
         near = np.flatnonzero(spheres[:, 2] - spheres[:, 3] < clearance + self.top - low[2])
         x, y = self.middle[0] - spheres[near, 0], self.middle[1] - spheres[near, 1]
@@ -168,14 +177,14 @@ class Obstacle:
         x -= np.minimum(np.maximum(x, low[0]), high[0])
         y -= np.minimum(np.maximum(y, low[1]), high[1])
         near = near[x * x + y * y < (spheres[near, 3] + (clearance + self.around)) ** 2]
-        moved = np.empty((4, near.size, len(offsets)))
-        moved[:3] = ((spheres[near, :3] - self.p_WB) @ self.R_WB).T[..., None]
-        moved[:3] += (offsets @ self.R_WB).T[:, None]
-        moved[3] = spheres[near, 3:]
-        hit = (self._distance_in_B(moved) <= clearance).any(axis=1)
-        clear = np.ones(n, dtype=bool)
-        clear[near[hit] // k] = False
-        return clear
+        hit = np.zeros(len(spheres), dtype=bool)
+        if near.size:
+            moved = np.empty((4, near.size, len(offsets)))
+            moved[:3] = ((spheres[near, :3] - self.p_WB) @ self.R_WB).T[..., None]
+            moved[:3] += (offsets @ self.R_WB).T[:, None]
+            moved[3] = spheres[near, 3:]
+            hit[near] = (self._distance_in_B(moved) <= clearance).any(axis=1)
+        return hit
 
 
 @dataclass(frozen=True, eq=False)

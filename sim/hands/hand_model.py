@@ -73,6 +73,7 @@ class PostureSet:
         palm: origin of P, from T, in D, shape (n, 3) [m].
         lowest_points: height of the lowest point but the pushing tips above T, shape (n,) [m].
         extents: largest horizontal distance of any point from T, shape (n,) [m].
+        fronts: how far any point but the pushing tips is ahead of T along D's x, shape (n,) [m].
         number: place among all that the hand has, shape (n,).
     """
 
@@ -84,6 +85,7 @@ class PostureSet:
     palm: Array
     lowest_points: Array
     extents: Array
+    fronts: Array
     number: NDArray[np.intp]
 
     @classmethod
@@ -101,9 +103,8 @@ class PostureSet:
         about = np.array(padded_spheres(spheres))
         about[..., :3] -= tips[:, None]
         unknown = np.zeros(len(which))
-        made = cls(
-            postures, about, which, R_DP, strength, palm, unknown, unknown, np.arange(len(which))
-        )
+        number = np.arange(len(which))
+        made = cls(postures, about, which, R_DP, strength, palm, unknown, unknown, unknown, number)
         touching = len(postures[0].pushing)
         blocks = [
             made[k : k + _BLOCK].spheres_along(np.eye(3)[None], np.zeros((1, 3)))[:, 0]
@@ -116,10 +117,15 @@ class PostureSet:
         extents = [
             (np.hypot(each[..., 0], each[..., 1]) + each[..., 3]).max(axis=1) for each in blocks
         ]
+        fronts = [
+            (each[:, :-touching, 0] + each[:, :-touching, 3]).max(axis=1, initial=-np.inf)
+            for each in blocks
+        ]
         return replace(
             made,
             lowest_points=np.concatenate([unknown[:0], *lowest]),
             extents=np.concatenate([unknown[:0], *extents]),
+            fronts=np.concatenate([unknown[:0], *fronts]),
         )
 
     def __len__(self) -> int:
@@ -129,7 +135,7 @@ class PostureSet:
         return PostureSet(
             self.postures, self.spheres, self.which[chosen], self.R_DP[chosen],
             self.strength[chosen], self.palm[chosen], self.lowest_points[chosen],
-            self.extents[chosen], self.number[chosen],
+            self.extents[chosen], self.fronts[chosen], self.number[chosen],
         )  # fmt: skip
 
     def posture_at(self, index: int) -> Posture:
@@ -146,14 +152,17 @@ class PostureSet:
         p_WP = points + (R_WD @ self.palm[:, None, :, None])[..., 0]
         return R_WD @ self.R_DP[:, None], p_WP
 
-    def spheres_along(self, R_WD: Array, points: Array) -> Array:
+    def spheres_along(
+        self, R_WD: Array, points: Array, part: NDArray[np.intp] | slice = slice(None)
+    ) -> Array:
         """The spheres in W with T at w points, shape (n, w, k, 4).
 
         Args:
             R_WD: frame of the push at each point, shape (w, 3, 3).
             points: shape (w, 3), or (n, w, 3) [m].
+            part: indices of the spheres that are wanted; all if not given.
         """
-        about = self.spheres[self.which, None]
+        about = self.spheres[:, part][self.which, None]
         return place_spheres(about, R_WD @ self.R_DP[:, None], np.asarray(points))
 
 

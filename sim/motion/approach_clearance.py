@@ -23,6 +23,7 @@ FACE_CLEARANCE = 0.0005
 
 _DIGITS = 9  # of places [m] and headings [rad]
 _CONTACTS = 2048  # that are kept, some 10 kB each at most
+_ROUNDING = 1e-9  # so that none is left out that touches [m]
 _UNKNOWN, _HIT, _CLEAR = -1, 0, 1
 
 
@@ -75,19 +76,43 @@ class Approach:
         new = known[hands.number] == _UNKNOWN
         if new.any():
             some = hands[new]
-            robot = some.spheres_along(rot_z([self.heading]), np.zeros((1, 3)))[:, 0]
-            robot = robot[:, : -self.fingers]  # without the fingertips
-            clear = np.ones(len(some), dtype=bool)
-            # Most of those that hit it do so at the face.
-            for point in np.reshape(self.points, (2, 1, 3))[::-1]:
-                clear[clear] = self._object.is_clear_along(robot[clear], point, FACE_CLEARANCE)
-            known[some.number] = np.where(clear, _CLEAR, _HIT)
+            known[some.number] = _CLEAR
+            # What stays behind the face's plane cannot hit what is beyond it.
+            some = some[some.fronts >= self._room_ahead]
+            known[some.number] = _HIT
+            for part in _parted(some.spheres.shape[1] - self.fingers):
+                some = some[self._are_clear(some, part)]
+            known[some.number] = _CLEAR
         return np.asarray(known[hands.number] == _CLEAR)
+
+    def _are_clear(self, hands: PostureSet, part: NDArray[np.intp]) -> NDArray[np.bool_]:
+        """Which of some hands do not hit the object with a part of their spheres, shape (n,)."""
+        robot = hands.spheres_along(rot_z([self.heading]), np.zeros((1, 3)), part)[:, 0]
+        clear = np.ones(len(hands), dtype=bool)
+        # Most of those that hit it do so at the face.
+        for point in np.reshape(self.points, (2, 1, 3))[::-1]:
+            clear[clear] = self._object.is_clear_along(robot[clear], point, FACE_CLEARANCE)
+        return clear
+
+    @property
+    def _room_ahead(self) -> float:
+        """Distance ahead of T up to which nothing comes too near to the object [m]."""
+        inward = np.array([np.cos(self.heading), np.sin(self.heading)])
+        face = -self.radius if self.radius else float((self._object.outline @ inward).min())
+        ahead = np.reshape(self.points, (2, 3))[:, :2] @ inward
+        return face - float(ahead.max()) - FACE_CLEARANCE - _ROUNDING
 
     @property
     def _object(self) -> Obstacle:
         outline = np.reshape(self.outline, (-1, 2))
         return Obstacle.at_origin(outline, self.height, self.radius)
+
+
+@functools.cache
+def _parted(spheres: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Every fourth of so many spheres, which tells of most hands that hit, and the others."""
+    every = np.arange(spheres)
+    return every[::4], every[every % 4 != 0]
 
 
 def _rounded(array: Array) -> tuple[float, ...]:

@@ -182,9 +182,10 @@ def in_range(mount: Mount, hands: PostureSet, R_WD: Array, points: Array) -> NDA
         R_WD: frame of the push at each point, shape (w, 3, 3).
         points: where T must get, shape (w, 3) [m].
     """
-    wrist = np.einsum("wij,nj->nwi", R_WD, hands.palm + hands.R_DP @ mount.p_PW) + points
-    p_AW = (wrist - mount.p_WA) @ mount.R_WA
-    return np.asarray(mount.arm.is_in_range(p_AW, LIMIT_MARGIN).all(axis=1))
+    R_AD, p_AT = mount.R_WA.T @ R_WD, (points - mount.p_WA) @ mount.R_WA
+    wrists = hands.palm + hands.R_DP @ mount.p_PW
+    p_AW = wrists @ np.swapaxes(R_AD, -1, -2) + p_AT[:, None]
+    return np.asarray(mount.arm.is_in_range(p_AW, LIMIT_MARGIN).all(axis=0))
 
 
 def solve_poses(

