@@ -183,15 +183,17 @@ def simulate_pour(
     )
     time, tilt = (np.broadcast_to(x, (*volume.shape, x.shape[-1])) for x in (time, tilt))
     brim, strips = vessel.brim(tilt, heading[..., None]), vessel.strips(heading)
-    left, heads = [volume], [np.zeros_like(volume)]
+    left, heads, change = [volume], [np.zeros_like(volume)], np.zeros_like(volume)
     for i in range(time.shape[-1]):
         now = left[-1]
         if (now > brim[..., i]).any():
-            # It changes little from one sample to the next.
-            head = vessel.liquid_head(now, tilt[..., i], heading, strips, near=heads[-1])
+            # It goes on changing much as it did from the last sample to this one.
+            near = heads[-1] + change
+            head = vessel.liquid_head(now, tilt[..., i], heading, strips, near=near)
             heads.append(np.maximum(head, 0.0))
         else:
             heads.append(np.zeros_like(now))
+        change = heads[-1] - heads[-2]
         if i + 1 < time.shape[-1]:
             flow = outflow_rate(heads[-1], tilt[..., i], vessel.opening.radius)
             most = np.maximum(now - brim[..., i], 0.0)
@@ -331,37 +333,58 @@ def caught_volume(running: Pour, contents: ArrayLike, catch: Catch) -> Poured:
     return Poured(contents, poured, received)
 
 
-def predict_pour(
-    vessel: Vessel,
-    contents: float,
-    catch: Catch,
-    *,
-    contents_sd: float = 0.0,
-    heading: ArrayLike,
-    angle: ArrayLike,
-    rate: ArrayLike,
-    wait: ArrayLike,
-) -> Poured:
-    """Predicted result of a pour with uncertain contents and aim.
+@dataclass(frozen=True)
+class UncertainPour:
+    """Pour out of a vessel whose contents are uncertain.
 
-    Args:
-        vessel: that is tilted.
-        contents: believed to be in it [m³].
-        catch: the opening below.
-        contents_sd: standard deviation of the contents [m³].
-        heading: as in `pour`; one case for each, shape (...).
-        angle: see there.
-        rate: see there.
-        wait: see there.
+    Attributes:
+        contents: equally likely volumes in it, the believed one in their middle, shape (k,) [m³].
+        running: the pour for each of them, shape (..., k).
     """
-    nodes = _normal_nodes(_CONTENTS) if contents_sd > 0.0 else np.zeros(1)
-    volume = np.clip(contents + contents_sd * nodes, 0.0, vessel.capacity)
-    motion = {"heading": heading, "angle": angle, "rate": rate, "wait": wait}
-    cases = {name: np.asarray(value, float)[..., None] for name, value in motion.items()}
-    running = pour(vessel, volume, **cases)
-    result = caught_volume(running, np.broadcast_to(volume, running.total_volume.shape), catch)
-    flat = {name: getattr(result, name) for name in ("contents", "poured", "received")}
-    return Poured(**{name: x.reshape(*x.shape[:-2], -1) for name, x in flat.items()})
+
+    contents: Array
+    running: Pour
+
+    @classmethod
+    def from_belief(
+        cls,
+        vessel: Vessel,
+        contents: float,
+        contents_sd: float,
+        *,
+        heading: ArrayLike,
+        angle: ArrayLike,
+        rate: ArrayLike,
+        wait: ArrayLike,
+    ) -> UncertainPour:
+        """The pour of a motion as of `pour`, one case for each, shape (...).
+
+        Args:
+            vessel: that is tilted.
+            contents: believed to be in it [m³].
+            contents_sd: standard deviation of the contents [m³].
+            heading: as in `pour`.
+            angle: see there.
+            rate: see there.
+            wait: see there.
+        """
+        nodes = _normal_nodes(_CONTENTS) if contents_sd > 0.0 else np.zeros(1)
+        volume = np.clip(contents + contents_sd * nodes, 0.0, vessel.capacity)
+        motion = {"heading": heading, "angle": angle, "rate": rate, "wait": wait}
+        cases = {name: np.asarray(value, float)[..., None] for name, value in motion.items()}
+        return cls(volume, pour(vessel, volume, **cases))
+
+    @property
+    def believed(self) -> Pour:
+        """The pour of the believed contents, shape (...)."""
+        middle = len(self.contents) // 2
+        return Pour(*(each[..., middle, :] for each in vars(self.running).values()))
+
+    def caught_by(self, catch: Catch) -> Poured:
+        """Result over all cases of contents and aim, with an opening below."""
+        contents = np.broadcast_to(self.contents, self.running.total_volume.shape)
+        result = caught_volume(self.running, contents, catch)
+        return Poured(*(each.reshape(*each.shape[:-2], -1) for each in vars(result).values()))
 
 
 def _normal_nodes(count: int) -> Array:

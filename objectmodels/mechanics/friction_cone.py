@@ -171,6 +171,14 @@ def cone_directions(p: Array, normals: Array, c: Array, reach: float, ring: int)
     return np.concatenate((np.broadcast_to(fixed, (len(p), *fixed.shape)), through), axis=1)
 
 
+class _Sliding(NamedTuple):
+    """The part of `ConeThresholds` that a search for contacts asks for at the chosen one only."""
+
+    most: Array
+    height_below: Array
+    critical_height: Array
+
+
 class _Toppling(NamedTuple):
     """The part of `ConeThresholds` that only who wants to topple asks for."""
 
@@ -188,22 +196,15 @@ class ConeThresholds:
     given as infinite, since no contact can be there.
 
     Attributes:
-        slide_max: largest force needed until it slides.
-        height_below: contact height below which all of them make it slide first; inf if none on
-            this face topples it, 0 if sliding is certain nowhere.
         slides_most, topples_most: unit directions in the cone, shape (n, 3), in which sliding comes
             longest before toppling, and the other way round: the best and the worst one for who
             wants it to slide. Of the fixed directions, with parameters at `sigmas`.
-        critical_height: height that separates the two for the nominal parameters and a force along
-            the inward normal (h* = b/μ for a centred contact); inf if it never topples.
     """
 
-    slide_max: Array
-    height_below: Array
-    critical_height: Array
     slides_most: Array
     topples_most: Array
     _slide_search: MarginSearch = field(repr=False)
+    _sliding: Callable[[], _Sliding] = field(repr=False)
     _toppling: Callable[[], _Toppling] = field(repr=False)
     _contacts: tuple[PushedBody, Array, Array, bool] = field(repr=False)
 
@@ -216,6 +217,32 @@ class ConeThresholds:
     def topples(self) -> NDArray[np.bool_]:
         """Every one of the forces topples the object before it slides, shape (n,)."""
         return self.topple_margin > 0.0
+
+    @cached_property
+    def _slides(self) -> _Sliding:
+        return self._sliding()
+
+    @property
+    def slide_max(self) -> Array:
+        """Largest force needed until it slides, shape (n,)."""
+        return self._slides.most
+
+    @property
+    def height_below(self) -> Array:
+        """Contact height below which all of the forces make it slide first, shape (n,) [m].
+
+        Infinite if none on this face topples it, 0 if sliding is certain nowhere.
+        """
+        return self._slides.height_below
+
+    @property
+    def critical_height(self) -> Array:
+        """Contact height that separates sliding and toppling, shape (n,) [m].
+
+        For the nominal parameters and a force along the inward normal (h* = b/μ for a centred
+        contact); inf if it never topples.
+        """
+        return self._slides.critical_height
 
     @cached_property
     def _topples(self) -> _Toppling:
@@ -274,11 +301,9 @@ def cone_thresholds(
         Case.from_model(model, -sigmas, yaw=yaw),
     )
 
-    shares = cone_directions(foot, facing, tippy.com, reach, FINE_RING)
-    f = contact_forces(facing[:, None, :], reach * shares)
-    slide_most = tippy.slide_force(foot[:, None, :], f)
-    below = _height_below(tippy, foot[:, None, :], f, slide_most)
-    all_round = f
+    def all_round() -> Array:
+        shares = cone_directions(foot, facing, tippy.com, reach, FINE_RING)
+        return contact_forces(facing[:, None, :], reach * shares)
 
     shares = cone_directions(foot, facing, tippy.com, reach, RING)
     f = contact_forces(facing[:, None, :], reach * shares)
@@ -295,9 +320,19 @@ def cone_thresholds(
         slide, topple = slippery.thresholds(p[i, None], contact_forces(normals[i, None], reach * x))
         return force_gap(topple, slide)
 
+    def sliding() -> _Sliding:
+        force = all_round()
+        most = tippy.slide_force(foot[:, None, :], force)
+        below = _height_below(tippy, foot[:, None, :], force, most)
+        nominal = Case.from_model(model, 0.0, yaw=yaw)
+        critical = nominal.equal_height(foot, -facing, nominal.slide_force(foot, -facing))
+        heights = (_contact_height(height, model.top)[at] for height in (below, critical))
+        return _Sliding(most.max(axis=1)[at], *heights)
+
     def toppling() -> _Toppling:
-        slide_least = slippery.slide_force(foot[:, None, :], all_round)
-        above = slippery.equal_height(foot[:, None, :], all_round, slide_least).max(axis=1)
+        force = all_round()
+        slide_least = slippery.slide_force(foot[:, None, :], force)
+        above = slippery.equal_height(foot[:, None, :], force, slide_least).max(axis=1)
         most = slippery.topple_force(p[:, None, :], f[at])
         gap = force_gap(most, slippery.slide_force(foot[:, None, :], f)[at])
         return _Toppling(
@@ -306,15 +341,11 @@ def cone_thresholds(
             MarginSearch.begin(gap, shares[at], topple_margin, near, radius),
         )
 
-    nominal = Case.from_model(model, 0.0, yaw=yaw)
-    critical = nominal.equal_height(foot, -facing, nominal.slide_force(foot, -facing))
     return ConeThresholds(
-        slide_max=slide_most.max(axis=1)[at],
-        height_below=_contact_height(below, model.top)[at],
-        critical_height=_contact_height(critical, model.top)[at],
         slides_most=_chosen_directions(f[at], slide_gap.argmax(axis=1)),
         topples_most=_chosen_directions(f[at], slide_gap.argmin(axis=1)),
         _slide_search=MarginSearch.begin(slide_gap, shares[at], slide_margin, near, radius),
+        _sliding=sliding,
         _toppling=toppling,
         _contacts=(model, p, normals, yaw),
     )

@@ -163,7 +163,7 @@ class GraspLoads:
         """
         loads = self.normal_loads(squeeze)
         needed = np.zeros(len(self.size))
-        opens = (loads < _LEAST_PRESS * np.max(loads, axis=0)).any(axis=0)
+        opens = self._opens(loads)
         needed[opens] = np.inf
         (i,) = np.nonzero(~opens & (self.tangential > _LEAST_LOAD * self.size))
         if i.size:
@@ -173,6 +173,29 @@ class GraspLoads:
         # At one of the outer contacts the load adds to what it presses along the axis.
         normal, around, axial = self.press
         return np.asarray(np.hypot(around, axial + needed) / normal)
+
+    def _opens(self, loads: Array) -> NDArray[np.bool_]:
+        """Return True where a contact of normal loads (k, n) opens, shape (n,)."""
+        return np.asarray((loads < _LEAST_PRESS * np.max(loads, axis=0)).any(axis=0))
+
+    def are_held(self, squeeze: Array, friction: Array) -> NDArray[np.bool_]:
+        """Return True where squeezes (n,) [N] with friction coefficients (n,) hold, shape (n,).
+
+        As `slip_multiplier` ≥ 1, without its value.
+        """
+        loads = self.normal_loads(squeeze)
+        normal, around, axial = self.press
+        # The part of the friction that what they press around and along the side leaves.
+        left = np.sqrt(np.maximum((friction * normal) ** 2 - around**2, 0.0)) - axial
+        held = ~self._opens(loads) & (friction * normal >= around) & (left >= 0.0)
+        (i,) = np.nonzero(held & (self.tangential > _LEAST_LOAD * self.size))
+        if i.size:
+            total = loads[:, i].sum(axis=0)
+            with np.errstate(divide="ignore"):
+                needed = self.tangential[i] / (total * left[i])
+            limit = friction_limit(loads[:, i] / total, self.along[:, i], self.left[:, i], needed)
+            held[i] = limit.ratio >= needed
+        return held
 
     def slip_multiplier(self, squeeze: Array | float, friction: Array | float) -> Array:
         """Friction of a grasp over the friction that it needs, shape (n,); below 1 it slips."""
@@ -196,7 +219,7 @@ class GraspLoads:
         group = np.arange(n) if group is None else group
         mu = np.broadcast_to(friction, n)
         low, high = np.full(n, 1e-3), np.full(n, STRONGEST)
-        holds = self.slip_multiplier(high, mu) >= 1.0
+        holds = self.are_held(high, mu)
         least, found = np.zeros(group.max() + 1), np.zeros(group.max() + 1)
         least[group[~holds]] = np.inf
         for _ in range(_STEPS):
@@ -204,7 +227,7 @@ class GraspLoads:
             if not i.size:
                 break
             middle = np.sqrt(low[i] * high[i])
-            enough = self._chosen(i).slip_multiplier(middle, mu[i]) >= 1.0
+            enough = self._chosen(i).are_held(middle, mu[i])
             low[i], high[i] = np.where(enough, low[i], middle), np.where(enough, middle, high[i])
             np.maximum.at(least, group[i], low[i])
         np.maximum.at(found, group, np.where(holds, high, np.inf))

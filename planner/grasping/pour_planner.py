@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from grammar.frames import command as g
-from objectmodels.containers.pour_dynamics import Catch, Poured, pour, predict_pour, tilt_for
+from objectmodels.containers.pour_dynamics import Catch, Poured, UncertainPour, pour, tilt_for
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.models.object_parts import Container
 from objectmodels.models.vessel import Vessel
@@ -231,16 +231,16 @@ class _Pouring:
             least = max(container.contents - d.sigmas * container.contents_sd, wanted.volume)
             angle, wait = _part_of_it(vessel, least, wanted.volume, lean, self._rate)
         motion = {"heading": lean, "angle": angle, "rate": self._rate, "wait": wait}
-        ahead = float(pour(vessel, container.contents, **motion).landing(d.pour_clearance)[0])
+        # What is not known of either content counts where it runs over.
+        sd = math.hypot(container.contents_sd, basin.contents_sd)
+        running = UncertainPour.from_belief(vessel, container.contents, sd, **motion)
+        ahead = float(running.believed.landing(d.pour_clearance)[0])
         catch = Catch(
             along=ahead, across=0.0, fall=d.pour_clearance, radius=basin.opening.radius,
             free=wanted.room, sd=d.pour_aim,
         )  # fmt: skip
-        # What is not known of either content counts where it runs over.
-        sd = math.hypot(container.contents_sd, basin.contents_sd)
-        poured = predict_pour(vessel, container.contents, catch, contents_sd=sd, **motion)
-        if not wanted.all:
-            poured = _pour_stopped_at(poured, wanted.volume)
+        everything = running.caught_by(catch)
+        poured = everything if wanted.all else _pour_stopped_at(everything, wanted.volume)
         return Motion(lean, angle, wait, ahead, poured, self._success_probability(poured))
 
     def _success_probability(self, poured: Poured) -> float:
