@@ -195,7 +195,7 @@ class GraspLoads:
                 needed = self.tangential[i] / (total * left[i])
             limit = friction_limit(loads[:, i] / total, self.along[:, i], self.left[:, i], needed)
             held[i] = limit.ratio >= needed
-        return held
+        return np.asarray(held)
 
     def slip_multiplier(self, squeeze: Array | float, friction: Array | float) -> Array:
         """Friction of a grasp over the friction that it needs, shape (n,); below 1 it slips."""
