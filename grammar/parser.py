@@ -17,7 +17,7 @@ from grammar.paraphrasing.clause_wording import Phrasing
 from grammar.paraphrasing.command_wording import paraphrase
 from grammar.phrases.lalr_parser import LalrParser, Tree, UnexpectedTokenError, parse_table
 from grammar.phrases.tree_transform import parts_of
-from grammar.syntax_diagnosis import diagnose, require_clear
+from grammar.syntax_diagnosis import EXAMPLE, diagnose, require_clear
 from grammar.words.asides import Asides
 from grammar.words.lexicon import Lexicon
 from grammar.words.lexicon_plugins import installed_lexicon
@@ -28,7 +28,7 @@ _OF_WORDS = ("unexpected_words", "does_not_apply", "several_objects", "missing_u
 """Errors about some words, before which there may be a whole sentence."""
 
 
-_OFFERED = re.compile(r'^(?:to have it done|to ask): "(.+)"$')
+_OFFERED = re.compile(r'^(?:to have it done|to ask|this would do): "(.+)"$')
 
 
 class Parser:
@@ -75,7 +75,8 @@ class Parser:
             tried = {s: said[1] for s in error.suggestions if (said := _OFFERED.search(s))}
         unread = {s for s, sentence in tried.items() if not self._is_read(sentence)}
         left = tuple(s for s in error.suggestions if s not in unread)
-        error.suggestions = left or error.suggestions
+        better = tuple(s for s in left if s != EXAMPLE)
+        error.suggestions = better or left or error.suggestions
         return self._with_what_was_understood(error, text)
 
     def _is_read(self, text: str) -> bool:

@@ -117,9 +117,11 @@ def _missing_verb_error(
     if not (first or before[-1] in lexicon.joints):
         return None
     if word in lexicon.later_verbs:
-        known = ", ".join(sorted(lexicon.verb_words["VERB"]))
+        said = sentence.original
+        instead = (said[: span[0]] + like + said[span[1] :] for like in lexicon.later_verbs[word])
         message = f'the verb "{word}" is not understood yet'
-        return ParseError("unsupported_verb", message, span, (f"understood are {known}",))
+        offers = (f'this would do: "{" ".join(text.split())}"' for text in instead)
+        return ParseError("unsupported_verb", message, span, (*offers, EXAMPLE))
     if not word.isalpha() or word in lexicon.reserved_words | lexicon.first_words:
         return None
     close = _nearest_words(word, sorted(lexicon.verb_words["VERB"]), close=65.0)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import cast
+from typing import Any, cast
 
 from grammar.clauses.clause_parts import ON_THE_TABLE, Parts, unexpected_part
 from grammar.frames import command as g
@@ -66,7 +66,7 @@ def attach_descriptions(parts: Sequence[ph.Part], lexicon: Lexicon, sentence: No
     """
     out: Parts = []
     parts = _with_touching_as_place(_with_touched_parts(parts, lexicon, sentence))
-    parts = _with_sides(_with_ordinals(parts, sentence), lexicon, sentence)
+    parts = _with_sides(_with_ordinals(parts, lexicon, sentence), lexicon, sentence)
     for i, part in enumerate(parts):
         telling = isinstance(part, ph.Side)
         if isinstance(part, ph.Place):
@@ -121,6 +121,10 @@ def part_and_owner(
     span = start + match.start("whole"), start + match.end("whole")
     text = sentence.words_as_written(span)
     update: dict[str, object] = {"text": text, "spans": (span, *thing.ref.spans[1:])}
+    first, _, counted = text.partition(" ")
+    if ordinal := counted and lexicon.numbers.ordinals.get(first.casefold()):
+        text = counted
+        update |= {"text": text, "noun": text.casefold(), "ordinal": ordinal}
     if thing.ref.qualities:
         words = text.casefold().replace("-", " ").split()
         of_part = match["part"].casefold().split()
@@ -219,30 +223,39 @@ def _last_reference(part: ph.Part) -> g.ObjectRef | None:
     return None if others or last.pronoun or last.relation else last
 
 
-def _with_ordinals(parts: Parts, sentence: Normalised) -> Parts:
+def _with_ordinals(parts: Parts, lexicon: Lexicon, sentence: Normalised) -> Parts:
     """Takes "from the right" behind "the third tin" for where it is counted from."""
     out: Parts = []
     for part in parts:
         before = out[-1] if out else None
-        counted = isinstance(before, ph.Thing) and before.ref.ordinal is not None
-        face = (
-            part.constraint.face
-            if (isinstance(part, ph.Constraint) and isinstance(part.constraint, g.ContactRegion))
-            else None
-        )
-        sides = [quality for quality, side in SIDES_COUNTED_FROM.items() if side == face]
-        if counted and sides and sentence.words_as_written(part.span).startswith("from"):
-            out[-1] = _described_thing(
-                cast("ph.Thing", before), ph.Side(part.span, sides[0]), sentence
-            )
-        elif not (isinstance(part, ph.Direction) and part.implied and _ends_at(before, part)):
+        asks = isinstance(before, ph.Ask | ph.Explore)
+        thing = before.thing if isinstance(before, ph.Ask | ph.Explore) else before
+        if not isinstance(thing, ph.Thing):
+            out.append(part)
+            continue
+        side = _side_counted_from(part, sentence)
+        if side is not None and _is_counted(thing, lexicon, sentence):
+            told = _described_thing(thing, ph.Side(part.span, side), sentence)
+            out[-1] = replace(cast(Any, before), thing=told) if asks else told
+        elif not (isinstance(part, ph.Direction) and part.implied and part.span in thing.ref.spans):
             out.append(part)
     return out
 
 
-def _ends_at(before: ph.Part | None, part: ph.Part) -> bool:
-    """Check for a thing whose words are those of a part as well."""
-    return isinstance(before, ph.Thing) and part.span in before.ref.spans
+def _side_counted_from(part: ph.Part, sentence: Normalised) -> g.Quality | None:
+    """The side from which things are counted: "from the right"."""
+    if not isinstance(part, ph.Constraint) or not isinstance(part.constraint, g.ContactRegion):
+        return None
+    face = part.constraint.face
+    sides = (quality for quality, side in SIDES_COUNTED_FROM.items() if side == face)
+    said = sentence.words_as_written(part.span).casefold()
+    return next(sides, None) if said.startswith("from") else None
+
+
+def _is_counted(thing: ph.Thing, lexicon: Lexicon, sentence: Normalised) -> bool:
+    """Check for the third tin, or the lid of the third tin."""
+    parted = part_and_owner(thing, lexicon, sentence)
+    return (parted[2] if parted else thing).ref.ordinal is not None
 
 
 def _with_sides(parts: Parts, lexicon: Lexicon, sentence: Normalised) -> Parts:

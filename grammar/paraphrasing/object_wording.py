@@ -98,11 +98,16 @@ class Naming:
         return f"{said} {self._joined_names(reference)}"
 
     def needs_no_article(self, name: str) -> bool:
-        """Check for a name that is read whole wherever it stands, also behind adjectives."""
+        """Check for a name that is read whole wherever it stands, also behind adjectives.
+
+        One that ends in a number is not: "block 5" may be a block, 5 cm of the way.
+        """
         lexicon = self.lexicon
         ends = lexicon.reserved_words | lexicon.first_words
         ends -= lexicon.openers | lexicon.verb_words["VERB"].keys() | lexicon.adjectives.keys()
         words = _name_words(name)
+        if words and words[-1].isdigit():
+            return False
         return not any(w in ends and not _is_joining_of(words, i) for i, w in enumerate(words))
 
     def is_plain(self, name: str) -> bool:

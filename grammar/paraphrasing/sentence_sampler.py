@@ -13,6 +13,7 @@ from random import Random
 from typing import Any, NamedTuple, TypeVar, cast, get_args
 
 from grammar.clauses.consistency import first_contradiction
+from grammar.clauses.object_descriptions import SIDES_COUNTED_FROM
 from grammar.frames import command as g
 from grammar.frames.constraints import CONSTRAINTS, new_constraint
 from grammar.frames.vocabulary import Unit
@@ -32,6 +33,8 @@ _FRACTIONS = (0.25, 0.5, 0.75, 1 / 3, 2 / 3)
 _PROPERTIES = ("mass", "friction", "height", "width", "length", "size", "centre_of_mass",
                "fill")  # fmt: skip
 _SHIFTING = ("push", "pull", "move", "slide")
+_OF_SEVERAL = (*_SHIFTING, "turn", "tilt", "topple", "lift", "place")
+_RANKED: tuple[g.Quality, ...] = ("left", "right", "near", "far", "tall", "small", "heavy", "wide")
 
 
 class Sample(NamedTuple):
@@ -116,10 +119,31 @@ class Sampler:
         quality = self._lexicon.adjectives[adjective]
         return g.ObjectRef(text=f"{adjective} {noun}", qualities=(quality,), noun=noun)
 
+    def _draw_counted(self) -> g.ObjectRef:
+        """Which of a row: "the third box from the left", "the second tallest box"."""
+        noun, quality = self._pick(self._nouns), self._pick(_RANKED)
+        said = {word for word, meant in self._lexicon.adjectives.items() if meant == quality}
+        told = noun if quality in SIDES_COUNTED_FROM else f"{self._pick(sorted(said))} {noun}"
+        ordinals = sorted(self._lexicon.numbers.ordinals.values())
+        return g.ObjectRef(text=told, qualities=(quality,), noun=noun, ordinal=self._pick(ordinals))
+
+    def _draw_several(self) -> g.ObjectRef:
+        """Some of several: "all the boxes except for the red box and the mug"."""
+        noun, quantifier = self._pick(self._nouns), self._pick(get_args(g.Quantifier))
+        plural = f"{noun}es" if noun.endswith(("s", "x", "ch", "sh")) else f"{noun}s"
+        one = quantifier in ("all", "any") and self._rng.random() < 0.5
+        few = self._pick((0, 0, 1, 2)) if quantifier in ("all", "rest") else 0
+        return g.ObjectRef(
+            text=noun if one else plural,
+            noun=noun,
+            quantifier=quantifier,
+            exceptions=tuple(self._draw_thing() for _ in range(few)),
+        )
+
     def _draw_object(self) -> g.ObjectRef:
         if self._rng.random() < 0.2:
             return g.ObjectRef(text="it", pronoun=True)
-        ref = self._draw_thing()
+        ref = self._draw_counted() if self._rng.random() < 0.1 else self._draw_thing()
         if self._rng.random() < 0.85:
             return ref
         relation = self._pick(_RELATIONS)
@@ -278,15 +302,18 @@ class Sampler:
     def _draw_command(self) -> g.Frame:
         action = self._pick((*_SHIFTING, *_SHIFTING, "turn", "tilt", "topple", "lift", "place",
                              "open", "close", "pour", "explore", "hand_over"))  # fmt: skip
-        thing, goal = self._draw_object(), self._draw_goal(action)
-        constraints = self._draw_constraints()
+        several = action in _OF_SEVERAL and self._rng.random() < 0.15
+        thing = self._draw_several() if several else self._draw_object()
+        goal, constraints = self._draw_goal(action), self._draw_constraints()
         return g.Frame(action=cast(Any, action), object=thing, goal=goal, constraints=constraints)
 
     def _draw_handling(self) -> g.Frame:
-        """A command that does more than find something out."""
-        while isinstance((frame := self._draw_command()).goal, g.Parameters):
-            pass
-        return frame
+        """A command about one object that does more than find something out."""
+        while True:
+            frame = self._draw_command()
+            several = frame.object is not None and frame.object.quantifier
+            if not (several or isinstance(frame.goal, g.Parameters)):
+                return frame
 
     def _draw_question(self) -> g.Frame:
         query = self._pick(get_args(g.Query))

@@ -21,7 +21,7 @@ class Names(TokenReader):
     def name_part(self, children: Children) -> ph.Thing:
         """A name, without its article; quotation marks are no part of it."""
         counted = tokens_in(children, "QUANTIFIER")
-        words = tokens_in(children, "WORD", "QUOTED", "IT") or tokens_in(children, "THAT")
+        words = tokens_in(children, "WORD", "KNOWN", "QUOTED", "IT") or tokens_in(children, "THAT")
         words = words or counted
         start, end = self.span_of([words[0], words[-1]])
         if words[0].type == "QUOTED":
@@ -46,7 +46,7 @@ class Names(TokenReader):
 
     def _described_object(self, text: str, span: g.Span, children: Children) -> g.ObjectRef:
         """A name with what its adjectives say; a quoted name has none."""
-        adjectives, words = self.lexicon.adjectives, tokens_in(children, "WORD")
+        adjectives, words = self.lexicon.adjectives, tokens_in(children, "WORD", "KNOWN")
         several = bool(tokens_in(children, "QUANTIFIER"))
         if parted := self._parted_words(children):
             words, several = parted, True

@@ -175,9 +175,20 @@ class Asides:
             longest = next((phrase for phrase, _ in phrases(text, word.start())), "")
             if word.start() + len(longest) > doubled.start() + len(words):
                 return True
+        if self._phrases.has_terminal_at("VERB", text, start) and self._ends_phrase(text, doubled):
+            return True
         again = [phrase for phrase, _ in phrases(text, start)]
         more = self._phrases.has_terminal_at("BOUND", text, start + len(words) + 1)
         return more or (words in again and words != again[0])
+
+    def _ends_phrase(self, text: str, doubled: re.Match[str]) -> bool:
+        """Check for words that end a phrase the first time: "with a gentle hand hand it over"."""
+        starts = (word.start() for word in WORD.finditer(text, 0, doubled.start()))
+        return any(
+            start + len(phrase) == doubled.end(1)
+            for start in starts
+            for phrase, _ in self._phrases.phrases_at(text, start)
+        )
 
     # --- corrections --------------------------------------------------------------------------
 

@@ -360,7 +360,9 @@ class Lookahead:
         """Check for an article, a pronoun or a quotation that follows."""
         follower = WORD.match(text, end + 1)
         return follower is not None and (
-            follower.group() in self._determiners or follower.group()[0] == '"'
+            follower.group() in self._determiners
+            or follower.group()[0] == '"'
+            or self._any("WORD", text, end + 1)
         )
 
     def _onto_what_is_pushed(self, phrase: str, text: str, end: int, _last: str) -> bool:

@@ -106,7 +106,7 @@ class Lexicon:
         lids: parts of objects that are taken off and put on.
         names: names of several words that are read as one, whatever their words mean elsewhere.
         numbers: words that number words are made of.
-        later_verbs: verbs that are known but not read.
+        later_verbs: verbs that are known but not read → verbs that may do instead.
         later_words: words that begin phrases which are not read.
         vague: words and phrases of no clear meaning → what to say instead.
         contractions: contracted word → spelled out.
@@ -125,7 +125,7 @@ class Lexicon:
     lids: frozenset[str]
     names: frozenset[str]
     numbers: NumberWords
-    later_verbs: frozenset[str]
+    later_verbs: Mapping[str, tuple[str, ...]]
     later_words: frozenset[str]
     vague: Mapping[str, tuple[str, ...]]
     contractions: Mapping[str, str]
@@ -158,7 +158,7 @@ class Lexicon:
             numbers=NumberWords.from_data(
                 data["numbers"], _expand_phrases("numbers", data["numbers"]["phrases"])
             ),
-            later_verbs=frozenset(data["later_verbs"]),
+            later_verbs={verb: tuple(like) for verb, like in data["later_verbs"].items()},
             later_words=frozenset(data["later_words"]),
             vague={word: tuple(instead) for word, instead in data["vague"].items()},
             contractions=data["contractions"],
@@ -269,7 +269,15 @@ class Lexicon:
 
     def declarations(self) -> str:
         """The terminals, declared for a lark grammar whose lexer finds them itself."""
-        names = (*NAME_TERMINALS, *self.terminals, "WORD", "QUOTED", "NUMBER", "NUMBER_WORD")
+        names = (
+            *NAME_TERMINALS,
+            *self.terminals,
+            "WORD",
+            "KNOWN",
+            "QUOTED",
+            "NUMBER",
+            "NUMBER_WORD",
+        )
         return f"%declare {' '.join(names)}"
 
     @cached_property

@@ -58,6 +58,7 @@ class PhraseLexer:
         self._ahead = Lookahead(lexicon, self._phrases)
         self._units = [phrase for unit in _UNITS for phrase in lexicon.phrases_of(unit)]
         self._numbers = lexicon.numbers
+        self._names = lexicon.names
         self._adjectives = lexicon.adjectives
         self._first_in_names = lexicon.adjectives.keys() | lexicon.numbers.ordinals.keys()
         self._reserved = lexicon.reserved_words
@@ -91,6 +92,9 @@ class PhraseLexer:
         if accepts("QUOTED") and word.startswith('"') and (quoted := _QUOTED.match(text, start)):
             return "QUOTED", quoted.end()
         may_name = accepts("WORD") and word[0].isalnum()
+        named = "WORD" if may_name else "KNOWN"
+        if self._names and accepts(named) and (known := self._known_name_end(text, start)):
+            return named, known
         if may_name and self._is_name_word(text, word, end, accepts, name):
             return "WORD", end
         number = self._numbers.pattern.match(text, start)
@@ -113,11 +117,23 @@ class PhraseLexer:
             return "NUMBER", digits.end()
         if counted > start:
             return "NUMBER_WORD", counted
-        if may_name and word not in self._reserved and not self._is_number(text, start):
-            return "WORD", end
-        if may_name and word == "of" and name.words:
+        free = word not in self._reserved and not self._is_number(text, start)
+        if may_name and (free or (word == "of" and name.words)):
             return "WORD", end
         return fallback or ("UNKNOWN", end)
+
+    def _known_name_end(self, text: str, start: int) -> int | None:
+        """End of a name of the lexicon that stands here, but not of "block 5" before "cm"."""
+        for phrase, kinds in self._phrases.phrases_at(text, start):
+            end = start + len(phrase)
+            measured = phrase[-1].isdigit() and self._has_unit_at(text, end + 1)
+            if "WORD" in kinds and not measured:
+                return end
+        return None
+
+    def _has_unit_at(self, text: str, start: int) -> bool:
+        """Check for a unit; "in" is a preposition here: "put block 5 in the box"."""
+        return any(stands_at(unit, text, start) for unit in self._units if unit != "in")
 
     def _is_name_word(self, text: str, word: str, end: int, accepts: Accepts, name: _Name) -> bool:
         """Check for a word that belongs to a name, although it means something elsewhere."""

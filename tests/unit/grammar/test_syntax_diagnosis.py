@@ -30,6 +30,23 @@ def test_near_ties_are_all_named() -> None:
     assert refusal("lilt the box").suggestions == ("did you mean 'lift' or 'tilt'?",)
 
 
+@pytest.mark.parametrize(
+    ("text", "instead"),
+    [
+        ("throw the mug away", ["push the mug away"]),
+        ("drop it in the box", ["put it in the box"]),
+        ("flip the box", ["turn the box", "topple the box"]),
+        ("push the jar away, then roll the can to the left",
+         ["push the jar away, then push the can to the left"]),
+    ],
+)  # fmt: skip
+def test_a_verb_that_is_not_known_yet_has_the_sentence_with_one_that_is(
+    text: str, instead: list[str]
+) -> None:
+    assert refusal(text).suggestions == tuple(f'this would do: "{said}"' for said in instead)
+    assert all(parse(said).frames for said in instead)
+
+
 def test_misspelt_direction_is_asked_back() -> None:
     assert refusal("push the box gently awya").suggestions[0] == "did you mean 'away'?"
 

@@ -170,6 +170,21 @@ def test_names_of_objects_are_read_whole(text: str, name: str) -> None:
     assert [clause.kind for clause in frame.constraints] == ["gentle"]
 
 
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("push block 5 away", "push the block 5 away"),
+        ("push block 5 until it touches block 2", "push the block 5 until it touches the block 2"),
+        ("push the block 5 5 cm away", "push the block 5 away by 5 cm"),
+        ("push the block 5 cm away", "push the block away by 5 cm"),
+        ("put block 5 in the mug", "put the block 5 in the mug"),
+        ("push all but block 5 away", "push all except for the block 5 away"),
+    ],
+)
+def test_names_that_end_in_a_number_are_no_lengths(text: str, said: str) -> None:
+    assert parser_for(["block 5", "block 2", "mug"]).parse(text).paraphrase == said
+
+
 def test_names_that_are_read_anyway_take_the_parser_that_there_is() -> None:
     assert parser_for(["ice tea box", "mug"]) is default_parser()
 
