@@ -2,8 +2,8 @@
 
 Ten families are feasible. What is pushed makes sense by belief and plain geometry
 (`benchmarks.goals.sense`); what takes the hand stands where the scene is made for that, with
-numbers that a person would say. In ten others one number is surely too much, or too little. No
-outcome of the robot decides what is drawn.
+numbers that a person would say, and what is poured is surely there by belief. In ten others one
+number is surely too much, or too little. No outcome of the robot decides what is drawn.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import numpy as np
 
 from benchmarks.goals.sense import sensible
 from nlcontrol import Controller
+from planner.types.defaults import DEFAULTS
 
 Generator = np.random.Generator
 Drawn = tuple[str, str]
@@ -132,9 +133,24 @@ def _put(rng: Generator) -> Drawn:
     return "kitchen", f"put the {_one(rng, ('mug', 'ice tea'))} next to the ice tea cup"
 
 
+@cache
+def _surely_poured() -> int:
+    """What the ice tea holds even in the worst case that plans reckon with [cl]."""
+    container = _controller("kitchen").look().objects["ice tea"].model.container
+    assert container is not None
+    surely = container.contents - DEFAULTS.sigmas * container.contents_sd
+    return int(surely / 1e-5 + 1e-6)
+
+
+def _modest_pour(rng: Generator) -> Drawn:
+    volume = 10 * rng.integers(2, 1 + _surely_poured())
+    return "kitchen", f"pour {volume} ml of the ice tea into the mug"
+
+
 def _pour(rng: Generator) -> Drawn:
-    limit = _one(rng, ("", " without spilling it", f" at {rng.integers(3, 11)} cm/s"))
-    return "kitchen", f"pour {10 * rng.integers(2, 21)} ml of the ice tea into the mug{limit}"
+    scene, text = _modest_pour(rng)
+    limits = "", " without spilling it", f" at {rng.integers(3, 11)} cm/s"
+    return scene, text + _one(rng, limits)
 
 
 def _open(rng: Generator) -> Drawn:
@@ -201,7 +217,7 @@ def _full_pour(rng: Generator) -> Drawn:
 
 
 def _hasty_pour(rng: Generator) -> Drawn:
-    scene, text = "kitchen", f"pour {10 * rng.integers(2, 11)} ml of the ice tea into the mug"
+    scene, text = _modest_pour(rng)
     return scene, f"{text} in at most {rng.integers(1, 4)} s"
 
 

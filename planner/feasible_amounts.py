@@ -1,8 +1,8 @@
 """How much of what a frame asks can be done: the largest amount of its goal that has a plan.
 
-First comes what people mean if they say no amount. It is doubled while there is a plan, or halved
-until there is one, then bracketed between what has one and what has none: a plan that there is is
-found sooner than it is found that there is none.
+What has a plan is taken to have one for less as well. First comes what people mean if they say no
+amount. It is doubled while there is a plan; if there is none, the least amount decides whether to
+look on. What lies between an amount that has a plan and one that has none is then bracketed.
 """
 
 from __future__ import annotations
@@ -13,19 +13,19 @@ from collections.abc import Callable
 from grammar.frames import command as g
 from planner.types.defaults import DEFAULTS
 
-UNITS: dict[str, tuple[str, float, float]] = {
-    "displace": ("distance", 0.01, DEFAULTS.distance),
-    "place": ("distance", 0.01, DEFAULTS.distance_lot),
-    "lift": ("height", 0.01, DEFAULTS.lift_height),
-    "rotate": ("angle", math.radians(1.0), DEFAULTS.turn),
-    "tilt": ("angle", math.radians(1.0), DEFAULTS.tilt),
-    "pour": ("volume", 1e-5, DEFAULTS.pour_little),
+UNITS: dict[str, tuple[str, Callable[[int], float], float]] = {
+    "displace": ("distance", lambda cm: cm / 100, DEFAULTS.distance),
+    "place": ("distance", lambda cm: cm / 100, DEFAULTS.distance_lot),
+    "lift": ("height", lambda cm: cm / 100, DEFAULTS.lift_height),
+    "rotate": ("angle", math.radians, DEFAULTS.turn),
+    "tilt": ("angle", math.radians, DEFAULTS.tilt),
+    "pour": ("volume", lambda cl: cl / 100_000, DEFAULTS.pour_little),
 }
-"""Field of a goal that says how much, by its kind, the unit in which people say that, and a usual
-amount [SI]."""
+"""Field of a goal that says how much, by its kind, how many of the units in which people say that
+are how much, and a usual amount [SI]."""
 
 BRACKETS = 3
-"""Times that the bracket is halved: what is found is within an eighth of the most."""
+"""Times that the bracket is halved by its ratio: between n and 2 n, to a tenth of the most."""
 
 
 def frame_with_less(frame: g.Frame, is_planned: Callable[[g.Frame], bool]) -> g.Frame | None:
@@ -35,27 +35,33 @@ def frame_with_less(frame: g.Frame, is_planned: Callable[[g.Frame], bool]) -> g.
         frame: what is asked.
         is_planned: whether a frame has a plan.
     """
-    name, unit, usual = UNITS.get(frame.goal.kind, ("", 1.0, 1.0))
-    asked = getattr(frame.goal, name, None)
+    if frame.goal.kind not in UNITS:
+        return None
+    name, amount, usual = UNITS[frame.goal.kind]
+    asked = getattr(frame.goal, name)
     if not isinstance(asked, float):
         return None
 
     def with_amount(units: int) -> g.Frame:
-        goal = frame.goal.model_copy(update={name: units * unit})
-        return frame.model_copy(update={"goal": goal})
+        return frame.model_copy(
+            update={"goal": frame.goal.model_copy(update={name: amount(units)})}
+        )
 
-    most, least = math.ceil(asked / unit - 1e-9), 0
-    tried = min(round(usual / unit), most // 2)
-    while 0 < tried < most and (least == 0 or tried > least):
-        if is_planned(with_amount(tried)):
-            least, tried = tried, 2 * tried
-        else:
-            most, tried = tried, tried // 2
+    most = math.ceil(asked / amount(1) - 1e-9)
+    least = min(round(usual / amount(1)), most // 2)
     if least == 0:
         return None
+    if is_planned(with_amount(least)):
+        while 2 * least < most and is_planned(with_amount(2 * least)):
+            least *= 2
+        most = min(most, 2 * least)
+    elif least > 1 and is_planned(with_amount(1)):
+        least, most = 1, least
+    else:
+        return None
     for _ in range(BRACKETS):
-        middle = (least + most) // 2
-        if middle == least:
+        middle = round(math.sqrt(least * most))
+        if not least < middle < most:
             break
         least, most = (middle, most) if is_planned(with_amount(middle)) else (least, middle)
     return with_amount(least)

@@ -5,8 +5,10 @@ person would make ("no, 69 cm"), is put into the frames as a conversation does t
 are said in full: "push the ice tea box away by 69 cm". What the language has no words for is left
 to people.
 
-Each sentence is planned before it is offered, from where things were seen last. Where there is no
-plan for it, or nothing is suggested that could be said, a smaller amount is looked for.
+Each sentence is planned before it is offered, from where things were seen last, step by step as far
+as it is foreseen where they stand then. Where there is no plan for it, or nothing is suggested that
+could be said, a smaller amount is looked for, and then another direction. If there is none of that
+either, the error says so.
 """
 
 from __future__ import annotations
@@ -16,9 +18,10 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, get_args
 
 import grammar
+from grammar.frames.vocabulary import Direction
 from nlcontrol.errors import ControlError, ErrorInfo, refusal_error
 from nlcontrol.results.result import result_with
 from nlcontrol.session.executor import Explorer
@@ -27,6 +30,7 @@ from nlcontrol.session.stoppable_robot import StoppableRobot
 from planner import plan
 from planner.feasible_amounts import frame_with_less
 from planner.problem.search_budget import SearchBudget
+from planner.types.plan import Reached
 from planner.types.refusal import Refusal
 from sim.supervision import Stopped
 
@@ -34,6 +38,7 @@ if TYPE_CHECKING:
     from grammar.frames.command import Command, Frame, Span
     from nlcontrol.results.result import Result
     from nlcontrol.session.executor import Planner
+    from planner.types.plan import Plan
     from planner.types.robot import Robot
     from planner.types.world_state import WorldState
     from sim.perception.last_look import LastLook
@@ -71,6 +76,9 @@ BEFORE = (r"(.+) first", r"(put .+ down)(?:,.*)?")
 
 LEFT_OUT = r"leave (?:out .+|that out)"
 """Suggestions to leave out the words that the error is about."""
+
+OTHER_WAY = r"(?:say |(?:tilt|topple) it to )?another (?:direction|side)"
+"""Suggestions of no direction in particular."""
 
 _OTHER_NAMES = ("ambiguous_object", "unknown_object")
 
@@ -119,12 +127,24 @@ def result_with_corrections(
             if found[suggestion] == said:
                 as_suggested |= {suggestion, said}
     if frames and result.status in ("refused", "unsupported") and not any(found.values()):
-        found[""] = trials.sentence_with_less(tuple(map(without_spans, frames)))
+        plain = tuple(map(without_spans, frames))
+        found[""] = trials.sentence_with_less(plain) or trials.sentence_another_way(plain)
+        found |= dict.fromkeys(each for each in info.suggestions if re.fullmatch(OTHER_WAY, each))
     say = tuple(dict.fromkeys(filter(None, found.values())))[:MOST]
     kept = [each for each in info.suggestions if each not in found or each in as_suggested]
     better = [f"say “{said}”" for said in say if said not in as_suggested]
+    if "" in found and not say:
+        kept += _nothing_near(frames[0])
     changes = {"say": say, "suggestions": tuple(better + kept) or info.suggestions}
     return result_with(result, error=info.model_copy(update=changes))
+
+
+def _nothing_near(frame: Frame) -> Iterator[str]:
+    """That no sentence was found, and the question that tells what can be done instead."""
+    if frame.object is not None:
+        question = type(frame)(query="affordances", object=without_spans(frame).object)
+        asked = grammar.paraphrase(question)
+        yield f"nothing like it was found that has a plan; ask “{asked}”"
 
 
 def _offers(
@@ -179,20 +199,27 @@ class _Trials:
             chain: how often what the refusal of a change suggests is followed.
         """
         said = self.words(frames)
-        refused = self._refusal(said) if said is not None else None
-        if refused is None:
+        dead_end = self._dead_end(said) if said is not None else None
+        if dead_end is None:
             return said
+        step, refused = dead_end
+        before, rest = frames[:step], frames[step:]
         for suggestion in refused.suggestions if chain else ():
             if remark := _first_match(REMARKS, suggestion):
                 with suppress(ControlError):
-                    changed = _corrected(self._controller.parse, remark, frames)
-                    if better := self.sentence(changed, chain - 1):
+                    changed = _corrected(self._controller.parse, remark, rest)
+                    if better := self.sentence((*before, *changed), chain - 1):
                         return better
-        return self.sentence_with_less(frames)
+        return self.sentence_with_less(frames, step)
 
-    def sentence_with_less(self, frames: Frames) -> str | None:
-        """The frames in words with a smaller amount for which there is a plan."""
-        moving = (i for i, each in enumerate(frames) if each.action != "explore")
+    def sentence_with_less(self, frames: Frames, step: int = 0) -> str | None:
+        """The frames in words with a smaller amount for which there is a plan.
+
+        Args:
+            frames: that have none.
+            step: the first of them that may ask too much.
+        """
+        moving = (i for i, each in enumerate(frames) if i >= step and each.action != "explore")
         place = next(moving, None)
         if self._state is None or place is None:
             return None
@@ -200,41 +227,69 @@ class _Trials:
         def with_frame(frame: Frame) -> Frames:
             return (*frames[:place], frame, *frames[place + 1 :])
 
-        def is_planned(frame: Frame) -> bool:
-            said = self.words(with_frame(frame))
-            return said is not None and self._refusal(said) is None
-
-        less = frame_with_less(frames[place], is_planned)
+        less = frame_with_less(frames[place], lambda frame: self._is_planned(with_frame(frame)))
         return None if less is None else self.words(with_frame(less))
 
-    def _refusal(self, said: str) -> ErrorInfo | None:
-        """Why a sentence has no plan; None if it has one, as far as is foreseen."""
+    def sentence_another_way(self, frames: Frames) -> str | None:
+        """The frames in words with another direction of the first for which there is a plan."""
+        first, *rest = frames
+        goal = first.goal
+        said = getattr(goal, "direction", None)
+        for other in get_args(Direction) if isinstance(said, str) else ():
+            turned = first.model_copy(update={"goal": goal.model_copy(update={"direction": other})})
+            if other != said and self._is_planned((turned, *rest)):
+                return self.words((turned, *rest))
+        return None
+
+    def _is_planned(self, frames: Frames) -> bool:
+        said = self.words(frames)
+        return said is not None and self._dead_end(said) is None
+
+    def _dead_end(self, said: str) -> tuple[int, ErrorInfo] | None:
+        """The step of a sentence that has no plan, and why; None as far as all have."""
         if self._state is None:
             return None
         try:
             with self._controller.last_look.kept():
                 command = self._controller.resolve(self._controller.parse(said))
-            return self._refusal_of(command.frames, self._state)
+            return self._dead_end_of(command.frames, self._state)
         except ControlError as raised:
-            return raised.info
+            return 0, raised.info
         except Stopped:
-            return ErrorInfo(code="interrupted", message="it was told to stop")
+            return 0, ErrorInfo(code="interrupted", message="it was told to stop")
 
-    def _refusal_of(self, frames: Frames, state: WorldState) -> ErrorInfo | None:
-        """Why there is no plan for the first of some frames that moves something."""
-        budget = SearchBudget(min(self._left, MOST_EACH))
-        planner = self._controller.planner or partial(plan, budget=budget)
+    def _dead_end_of(self, frames: Frames, state: WorldState) -> tuple[int, ErrorInfo] | None:
+        """The first frame without a plan, and why; None if there is none before what is unknown."""
         robot = StoppableRobot(self._controller.robot, self._stop, self._controller.time_limit)
-        for frame in frames:
+        for step, frame in enumerate(frames):
             if frame.action == "explore":
                 from nlcontrol.session.exploration_commands import state_once_explored
 
                 state = state_once_explored(self._controller, frame, state)
             elif frame.query is None:
+                budget = SearchBudget(min(self._left, MOST_EACH))
+                planner = self._controller.planner or partial(plan, budget=budget)
                 made = planner(frame, state, robot, defaults=self._defaults)
                 self._left -= budget.done
-                return refusal_error(made) if isinstance(made, Refusal) else None
+                if isinstance(made, Refusal):
+                    return step, refusal_error(made)
+                foreseen = _state_after(made, state)
+                if foreseen is None:
+                    return None
+                state = foreseen
         return None
+
+
+def _state_after(made: Plan | Reached, state: WorldState) -> WorldState | None:
+    """The belief after a plan that moves an object over the table; None if another is not known."""
+    if isinstance(made, Reached):
+        return state
+    if made.aim is None or made.task not in ("push", "place"):
+        return None
+    seen, aim = state.objects[made.object], made.aim
+    yaw = seen.pose.yaw if aim.yaw is None else aim.yaw
+    there = replace(seen, pose=replace(seen.pose, x=aim.x, y=aim.y, yaw=yaw))
+    return replace(state, objects={**state.objects, there.name: there})
 
 
 def _from_frames(parse: Parse, info: ErrorInfo, frames: Frames) -> Iterator[tuple[str, Frames]]:

@@ -14,7 +14,7 @@ from itertools import islice
 
 import numpy as np
 
-from planner.geometry.directions import heading_of, unit
+from planner.geometry.directions import angle_between, heading_of, unit
 from planner.geometry.footprints import footprint, gap, room_to_edge
 from planner.geometry.visibility_graph import shortest_detour
 from planner.problem.place_regions import object_at
@@ -40,6 +40,8 @@ _NEAR = 0.02  # what is nearer to its aim is not led around anything [m]
 _PARTED = 0.12  # a leg longer than this may be made by several pushes [m]
 _TURNS = 12  # ways to part a turn for which it is asked
 _LEAST = 0.01  # a shorter way is not worth proposing [m]
+_ALIKE = 0.05  # half the depth of a hand: pushes that begin nearer to each other meet the same [m]
+_SHORTER = 0.5  # a push may be made if it is shorter than this share of one like it that is not
 _CLOSE = 0.004  # what is nearer is corrected by a push right there, or counts as there [m]
 _SQUARED_UP = math.radians(6.0)  # a turn up to this is made while the object is pushed straight
 _SQUARE = math.radians(0.2)  # a turn below this is not
@@ -64,6 +66,7 @@ class PushSequencePlanner:
     ) -> None:
         self._problem, self._aim, self._search = problem, aim, search
         self._foreseen = foreseen
+        self._denied: list[tuple[np.ndarray, PathSegment]] = []
         target, defaults, goal = problem.target, problem.defaults, problem.goal
         oblique = problem.effort.oblique
         self._largest = push_paths.largest_obliqueness(target, defaults.sigmas, steep=oblique)
@@ -215,8 +218,13 @@ class PushSequencePlanner:
     def _straight_pushes(self, target: SeenObject) -> list[PushCandidate]:
         """The pushes of the first path that the hand can make."""
         attempts = Alternatives()
+        self._denied.clear()
         first_stop = self._first_stops(target)
-        free = (path for path in self._paths_to_aim(target) if first_stop(path) is None)
+        free = (
+            path
+            for path in self._paths_to_aim(target)
+            if not self._was_denied(target, path) and first_stop(path) is None
+        )
         for path in islice(free, _PATHS):
             with attempts:
                 return self._path_pushes(target, path)
@@ -241,6 +249,20 @@ class PushSequencePlanner:
             return
         aside = push_paths.sidestep_paths(target, self._aim, self._within, self._largest)
         yield from sorted([*self._detour_paths(target), *aside], key=_path_cost)
+
+    def _was_denied(self, target: SeenObject, path: tuple[PathSegment, ...]) -> bool:
+        """Return True if the hand does not get to a push much like one of a path."""
+        place = target.pose.p_WB
+        for segment in path:
+            for denied_at, denied in self._denied:
+                if (
+                    math.dist(place, denied_at) < _ALIKE
+                    and abs(angle_between(segment.heading, denied.heading)) <= _SQUARED_UP
+                    and segment.distance >= _SHORTER * denied.distance
+                ):
+                    return True
+            place = place + segment.displacement
+        return False
 
     def _detour_paths(self, target: SeenObject) -> Iterator[tuple[PathSegment, ...]]:
         headings = push_paths.push_headings(target, self._aim)
@@ -297,8 +319,10 @@ class PushSequencePlanner:
         with attempt:
             best = self._segment_push(target, segment, last=not rest)
         if attempt:
-            reason = attempt.first.refusal.reason
-            far = segment.distance > _PARTED and reason in ("out_of_reach", "blocked")
+            denied = attempt.first.refusal.reason in ("out_of_reach", "blocked")
+            if denied:
+                self._denied.append((target.pose.p_WB, segment))
+            far = denied and segment.distance > _PARTED
             whole = problem.motion.duration is not None or problem.goal.until == "moves"
             if whole or not far:
                 raise attempt.first

@@ -63,7 +63,7 @@ _GRASPS = {
         (_WEIGH,),
     ),
     "no_grasp_reached": out_of_reach(_NO_GRASP, ("move it to another place",)),
-    "grasps_blocked": blocked(_NO_GRASP, ("move the {blocker}",)),
+    "grasps_blocked": blocked(_NO_GRASP, ("move the {blocker} first",)),
     "no_reach_in_hand": out_of_reach(_NO_GRASP, (_PUT_DOWN,)),
     "blocked_in_hand": blocked(_NO_GRASP, (_PUT_DOWN,)),
     "holds_nothing": impossible(

@@ -117,7 +117,7 @@ _PUSHES = {
     ),
     "off_the_table": impossible(_OFF_TABLE, (_ANOTHER_WAY,)),
     "off_the_table_so_far": impossible(_OFF_TABLE, ("up to {room:cm_down} would do",)),
-    "in_the_way": blocked(_IN_WAY, ("push the {other} out of the way first",)),
+    "in_the_way": blocked(_IN_WAY, ("move the {other} first",)),
     "in_the_way_so_far": blocked(_IN_WAY, ("up to {free:cm_down} would do",)),
     "unlikely_pushes": too_uncertain(
         "{pushes} pushes are needed, and all of them succeed with a probability of "
@@ -166,10 +166,10 @@ _PUSHES = {
         ("leave out how long it may take",),
     ),
     "no_push_reached": out_of_reach(_UNREACHED, ("another direction",)),
-    "pushes_blocked": blocked(_UNREACHED, ("move the {blocker}",)),
+    "pushes_blocked": blocked(_UNREACHED, ("move the {blocker} first",)),
     "work_used_up": out_of_time(_USED_UP, ("--set most_work={more:count}",)),
     "search_given_up": out_of_time(_GIVEN_UP, ("another direction",)),
-    "search_blocked": out_of_time(_GIVEN_UP, ("move the {blocker}",)),
+    "search_blocked": out_of_time(_GIVEN_UP, ("move the {blocker} first",)),
 }
 
 _LOWEST = "the lowest contact that the fingers reach is {lowest_height:mm}"

@@ -120,7 +120,7 @@ def test_what_no_hand_keeps_is_refused_by_its_words(
 def test_what_stands_in_the_way_is_named(table: WorldState) -> None:
     made = refused("lift the ice tea", table, RuledHand(holds=lambda _: False, blocker="mug"))
     assert made.reason == "blocked"
-    assert made.suggestions == ("move the mug",)
+    assert made.suggestions == ("move the mug first",)
     assert refused("lift the mug", table, RuledHand(holds=lambda _: False)).reason == "out_of_reach"
 
 
