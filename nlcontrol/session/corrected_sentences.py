@@ -7,8 +7,8 @@ to people.
 
 Each sentence is planned before it is offered, from where things were seen last, step by step as far
 as it is foreseen where they stand then. Where there is no plan for it, or nothing is suggested that
-could be said, a smaller amount is looked for, and then another direction. If there is none of that
-either, the error says so.
+could be said, a smaller amount is looked for; then what is in the way is moved, or it goes another
+way. If there is no plan for that either, the error says so.
 """
 
 from __future__ import annotations
@@ -74,6 +74,9 @@ REMARKS: tuple[tuple[str, str], ...] = (
 BEFORE = (r"(.+) first", r"(put .+ down)(?:,.*)?")
 """Suggestions of what is to be done before."""
 
+IN_THE_WAY = r"(move the .+) first"
+"""Suggestions to move something else before, which a person may do as well."""
+
 LEFT_OUT = r"leave (?:out .+|that out)"
 """Suggestions to leave out the words that the error is about."""
 
@@ -128,7 +131,8 @@ def result_with_corrections(
                 as_suggested |= {suggestion, said}
     if frames and result.status in ("refused", "unsupported") and not any(found.values()):
         plain = tuple(map(without_spans, frames))
-        found[""] = trials.sentence_with_less(plain) or trials.sentence_another_way(plain)
+        less = trials.sentence_with_less(plain)
+        found[""] = less or trials.first_planned(_other_ways(controller.parse, info, plain))
         found |= dict.fromkeys(each for each in info.suggestions if re.fullmatch(OTHER_WAY, each))
     say = tuple(dict.fromkeys(filter(None, found.values())))[:MOST]
     kept = [each for each in info.suggestions if each not in found or each in as_suggested]
@@ -230,16 +234,9 @@ class _Trials:
         less = frame_with_less(frames[place], lambda frame: self._is_planned(with_frame(frame)))
         return None if less is None else self.words(with_frame(less))
 
-    def sentence_another_way(self, frames: Frames) -> str | None:
-        """The frames in words with another direction of the first for which there is a plan."""
-        first, *rest = frames
-        goal = first.goal
-        said = getattr(goal, "direction", None)
-        for other in get_args(Direction) if isinstance(said, str) else ():
-            turned = first.model_copy(update={"goal": goal.model_copy(update={"direction": other})})
-            if other != said and self._is_planned((turned, *rest)):
-                return self.words((turned, *rest))
-        return None
+    def first_planned(self, ways: Iterable[Frames]) -> str | None:
+        """The first of some ways in words that has a plan as it is."""
+        return next((self.words(frames) for frames in ways if self._is_planned(frames)), None)
 
     def _is_planned(self, frames: Frames) -> bool:
         said = self.words(frames)
@@ -302,8 +299,24 @@ def _from_frames(parse: Parse, info: ErrorInfo, frames: Frames) -> Iterator[tupl
                 yield from ((suggestion, rest) for rest in _without_words(frames, info.span))
             elif remark := _first_match(REMARKS, suggestion):
                 yield suggestion, _corrected(parse, remark, frames)
+            elif re.fullmatch(IN_THE_WAY, suggestion):
+                continue
             elif before := _first_match([(each, r"\1") for each in BEFORE], suggestion):
                 yield suggestion, (*parse(before).frames, *map(without_spans, frames))
+
+
+def _other_ways(parse: Parse, info: ErrorInfo, frames: Frames) -> Iterator[Frames]:
+    """The frames after what is in the way is moved, and with other directions of the first."""
+    for suggestion in info.suggestions:
+        if moved := re.fullmatch(IN_THE_WAY, suggestion):
+            with suppress(ControlError):
+                yield (*parse(moved[1]).frames, *frames)
+    first, *rest = frames
+    said = getattr(first.goal, "direction", None)
+    for other in get_args(Direction) if isinstance(said, str) else ():
+        if other != said:
+            goal = first.goal.model_copy(update={"direction": other})
+            yield (first.model_copy(update={"goal": goal}), *rest)
 
 
 def _with_other_names(
