@@ -24,8 +24,8 @@ UNITS: dict[str, tuple[str, Callable[[int], float], float]] = {
 """Field of a goal that says how much, by its kind, how many of the units in which people say that
 are how much, and a usual amount [SI]."""
 
-BRACKETS = 3
-"""Times that the bracket is halved by its ratio: between n and 2 n, to a tenth of the most."""
+BRACKETS = 2
+"""Times that the bracket is halved by its ratio: between n and 2 n, to a fifth of the most."""
 
 
 def frame_with_less(frame: g.Frame, is_planned: Callable[[g.Frame], bool]) -> g.Frame | None:

@@ -20,7 +20,6 @@ import numpy as np
 from grammar.frames import command as g
 from objectmodels.containers.pour_dynamics import Catch, Poured, UncertainPour, pour, tilt_for
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.models.object_parts import Container
 from objectmodels.models.vessel import Vessel
 from planner.geometry.directions import heading_of, unit
 from planner.grasping import lift_planner
@@ -33,74 +32,18 @@ from planner.grasping.grasp_selection import (
     held_already,
     stable_grasps,
 )
-from planner.grasping.lid_planner import is_open
+from planner.grasping.pour_amounts import Amount, Hollow, poured_amount
 from planner.problem.planning_problem import GraspProblem
 from planner.refusals.refusal_builder import no_plan
 from planner.types.actions import Action, Aim, Carry, PourOut, PourPrediction, SetDown
-from planner.types.defaults import Defaults
 from planner.types.plan import DefaultUsed, Plan, Reached
 from planner.types.refusal import NoPlanError
-from planner.types.world_state import SeenObject
 
 _TURNS = np.radians([0.0, 30.0, -30.0, 60.0, -60.0, 90.0, -90.0, 135.0, -135.0, 180.0]).tolist()
 _ANGLES = np.radians(np.arange(0.0, 60.0, 5.0))  # beyond the tilt at which it would run out slowly
 _LEAST_LEFT = 0.01  # share that may stay where everything is poured
 _SOON, _PART_WAIT = 1.0, 2.0  # everything, or a part, has run out so soon after the tilt [s]
-_DROP = 1e-6  # less than this is nothing [m³]
 _CENTRED = 0.001  # an opening so near to the middle has no side [m]
-
-
-@dataclass(frozen=True, eq=False)
-class Hollow:
-    """An open container that stands, as it is believed to be.
-
-    Attributes:
-        seen: the object.
-        container: what is in it.
-        vessel: its cavity.
-    """
-
-    seen: SeenObject
-    container: Container
-    vessel: Vessel
-
-    @classmethod
-    def from_object(cls, seen: SeenObject, defaults: Defaults) -> Hollow:
-        """An object as a container.
-
-        Raises:
-            NoPlanError: it is none, lies, or is closed.
-        """
-        if seen.lies_on != "bottom":
-            raise no_plan("container_lies", object=seen.name)
-        container, vessel = seen.model.container, seen.model.vessel
-        if container is None or vessel is None:
-            raise no_plan("no_container", object=seen.name)
-        if not is_open(seen, defaults):
-            raise no_plan("is_closed", object=seen.name)
-        return cls(seen, container, vessel)
-
-    @property
-    def room(self) -> float:
-        """Volume that still fits in [m³]; negative if it is believed to be too full."""
-        return self.vessel.capacity - self.container.contents
-
-
-@dataclass(frozen=True)
-class Amount:
-    """Volume that is poured.
-
-    Attributes:
-        volume: how much [m³].
-        room: how much fits in [m³].
-        all: whether that is everything.
-        defaults: what the sentence left open.
-    """
-
-    volume: float
-    room: float
-    all: bool = False
-    defaults: tuple[DefaultUsed, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -139,7 +82,7 @@ def pour_out(problem: GraspProblem, goal: g.Pour) -> Plan | Reached:
     lift_planner.require_liftable(problem)
     if problem.motion.upright:
         raise lift_planner.forbidden_meanwhile(problem, problem.motion.upright, "tilts it")
-    wanted = amount(problem, source, into, goal)
+    wanted = poured_amount(problem, source, into, goal)
     return Reached() if wanted is None else _Pouring(problem, source, into, wanted).best()
 
 
@@ -346,55 +289,3 @@ def _pour_stopped_at(poured: Poured, volume: float) -> Poured:
     """A pour that ends when so much has left."""
     share = np.minimum(volume / np.maximum(poured.poured, 1e-12), 1.0)
     return Poured(poured.contents, share * poured.poured, share * poured.received)
-
-
-# -- how much ----------------------------------------------------------------------------------
-
-
-def amount(problem: GraspProblem, source: Hollow, into: Hollow, goal: g.Pour) -> Amount | None:
-    """Volume that is poured; None if it is filled as far as it should be already.
-
-    Raises:
-        NoPlanError: there is not so much, or it does not fit.
-    """
-    has, room = source.container.contents, into.room
-    if has < _DROP:
-        raise no_plan("is_empty", {"contents": 0.0}, object=problem.target.name)
-    wanted, used = _wanted_volume(source, into, goal, problem.defaults)
-    if goal.fill is not None and wanted < _DROP:
-        return None
-    if wanted > room:
-        numbers = {"volume": wanted, "room": max(room, 0.0), "contents": has}
-        code = "does_not_fit" if has > room else "all_does_not_fit"
-        words = {"into": into.seen.name, "fits": min(numbers["room"], has)}
-        raise no_plan(code if room > 0.0 else "is_full", numbers, spans=goal.spans, **words)
-    if wanted > has:
-        numbers = {"volume": wanted, "contents": has}
-        raise no_plan("not_so_much", numbers, spans=goal.spans, object=problem.target.name)
-    everything = goal.volume is None and goal.fill is None and wanted > has - _DROP
-    return Amount(wanted, room, everything, used)
-
-
-def _wanted_volume(
-    source: Hollow, into: Hollow, goal: g.Pour, d: Defaults
-) -> tuple[float, tuple[DefaultUsed, ...]]:
-    """The volume that is meant [m³], and what the sentence left open."""
-    has = source.container.contents
-    if goal.volume is not None:
-        return goal.volume, ()
-    if goal.fraction is not None:
-        return goal.fraction * has, ()
-    if goal.fill is not None:
-        share = min(goal.fill, d.pour_fill)
-        full = DefaultUsed(name="pour_fill", value=d.pour_fill, unit="", reason="“full”")
-        volume = share * into.vessel.capacity - into.container.contents
-        return volume, (full,) if goal.fill > d.pour_fill else ()
-    if goal.amount is None:
-        return has, ()
-    said = {
-        "little": ("pour_little", min(d.pour_little, has), "m³", "“a little”"),
-        "lot": ("pour_lot", d.pour_lot, "", "“a lot”"),
-    }
-    name, value, unit, reason = said[goal.amount]
-    used = DefaultUsed(name=name, value=value, unit=unit, reason=reason)
-    return value if unit else value * has, (used,)

@@ -158,13 +158,13 @@ _POURS = {
             "empty that one first",
         ),
     ),
-    "does_not_fit": impossible(_FULL, ("pour up to {fits:ml_down}",)),
+    "does_not_fit": impossible(_FULL, ("pour up to {surely:ml_down}",)),
     "all_does_not_fit": impossible(
-        _FULL, ("pour up to {fits:ml_down}, which is all there is to pour",)
+        _FULL, ("pour up to {surely:ml_down}, which is all that is surely there",)
     ),
     "not_so_much": impossible(
         "{volume:ml} are asked; {contents:ml} are in the {object}",
-        ("pour up to {contents:ml_down}",),
+        ("pour up to {surely:ml_down}",),
     ),
     "wrong_side": impossible(_SIDE, ("pour from something whose opening is in the middle",)),
     "wrong_side_in_hand": impossible(_SIDE, ("put the {object} down, then pour from it",)),

@@ -44,6 +44,9 @@ _MOST_ARMS, _MOST_TRANSITS = 40, 4
 _SAME = 0.15  # a joint's change up to which an arm is in the pose in which it was left [rad]
 _BEGUN, _SOLVED, _FOLLOWED, _ROAD = 4, 5, 2, 1  # units of work of the parts of a search
 _SWING = 5.0  # between elbow angles while it swings [degrees]
+_OUT_OF_REACH = ReachAnswer(
+    False, "kinematics", "the arm does not reach along the whole way of the hand"
+)
 _RAISED = (0.10, 0.20, 0.30)  # of places above the first pose of the hand [m]
 
 
@@ -112,6 +115,9 @@ class GraspMotionSearch:
 
     def best_motion(self) -> GraspMotion | ReachAnswer:
         """The best way, or why there is none, by the first way of the open hand off the object."""
+        if not self._is_in_range():
+            self.work += _BEGUN
+            return _OUT_OF_REACH
         first: ReachAnswer | None = None
         for off in withdrawal_vectors(self._handled.grasp, self._handled.held):
             self.work += _BEGUN
@@ -124,6 +130,13 @@ class GraspMotionSearch:
             first = first or found
         assert first is not None, "there is a way off everything"
         return first
+
+    def _is_in_range(self) -> bool:
+        """True if the arm's wrist may get at all to where it holds the object."""
+        R_WP, p_WP = self._hold.palm_poses(self._carried)
+        p_WW = p_WP + R_WP @ self._mount.p_PW
+        p_AW = (p_WW - self._mount.p_WA) @ self._mount.R_WA
+        return bool(self._mount.arm.is_in_range(p_AW, LIMIT_MARGIN).all())
 
     def _withdraw_by(self, off: Array) -> None:
         """Takes the open hand to and off the object by a vector in W, shape (3,) [m]."""
@@ -147,9 +160,7 @@ class GraspMotionSearch:
         self.work += _SOLVED
         q, elbow, branch, room = self._arm_solutions()
         if not len(q):
-            return ReachAnswer(
-                False, "kinematics", "the arm does not reach along the whole way of the hand"
-            )
+            return _OUT_OF_REACH
         hindered: str | None = None
         tried = 0
         for k in range(min(len(q), _MOST_ARMS)):

@@ -34,8 +34,8 @@ def test_it_has_a_plan_and_is_near_the_most(most: float) -> None:
     found = frame_with_less(lifted(3.0), is_planned)
     assert found is not None
     height = height_of(found)
-    # Between doubles, or between the least and what is usual, a bracket is halved three times.
-    assert most - max(0.125 * most, 0.01) <= height <= most
+    # Between doubles, or between the least and what is usual, a bracket is halved twice.
+    assert most - max(0.2 * most, 0.01) <= height <= most
     assert math.isclose(100.0 * height, round(100.0 * height), abs_tol=1e-9)
     assert len(tried) <= math.log2(300) + 3
 

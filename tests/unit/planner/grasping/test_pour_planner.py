@@ -12,7 +12,7 @@ import pytest
 
 from grammar.frames.command import Frame, ObjectRef, Pour
 from planner import plan
-from planner.grasping.pour_planner import amount
+from planner.grasping.pour_amounts import poured_amount
 from planner.types.actions import PourOut
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan, Reached
@@ -58,9 +58,9 @@ def test_a_drop_is_nothing(ml: float, empty: bool) -> None:
     goal = Pour.model_validate({"into": ObjectRef(text="mug", id="mug")})
     if empty:
         with pytest.raises(NoPlanError):
-            amount(problem, source, into, goal)
+            poured_amount(problem, source, into, goal)
     else:
-        poured = amount(problem, source, into, goal)
+        poured = poured_amount(problem, source, into, goal)
         assert poured is not None
         assert poured.volume == pytest.approx(ml * 1e-6)
 
@@ -146,7 +146,20 @@ def test_more_than_fits_is_refused_with_the_most_that_does(
     assert isinstance(made, Refusal)
     assert made.message == "500 ml do not fit into the mug: it has room for 329 ml"
     assert made.numbers == pytest.approx({"volume": 5e-4, "room": MUG, "contents": 3e-4}, rel=1e-3)
-    assert made.suggestions == ("pour up to 300 ml, which is all there is to pour",)
+    assert made.suggestions == ("pour up to 270 ml, which is all that is surely there",)
+
+
+def test_no_more_is_told_to_pour_than_is_surely_there(known: WorldState, hand: RuledHand) -> None:
+    carton = known.objects["ice tea"]
+    container = carton.model.container
+    assert container is not None
+    unsure = container.model_copy(update={"contents_l": 0.2, "contents_l_sd": 0.07})
+    model = carton.model.model_copy(update={"container": unsure})
+    state = replace(known, objects={**known.objects, "ice tea": replace(carton, model=model)})
+    made = _pour(state, hand, volume=2.5e-4)
+    assert isinstance(made, Refusal)
+    assert DEFAULTS.sigmas == 2.0
+    assert made.suggestions == ("pour up to 60 ml",)
 
 
 def test_more_than_there_is(known: WorldState, hand: RuledHand) -> None:
