@@ -46,14 +46,19 @@ def test_what_is_offered_instead_is_planned(controller: Controller, text: str) -
 
 
 def test_what_a_change_is_refused_for_is_changed_as_well(controller: Controller) -> None:
-    """200 ml, which is what fits, are not sure to be in the carton."""
-    error = controller.say("pour 900 ml of the ice tea into the mug", plan_only=True).error
+    text = "push the ice tea box 3 m away with at most 0.1 N"
+    error = controller.say(text, plan_only=True).error
     assert error is not None
-    planned = controller.say(error.say[0], plan_only=True)
-    assert planned.status == "planned"
-    assert planned.frames[-1].goal.kind == "pour"
+    assert error.say == ("push the ice tea box away by 69 cm with at most 5 N",)
     # What is suggested is what is offered.
     assert error.suggestions[0] == f"say “{error.say[0]}”"
+
+
+def test_the_volume_that_is_offered_is_surely_in_the_carton(controller: Controller) -> None:
+    error = controller.say("pour 900 ml of the ice tea into the mug", plan_only=True).error
+    assert error is not None
+    assert error.say == ("pour 60 ml of the ice tea into the mug",)
+    assert controller.say(error.say[0], plan_only=True).status == "planned"
 
 
 def test_the_speed_that_is_offered_is_one_to_which_the_stroke_comes(
