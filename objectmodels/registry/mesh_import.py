@@ -1,7 +1,7 @@
 """From a mesh to a model: the base it stands on, its volume and its centre of mass.
 
-Model: the object is the convex hull of the mesh, or the upright solid that this nearly is; its
-volume and centre of mass are those of the mesh itself where that is closed, at uniform density.
+Model: the object is the convex hull of the mesh, or the box, cylinder or prism that this nearly is;
+its volume and centre of mass are those of the mesh itself where that is closed, at uniform density.
 Mesh files state no units and often no upward direction; both are asked for.
 """
 
@@ -22,15 +22,10 @@ from objectmodels.files.limits import LIMITS
 from objectmodels.files.validation_faults import first_fault
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.support_points import hull_polygon, is_within
-from objectmodels.models.convex_hull import (
-    HullModel,
-    hull_facets,
-    turning_down,
-    volume_and_centre,
-)
+from objectmodels.models.convex_hull import hull_facets, turning_down, volume_and_centre
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.parameters import Provenance
-from objectmodels.registry.upright_shape import upright_shape
+from objectmodels.registry.solid_recognition import plain_solid, the_hull
 
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
 """Lengths of the units that a mesh may be in [m]."""
@@ -251,8 +246,9 @@ def import_mesh(
     up: str = "+z",
     friction: float | None = None,
     synonyms: tuple[str, ...] = (),
+    hull: bool = False,
 ) -> ObjectModel:
-    """A model of the object that a mesh shows: a box, a cylinder, a prism or a hull.
+    """A model of the object that a mesh shows.
 
     Args:
         path: see `read_mesh`.
@@ -263,6 +259,7 @@ def import_mesh(
         density: its mean density [kg/m³].
         friction: coefficient at the table; an estimate if not given.
         synonyms: other names.
+        hull: whether to keep the convex hull even if it nearly is a plain solid.
 
     Raises:
         ModelError: what `read_mesh` raises; `bad_value` unless just one of mass and density is
@@ -279,14 +276,12 @@ def import_mesh(
         hint = "leave it out if it is not known"
         raise ModelError("bad_value", "expected a number", path="friction", suggestions=(hint,))
     solid = read_mesh(path, unit=unit, up=up)
+    shape = the_hull(solid.vertices) if hull else plain_solid(solid.vertices)
     heavy = mass if density is None else density * solid.volume
     assert heavy is not None
     mu = FRICTION if friction is None else friction
     how = "mass stated" if density is None else f"mass from {density:g} kg/m³"
     sure = "friction estimated (30 %)" if friction is None else "friction stated"
-    shape = upright_shape(solid.vertices)
-    kind = HullModel if shape is None else shape.kind
-    looks = solid.method_text() if shape is None else f"{solid.method_text()}; {shape.text()}"
     fields: dict[str, Any] = {
         "name": name,
         "synonyms": synonyms,
@@ -296,17 +291,17 @@ def import_mesh(
         "friction_sd": round(FRICTION_SD / FRICTION * mu, 6),
         "finger_friction": 0.6,
         "finger_friction_sd": 0.12,
-        "com": tuple(np.round(solid.com, 6).tolist()),
-        "com_sd": tuple(np.round(COM_SHARE_SD * np.ptp(solid.vertices, axis=0), 6).tolist()),
+        "com": tuple(np.round(shape.place(solid.com), 6).tolist()),
+        "com_sd": tuple(np.round(COM_SHARE_SD * shape.extents, 6).tolist()),
         "provenance": Provenance(
-            source=f"mesh {printable(path.name)}", method=f"{looks}; {how}; {sure}"
+            source=f"mesh {printable(path.name)}",
+            method="; ".join((*shape.method_texts(), solid.method_text(), how, sure)),
         ),
     }
-    fields |= {"vertices": solid.vertices.tolist()} if shape is None else shape.fields
     try:
-        return kind(**fields)
+        return shape.kind(**fields, **shape.shape)
     except ValidationError as error:
-        fault = first_fault(error, kind)
+        fault = first_fault(error, shape.kind)
         raise ModelError(
             fault.code, fault.message, path=fault.key, suggestions=fault.suggestions
         ) from error

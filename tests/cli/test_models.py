@@ -267,8 +267,8 @@ def test_import_a_mesh_and_predict_it(
     assert status == 0
     assert Path(told["file"]) == objects_folder / "jam_jar.yaml"
     status, found = answer(capsys, "objects", "show", "preserve")
-    assert found["kind"] == "hull"
-    assert max(v[2] for v in found["vertices"]) == pytest.approx(0.09, abs=1e-6)
+    assert found["kind"] == "cylinder"
+    assert (found["radius"], found["height"]) == pytest.approx((0.04, 0.09), abs=1e-6)
     status, document = answer(capsys, "predict", "jam jar", "--at", "0,0.02")
     assert (status, document["outcome"]) == (0, "slide")
     elsewhere = tmp_path / "other.yaml"

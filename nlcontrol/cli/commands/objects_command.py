@@ -107,6 +107,7 @@ def add_model(file: Path, as_json: bool) -> int:
     type=click.Choice(["+x", "-x", "+y", "-y", "+z", "-z"]),
     help="Direction in the mesh that is upwards.",
 )
+@click.option("--hull", is_flag=True, help="Keep the hull of what nearly is a plain solid.")
 @click.option("--output", type=FILE, help="Write the model file here instead.")
 @json_option
 def import_mesh_file(
@@ -118,10 +119,11 @@ def import_mesh_file(
     synonyms: tuple[str, ...],
     unit: str,
     up: str,
+    hull: bool,
     output: Path | None,
     as_json: bool,
 ) -> int:
-    """Make a model from a MESH file: its base, volume and centre of mass are found.
+    """Make a model from a MESH file: its shape, base, volume and centre of mass are found.
 
     STL, OBJ, PLY and others; needs the extra `mesh`. Asks for the mass if neither mass nor density
     is given.
@@ -142,6 +144,7 @@ def import_mesh_file(
         synonyms=synonyms,
         unit=unit,
         up=up,
+        hull=hull,
     )
     registry = open_registry()
     if output is None:
