@@ -53,7 +53,7 @@ class PlainSolid:
         return np.append(np.ptp(turned, axis=0), np.ptp(self.vertices[:, 2]))
 
     def method_texts(self) -> tuple[str, ...]:
-        """How it was found, for a model's provenance; nothing of a hull."""
+        """The finding in words, for a provenance; nothing of a hull."""
         if self.kind is HullModel:
             return ()
         kind = self.kind.model_fields["kind"].default
