@@ -291,7 +291,7 @@ def import_mesh(
         "friction_sd": round(FRICTION_SD / FRICTION * mu, 6),
         "finger_friction": 0.6,
         "finger_friction_sd": 0.12,
-        "com": tuple(np.round(shape.place(solid.com), 6).tolist()),
+        "com": tuple(np.round(shape.in_own_frame(solid.com), 6).tolist()),
         "com_sd": tuple(np.round(COM_SHARE_SD * shape.extents, 6).tolist()),
         "provenance": Provenance(
             source=f"mesh {printable(path.name)}",

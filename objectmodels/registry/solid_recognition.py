@@ -60,7 +60,7 @@ class PlainSolid:
         apart = max(round(1e3 * self.residual, 2), 0.01)
         return (f"a {kind}, from which the hull of the mesh differs by {apart:g} mm at most",)
 
-    def place(self, point: Array) -> Array:
+    def in_own_frame(self, point: Array) -> Array:
         """A point of the hull's frame in that of the solid, shape (3,) [m]."""
         return np.append((point[:2] - self.origin) @ _turn(self.yaw), point[2])
 

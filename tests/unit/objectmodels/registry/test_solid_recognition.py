@@ -55,7 +55,7 @@ def test_a_box_that_is_turned_is_a_box(x: float, y: float, z: float, yaw: float)
     assert found.shape["size"][2] == pytest.approx(z, abs=2e-6)
     assert abs(found.yaw) <= np.pi / 4.0 + 1e-9
     middle = turned(np.array([0.01, 0.01, z / 2.0]), yaw)
-    assert found.place(middle) == pytest.approx([0.0, 0.0, z / 2.0], abs=1e-9)
+    assert found.in_own_frame(middle) == pytest.approx([0.0, 0.0, z / 2.0], abs=1e-9)
 
 
 @given(st.floats(0.02, 0.1), st.floats(0.05, 0.3), st.integers(36, 90), YAWS)
