@@ -6,7 +6,7 @@ what a person at such a table would say: a share of `SENSIBLE` is drawn again un
 (see `sense`), `TRIES` times at most, and about a target that fits: what is turned has corners, and
 what is tilted or toppled topples before it slides when it is pushed high. The others are drawn
 blindly and about anything; most of these should be refused. The words are those of
-`docs/language.md`.
+`docs/language_reference.md`.
 
 Where an object stands alone, its case's number says which object and which goal (`pairs`), so that
 each comes equally often: something exact, without constraints, that makes sense wherever it can.

@@ -1,4 +1,5 @@
-"""The guide to the language: its sentences mean what it says, and its runs print what it shows.
+"""The guide to the language and its reference: their sentences mean what they say, their runs print
+what they show.
 
 In its tables a sentence stands between “ and ”; commas join sentences that mean the same, and
 semicolons separate those that do not.
@@ -25,9 +26,11 @@ from nlcontrol import Controller, Conversation
 from nlcontrol.cli import run
 from planner.types.defaults import DEFAULTS
 
-GUIDE = (Path(__file__).parents[2] / "docs" / "language.md").read_text(encoding="utf-8")
-SECTIONS = dict(re.findall(r"^## (.+?)\n(.*?)(?=^## |\Z)", GUIDE, re.MULTILINE | re.DOTALL))
-INTRODUCTION = GUIDE.partition("\n## ")[0]
+DOCS = Path(__file__).parents[2] / "docs"
+GUIDE = (DOCS / "language.md").read_text(encoding="utf-8")
+REFERENCE = (DOCS / "language_reference.md").read_text(encoding="utf-8")
+SECTIONS = dict(re.findall(r"^## (.+?)\n(.*?)(?=^## |\Z)", REFERENCE, re.MULTILINE | re.DOTALL))
+INTRODUCTION = REFERENCE.partition("\n## ")[0]
 REFUSALS = "What is not understood"
 PROMPT = re.compile(r"^(?:\$ nlcontrol|nlcontrol>) (.*)\n", re.MULTILINE)
 
@@ -46,7 +49,7 @@ def codes(cell: str) -> set[str]:
     return set(re.findall(r"`([^`]*)`", cell))
 
 
-def blocks(language: str, text: str = GUIDE) -> list[str]:
+def blocks(language: str, text: str = REFERENCE) -> list[str]:
     return re.findall(rf"^```{language}\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
 
 
@@ -62,9 +65,12 @@ def meaning(sentence: str) -> Any:
 
 
 UNDERSTOOD = [
-    row for name, text in {"": INTRODUCTION, **SECTIONS}.items() if name != REFUSALS
+    row
+    for name, text in {"": INTRODUCTION, **SECTIONS, "guide": GUIDE}.items()
+    if name != REFUSALS
     for row in rows(text)
-]  # fmt: skip
+]
+PROSE = re.sub(r"^(?:```.*?^```|\|[^\n]*)$", "", GUIDE, flags=re.MULTILINE | re.DOTALL)  # fmt: skip
 REFUSED = rows(SECTIONS[REFUSALS])
 NOT_DONE = rows(SECTIONS["What this robot does"])
 
@@ -80,6 +86,12 @@ def test_sentences_of_a_row_are_understood_and_mean_the_same(cell: str) -> None:
         meanings = {text: meaning(text) for text in sentences(group)}
         for text, found in meanings.items():
             assert found == next(iter(meanings.values())), text
+
+
+def test_sentences_of_the_walk_are_understood() -> None:
+    said = [" ".join(text.split()) for text in sentences(PROSE)]
+    assert len(said) > 8
+    assert all(parse(text).frames for text in said)
 
 
 def test_verbs_give_the_action_of_their_row() -> None:
@@ -132,9 +144,14 @@ def _flat(text: str) -> str:
 
 
 RUNS = [
-    each for block in blocks("console") if "$ nlcontrol shell" not in block for each in told(block)
+    each
+    for block in blocks("console", GUIDE)
+    if "$ nlcontrol shell" not in block
+    for each in told(block)
 ]
-(CONVERSATION,) = (told(block)[1:] for block in blocks("console") if "$ nlcontrol shell" in block)
+(CONVERSATION,) = (
+    told(block)[1:] for block in blocks("console", GUIDE) if "$ nlcontrol shell" in block
+)
 
 
 @pytest.mark.parametrize(
@@ -173,7 +190,7 @@ def test_the_python_of_the_guide() -> None:
     (code,) = blocks("python")
     out = io.StringIO()
     with contextlib.redirect_stdout(out):
-        exec(compile(code, "language.md", "exec"), {})
+        exec(compile(code, "language_reference.md", "exec"), {})
     comment = code.rstrip().rpartition("# ")[2]
     assert out.getvalue().strip() == comment
 
@@ -212,7 +229,7 @@ def _forget() -> None:
 def test_the_plug_in_of_the_guide() -> None:
     _, problems = installed_lexicon()
     assert not problems
-    (text,) = re.findall(r"^Now “([^”]*)”", GUIDE, re.MULTILINE)
+    (text,) = re.findall(r"^Now “([^”]*)”", REFERENCE, re.MULTILINE)
     (frame,) = parse(text).frames
     assert frame.object is not None
     assert frame.action == "slide"
@@ -228,4 +245,4 @@ def test_without_the_plug_in_its_words_are_unknown() -> None:
 
 
 def test_the_guide_says_how_far_almost_is() -> None:
-    assert f"by {DEFAULTS.tilt_lot:.0%}".replace("%", " %") in GUIDE
+    assert f"by {DEFAULTS.tilt_lot:.0%}".replace("%", " %") in REFERENCE
