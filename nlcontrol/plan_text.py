@@ -30,6 +30,8 @@ from planner.types.actions import (
 )
 from planner.types.plan import Plan
 
+_LEAST_TOLD = 0.05  # a margin that would be told as 0.0 N is told otherwise [N]
+
 
 def plan_lines(plan: Plan) -> Iterator[str]:
     """Lines on what will be done, what that will do, why it works, and where it ends."""
@@ -165,17 +167,16 @@ def _safety(push: PushAction) -> str:
     """Margins between the push and the outcome that it must not have."""
     margins = push.margins
     plural = "" if margins.sigmas == 1 else "s"
-    case = (
-        f"in the worst case of {margins.sigmas:g} standard deviation{plural}, "
-        "whichever way it is pressed"
-    )
+    case = f"in the worst case of {margins.sigmas:g} standard deviation{plural}"
+    case = f"{case if margins.sigmas else 'as it is believed to be'}, whichever way it is pressed"
+    spare = quantity(margins.force, "N") if margins.force >= _LEAST_TOLD else "less than 0.1 N"
     if push.prediction.critical_height is None:
-        return f"no push on this face topples it; {quantity(margins.force, 'N')} to spare, {case}."
+        return f"no push on this face topples it; {spare} to spare, {case}."
     slides = push.prediction.outcome == "slide"
     where, other = ("below", "topple") if slides else ("above", "slide")
     return (
         f"the contact is {quantity(margins.height, 'm')} {where} where it could {other} instead, "
-        f"and that would take {quantity(margins.force, 'N')} more, {case}."
+        f"and that would take {spare} more, {case}."
     )
 
 

@@ -47,6 +47,7 @@ _COMMANDS = {
     "rerun": "rerun_command:command",
     "sample": "say_command:sample",
     "say": "say_command:say",
+    "scenes": "scenes_command:group",
     "schema": "schema_commands:schema",
     "serve": "serve_command:command",
     "shell": "shell_command:command",
@@ -69,14 +70,28 @@ class _Commands(click.Group):
         return found
 
 
+_GREETING = """\
+nlcontrol tells a robot arm what should become of an object. Three things to try:
+
+  nlcontrol plan "push the ice tea box away without toppling it"    what it would do, and why
+  nlcontrol say "push the mug 3 cm to the left" --replay run.html   done, checked, to be watched
+  nlcontrol shell                                                   one sentence after another
+
+`nlcontrol --help` lists all commands, `nlcontrol scenes list` the tables."""
+
+
 @click.group(
     cls=_Commands,
+    invoke_without_command=True,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
     epilog=_EXIT_CODES,
 )
 @click.version_option(__version__, prog_name="nlcontrol")
-def cli() -> None:
+@click.pass_context
+def cli(ctx: click.Context) -> None:
     """Say what should become of an object; it is predicted, carried out and checked."""
+    if ctx.invoked_subcommand is None:
+        click.echo(_GREETING)
 
 
 def main(args: Sequence[str] | None = None) -> None:
@@ -138,7 +153,7 @@ def _require_output() -> None:
 
 
 def _tell_lost_output(raised: OSError) -> int:
-    """Tell on standard error that standard output takes nothing; not of a reader that has gone."""
+    """Tell on standard error that standard output takes nothing; a reader that has gone is none."""
     if sys.stdout is not None:
         # Python would complain once more when it flushes at the end.
         with contextlib.suppress(OSError):
@@ -148,9 +163,10 @@ def _tell_lost_output(raised: OSError) -> int:
         message=f"cannot write to standard output: {raised.strerror or raised}",
         suggestions=("let standard output go to a file with room, a pipe or a terminal",),
     )
-    if not isinstance(raised, BrokenPipeError):
-        with contextlib.suppress(OSError):
-            print_error(info, as_json=False)
+    if isinstance(raised, BrokenPipeError):
+        return OK
+    with contextlib.suppress(OSError):
+        print_error(info, as_json=False)
     return info.status.exit
 
 

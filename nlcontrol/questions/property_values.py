@@ -136,7 +136,7 @@ def _position(target: SeenObject, sd: float) -> Told:
     figures = {"x": pose.x, "y": pose.y, "yaw": pose.yaw, "position_sd": sd}
     x, y = (round(v, 3) + 0.0 for v in (pose.x, pose.y))  # never −0
     text = (
-        f"is at x {x:.3f} m, y {y:.3f} m, seen to ± {1e3 * sd:.1f} mm, and turned by "
+        f"is at x {x:z.3f} m, y {y:z.3f} m, seen to ± {1e3 * sd:.1f} mm, and turned by "
         f"{quantity(pose.yaw, 'rad')}"
     )
     return text, figures

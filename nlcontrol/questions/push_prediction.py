@@ -165,7 +165,7 @@ def _place(
     if not bool(face.contains(lateral, height)):
         raise error(
             "bad_push",
-            f"{1e3 * lateral:.0f} mm, {1e3 * height:.0f} mm is not on the {face_name} face",
+            f"{1e3 * lateral:z.0f} mm, {1e3 * height:.0f} mm is not on the {face_name} face",
             suggestions=(
                 f"it reaches {1e3 * face.width / 2:.0f} mm to either side and from "
                 f"{1e3 * face.bottom:.0f} to {1e3 * face.top:.0f} mm in height",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import signal
 import subprocess
 import sys
@@ -17,6 +18,7 @@ from nlcontrol.interruption import EXIT_CODES
 from nlcontrol.json_document import SCHEMA_VERSION
 from nlcontrol.results.result import Result
 from planner.types.plan import Plan
+from sim.truth.scene_file import built_in_scenes
 
 SENTENCE = "push the ice tea box away without toppling it"
 
@@ -308,6 +310,34 @@ def test_doctor_finds_the_essentials(capsys: pytest.CaptureFixture[str]) -> None
     }
     assert run(["doctor"]) == 0
     assert "All essentials are there." in capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_doctor_carries_out_a_sentence(capsys: pytest.CaptureFixture[str]) -> None:
+    status, document = _json(capsys, "doctor", "--run")
+    (found,) = [f for f in document["findings"] if f["name"] == "simulation"]
+    assert (status, found["ok"]) == (0, True)
+
+
+def test_alone_it_greets_with_commands_that_work(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run([]) == 0
+    told = capsys.readouterr().out
+    commands = [line for line in told.splitlines() if line.startswith("  nlcontrol ")]
+    assert len(commands) == 3
+    sentences = re.findall(r'"([^"]+)"', told)
+    assert [run(["parse", sentence]) for sentence in sentences] == [0, 0]
+
+
+def test_scenes_are_listed_and_shown(capsys: pytest.CaptureFixture[str]) -> None:
+    _, document = _json(capsys, "scenes", "list")
+    assert [scene["name"] for scene in document["scenes"]] == list(built_in_scenes())
+    status, shown = _json(capsys, "scenes", "show", "pantry")
+    assert (status, shown["objects"]) == (0, document["scenes"][3]["objects"])
+    # Where things stand is shown, and not how they really are.
+    assert set(shown["objects"][0]) == {"name", "model", "synonyms", "fragile", "fixed", "pose"}
+    assert run(["scenes", "show"]) == 0
+    assert "ice tea box      x  0.450  y  0.000 m  turned by    1.5°" in capsys.readouterr().out
+    assert run(["scenes", "show", "kitschen"]) == 2
 
 
 def test_doctor_fails_if_an_essential_is_missing(

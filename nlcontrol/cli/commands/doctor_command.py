@@ -9,12 +9,14 @@ import hashlib
 import importlib.metadata
 import importlib.util
 import sys
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import click
 
+from nlcontrol import __version__
 from nlcontrol.cli.console.console_output import json_option, print_json
 from nlcontrol.errors import INTERNAL, OK
 from nlcontrol.package_imports import SIBLINGS, home, misplaced_packages
@@ -42,10 +44,13 @@ class Finding:
 
 
 @click.command("doctor")
+@click.option("--run", "runs", is_flag=True, help="Carry out a sentence too: half a minute.")
 @json_option
-def command(as_json: bool) -> int:
+def command(runs: bool, as_json: bool) -> int:
     """Check that everything a run needs is there."""
     findings = list(examine_all())
+    if runs:
+        findings.append(_examine_by_use("simulation", _use_simulation))
     ok = all(f.ok for f in findings if f.essential)
     if as_json:
         print_json({"ok": ok, "findings": [asdict(f) for f in findings]})
@@ -61,6 +66,7 @@ def command(as_json: bool) -> int:
 
 def examine_all() -> Iterator[Finding]:
     """Look at everything, in the order in which a run needs it."""
+    yield Finding("nlcontrol", True, True, __version__)
     version = ".".join(map(str, sys.version_info[:3]))
     yield Finding(
         "Python", sys.version_info >= (3, 11), True, version, "nlcontrol needs Python 3.11 or newer"
@@ -176,6 +182,18 @@ def _use_planner() -> str:
     if result.error:
         raise ControlError(result.error)
     return result.status
+
+
+def _use_simulation() -> str:
+    from nlcontrol.errors import ControlError
+    from nlcontrol.session.controller import Controller
+
+    start = time.monotonic()
+    result = Controller("kitchen").say("push the mug 2 cm to the left")
+    if result.error:
+        raise ControlError(result.error)
+    held = sum(check.held for check in result.checks)
+    return f"{held} of {len(result.checks)} clauses held, in {time.monotonic() - start:.0f} s"
 
 
 def _examine_egl() -> Finding:

@@ -232,7 +232,7 @@ def _model_lines(model: ObjectModel, place: str) -> list[str]:
     from objectmodels.registry.model_files import kind_of
 
     places = zip(model.com, model.com_sd, strict=True)
-    centre = [f"{1e3 * c:.0f} ± {1e3 * sd:.0f}" for c, sd in places]
+    centre = [f"{1e3 * c:z.0f} ± {1e3 * sd:.0f}" for c, sd in places]
     radius, radius_sd = 1e3 * model.friction_radius, 1e3 * model.friction_radius_sd
     rows = [
         ("kind", f"{kind_of(model)}, stands on {_base_text(model)}"),
