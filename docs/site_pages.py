@@ -20,7 +20,7 @@ PAGES = ("CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md")
 def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Adds the pages of the project's folder, and the examples."""
     for path in (*map(Path, PAGES), *sorted(Path("examples").glob("*.*"))):
-        content = (ROOT / path).read_text(encoding="utf-8")
+        content = (ROOT / path).read_bytes()
         files.append(File.generated(config, path.as_posix(), content=content))
     return files
 

@@ -205,7 +205,7 @@ class PushMotionSearch:
             stopped_by[clear] = self._stopping_others(some[clear], near, sweeps)
             block, before = np.arange(len(some)) // _AT_ONCE, self._work
             free = clear & (stopped_by < 0)
-            for each in np.unique(block[free]).tolist():
+            for each in sorted(set(block[free].tolist())):
                 self._work = before + (each + 1) * _LOOKED
                 (chosen,) = np.nonzero(free & (block == each))
                 yield from (some[chosen[k : k + _ASKED]] for k in range(0, len(chosen), _ASKED))
@@ -226,7 +226,7 @@ class PushMotionSearch:
         names = [*(each.name for each in near), None, self._push.object]
         touched = np.logical_or.reduceat(clear, np.arange(0, len(block), _AT_ONCE))
         last[~touched] = len(near) + 1
-        self._stopped |= {name for k in np.unique(last).tolist() if (name := names[k]) is not None}
+        self._stopped |= {name for k in set(last.tolist()) if (name := names[k]) is not None}
 
     def _swept_path(self) -> list[tuple[Array, Array]]:
         """The way in parts along which the palm does not turn: its frame and points (w, 3)."""
