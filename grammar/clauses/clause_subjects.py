@@ -122,6 +122,10 @@ def attach_objects(parts: Sequence[ph.Part], lexicon: Lexicon, sentence: Normali
     asks = _asks_for(verb, parts, lexicon)
     if asks is not None and asks.goal == "fill":
         return _with_fill_as_pour(parts, verb)
+    if asks is not None and asks.goal == "topple" and any(isinstance(p, ph.Into) for p in parts):
+        # "Tip the milk into the mug".
+        asks, pours = lexicon.find_verb("pour"), replace(verb, word="pour")
+        parts = [pours if part is verb else part for part in parts]
     if asks is not None and asks.goal == "pour":
         return _with_poured_object(parts, verb)
     parts = _with_moved_part(parts, verb, lexicon, sentence)

@@ -186,7 +186,7 @@ class _ClauseReader:
         if dialogue in ("undo", "stop"):
             raise unexpected_part(remarks[0], self._sentence)
         restored = dialogue == "repeat" and frames[0].goal.kind in _RESTORING
-        if restored:  # "stand it up again" repeats nothing
+        if restored or dialogue == "do":  # "stand it up again"; "go ahead, push it"
             dialogue = None
         spans = tuple(part.span for part in (*remarks, *excluded))
         if not spans:

@@ -182,6 +182,8 @@ def _is_description(part: ph.Place, parts: Parts, i: int, before: Parts, lexicon
     known = part.relation in _TELLING or part.relation == "from"
     if not known or not (isinstance(owner, ph.Thing) or asked):
         return False
+    if isinstance(owner, ph.Thing) and owner.ref.text.casefold() == "it":
+        return False  # it is told apart already
     if asked or any(isinstance(p, ph.Result) and p.event == "ends_up" for p in parts[:i]):
         return asked
     goal = _goal_of_verb(parts, lexicon)

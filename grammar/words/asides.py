@@ -42,7 +42,7 @@ _SHAPES = {
     "fillers": r"(?<![^ ])(?!(?<=you )like ,)(?:{0})(?:(?: ,)? (?:{0}))*(?= |$)",
     "corrections": r"(?:(?<= )[.,;] )??(?<![^ ])(?:{0})(?:(?: ,)? (?:{0}))*(?: ,)?(?= )",
     "reasons": r"^(?:{0}) [^,;]+?(?= , )|(?<= )(?:{0})(?: .+?)?(?=$| [.;] | (?:, )?(?:and )?then )",
-    "statements": r"(?<=[^ ] )(?:{0})(?= [,.;] )",
+    "statements": r"(?<=[^ ] )(?:{0})(?: [^,.;]+)?(?= [,.;] )",
     "after": r"(?<![^ ])(?<!the )(?:{0})(?=$| [.;])",
     "before": r"(?:^|(?<=[.;] ))(?:{0})(?= |$)",
 }
@@ -55,6 +55,12 @@ _OPENING = re.compile(r"(?:^|(?<=[.;] ))[^ ]+")
 _BEGINNING = re.compile(r"[(\[]")
 _OPTION = re.compile(r" \[([^\[\]]*)\]|\[([^\[\]]*)\] ")
 _DOUBLED = re.compile(r"(?<![^ ])((?:[a-z]+ ){0,2}[a-z]+|\d+)(?: ,)?(?= \1(?: |$))")
+_TOPIC = re.compile(
+    r"[a-z ]+? ((?:the|my|your|our) [^,]+?) (?:is|are|was|stands|blocks|has|gets|might|could|will)"
+    r" [^,]* , (?:[a-z]+ ){1,3}it(?= |$)"
+)
+"""A reason about a thing, which "it" means then: "since the mug is dirty, push it away"."""
+
 _AS_MUCH = re.compile(r"(?<![^ ])as [a-z]+ $")
 _STRAY = re.compile(r"^[,.;](?= |$)|(?<= )[,.;]$|(?<= ),(?= [,.;] )|(?<=[.;] )[,.;](?= )")
 
@@ -136,6 +142,8 @@ class Asides:
         start, end = match.span()
         if kind == "reasons" and _AS_MUCH.search(said.text, 0, start):
             return None  # "as soon as it is"
+        if kind == "reasons" and start == 0 and (topic := _TOPIC.match(said.text)):
+            return _joined(said, topic.span(1), (end, len(said.text)))
         if kind == "corrections":
             return self._corrected(said, start, end)
         if kind == "fillers" and (corrected := self._corrected(said, start, end, _RESTATED)):

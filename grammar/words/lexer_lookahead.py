@@ -142,7 +142,10 @@ class Lookahead:
             ),
             "TO_LEVEL": lambda _phrase, text, end, _last: bool(_PERCENT.match(text, end + 1)),
             "FROM_SIDE": lambda _phrase, text, end, _last: self._ends_name(text, end),
-            "FROM_TABLE": lambda _phrase, _text, _end, last: last != "LENGTH_UNIT",
+            "FROM_TABLE": lambda phrase, text, end, last: (
+                last != "LENGTH_UNIT"
+                and not (phrase.startswith("up ") and self._last_goal(text, end) is None)
+            ),
             "LENGTH_UNIT": self._no_preposition,
             "NEEDS": lambda _phrase, text, end, _last: (
                 self._any("STROKE", text, end + 1) or self._any("VERB_ING", text, end + 1)
@@ -350,7 +353,7 @@ class Lookahead:
         """Take the lid off, but not off the jar; take off the lid; pull it open, and open it."""
         if phrase in self._verbs and last not in _BEFORE_PARTICLES:
             return False
-        if phrase == "in":
+        if phrase.endswith("in"):
             return end == len(text) or text[end + 1] in ",.;"
         if not phrase.endswith(("on", "off", "open", "shut", "closed")) or last == "VERB":
             return True
