@@ -269,16 +269,8 @@ class Lexicon:
 
     def declarations(self) -> str:
         """The terminals, declared for a lark grammar whose lexer finds them itself."""
-        names = (
-            *NAME_TERMINALS,
-            *self.terminals,
-            "WORD",
-            "KNOWN",
-            "QUOTED",
-            "NUMBER",
-            "NUMBER_WORD",
-        )
-        return f"%declare {' '.join(names)}"
+        made = " ".join((*NAME_TERMINALS, *self.terminals))
+        return f"%declare {made} WORD KNOWN QUOTED NUMBER NUMBER_WORD"
 
     @cached_property
     def first_words(self) -> frozenset[str]:
