@@ -53,7 +53,8 @@ class Likelihood:
         none: that it stays where it is, shape (n,); at the onset, that nothing ever moves it.
         slide: that it slides.
         topple: that it topples.
-        method: `closed form` (over the friction; the rest by a fixed sequence) or `sampled`.
+        method: `closed form` or `exact tier` (over the friction; the rest by a fixed sequence), or
+            `sampled`.
         samples: number of draws behind it.
         seed: of the draws, None for the fixed sequence.
     """
@@ -161,9 +162,14 @@ def class_probabilities(model: PushedBody, p: Array, f: Array, draw: Draws) -> t
     topple = topple_threshold(model.base, p, f, draw.com, model.weight)
     arm = yaw_arm(p, f, draw.com)
     limit = critical_friction(f, arm, topple, draw.friction_radius, model.weight)
-    spread = max(draw.friction_sd, 1e-12 * model.friction)  # a step function if μ is certain
-    below = normal_cdf((limit - draw.friction) / spread)
+    below = friction_below(model, limit, draw.friction, draw.friction_sd)
     return below, np.where(np.isinf(topple), 0.0, 1.0 - below)
+
+
+def friction_below(model: PushedBody, limit: Array, mean: Array, sd: float) -> Array:
+    """Probability that the friction at the table, normal with a mean, is below a limit, (...)."""
+    spread = max(sd, 1e-12 * model.friction)  # a step function if μ is certain
+    return normal_cdf((limit - mean) / spread)
 
 
 @dataclass(frozen=True)

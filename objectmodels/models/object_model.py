@@ -303,21 +303,27 @@ class ObjectModel(Parameters, ABC):
         return cone_thresholds(self, p, n, sigmas, yaw)
 
     def likelihood(
-        self, points: ArrayLike, directions: ArrayLike, *, force: float | None = None
-    ) -> Likelihood:
+        self, points: ArrayLike, directions: ArrayLike, *,
+        force: float | None = None, exact: bool = False,
+    ) -> Likelihood:  # fmt: skip
         """Probability of each outcome under the parameters' uncertainty.
 
         Args:
             points: contact points p_BC, shape (n, 3) [m].
             directions: unit directions of the force in B, shape (n, 3).
             force: size of the push [N]; if not given, the class at the onset is meant.
+            exact: take the exact tier, as in `thresholds`; for the class at the onset only.
 
         Raises:
             ModelError: `bad_array`, `bad_value`, `off_object`.
         """
+        p, u = checked_contacts(self, points, directions)
+        if exact:
+            from objectmodels.mechanics.exact.exact_probability import exact_likelihood
+
+            return exact_likelihood(self, p, u, force)
         from objectmodels.mechanics.outcome_probability import outcome_likelihood
 
-        p, u = checked_contacts(self, points, directions)
         return outcome_likelihood(self, p, u, force)
 
     def is_slipping(

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.support_points import mean_distance
 
 _QUICK = 15  # guesses of the loaded points before they are searched
 _STEPS = 80  # of the search for the loaded points; a handful suffices
@@ -50,6 +51,11 @@ class Springs:
 
     points: Array
     weights: Array
+
+    @cached_property
+    def radius(self) -> float:
+        """Their friction radius: mean distance from their middle [m]."""
+        return mean_distance(self.points, self.weights)
 
     @_SINGULAR
     def loads(self, q: Array, dq: Array, loaded: NDArray[np.bool_]) -> tuple[Array, Array]:

@@ -1,0 +1,315 @@
+"""The first load ratio at which a push slides, for an object that stands on springs.
+
+Model: see `objectmodels.mechanics.exact.exact_thresholds`. While the same points are loaded, their
+loads are linear in the load ratio r and the friction limit S is concave in them.
+
+Arrays are laid out with the k points first and the n pushes last.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from objectmodels.geometry.base_shapes import Array, Base, Disc
+from objectmodels.geometry.support_points import hull_polygon
+from objectmodels.mechanics.exact.support_springs import Springs
+from objectmodels.mechanics.friction_limit import Limit, friction_limit
+from objectmodels.mechanics.push_thresholds import push_axes, push_moment
+
+BLOCK = 8192
+"""Points of pushes treated at once, so that the arrays stay in the processor's cache."""
+
+# The centre of pressure stays so much of its way short of the edge, where loads are not unique.
+_SHORT = 1e-9
+_STEPS = 100
+_NEWTON = 12  # steps after which every other one halves the bracket
+_PRECISE = 1e-12  # of the load ratio
+_LOOKS = 16  # even steps in which slides before the one found are looked for
+_FEW = 24  # points up to which all changes of the loaded ones are looked at instead
+
+Index = NDArray[np.intp]
+
+
+def push_blocks(n: int, springs: Springs) -> Iterator[slice]:
+    """Parts of n pushes that are treated at once."""
+    block = max(BLOCK // len(springs.points), 1)
+    return (slice(start, start + block) for start in range(0, n, block))
+
+
+class Standing(NamedTuple):
+    """An object as it stands; the last three for all pushes, or one for each of n.
+
+    Attributes:
+        base: over which it would topple.
+        springs: that it stands on.
+        scale: factor of their distances from the centre of pressure, shape (1,) or (n,).
+        mu: friction coefficient at the table, shape (1,) or (n,).
+        com: centre of mass over the base, shape (1, 2) or (n, 2) [m].
+    """
+
+    base: Base
+    springs: Springs
+    scale: Array
+    mu: Array
+    com: Array
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Result of a search for n pushes.
+
+    Attributes:
+        ratio: load ratios at which they slide, shape (n,); inf where they never do. Where they
+            topple first, the one that the loads at tipping would hold.
+        residual: see `ExactThresholds`, shape (n,).
+        motion: see `ExactThresholds`, shape (2, n); nan where they do not slide first.
+    """
+
+    ratio: Array
+    residual: Array
+    motion: Array
+
+
+class _Look(NamedTuple):
+    """What friction holds at load ratios of n pushes, of k points.
+
+    Attributes:
+        excess: μ S − r |u_xy|, shape (n,).
+        slope: its derivative by r, shape (n,).
+        limit: the friction limit.
+        q: centres of pressure, shape (2, n) [m].
+        loads: of the points, shape (k, n).
+        along, left: the points, see `friction_points`, shape (k, n) [m].
+    """
+
+    excess: Array
+    slope: Array
+    limit: Limit
+    q: Array
+    loads: Array
+    along: Array
+    left: Array
+
+
+class SlideSearch:
+    """The first load ratio at which each of n pushes slides."""
+
+    def __init__(self, body: Standing, p: Array, u: Array, tips: Array) -> None:
+        n, self.springs = len(p), body.springs
+        self.scale, self.mu = np.broadcast_to(body.scale, n), np.broadcast_to(body.mu, n)
+        self.scaled = bool((body.scale != 1.0).any())
+        # On a round base the points are a polygon; the centre of pressure is kept on that.
+        round_ = isinstance(body.base, Disc)
+        self.inside = hull_polygon(self.springs.points) if round_ else None
+        self.h, self.along, across = push_axes(u)
+        self.line = np.sum(p[:, :2] * across, axis=1)
+        self.across = across
+        self.com = body.com.T
+        self.start = np.broadcast_to(self.com, (2, n))
+        self.moves = (u[:, 2:] * body.com + push_moment(p, u)).T
+        with np.errstate(divide="ignore"):
+            straight = self.mu / self.h  # more than that no support resists
+        self.tips = tips
+        self.leaves = np.full(n, np.inf)
+        if self.inside is not None:
+            leaves = self.inside.topple_force(self.start.T, self.moves.T, np.zeros(n), 1.0)
+            self.leaves = leaves * (1.0 - _SHORT)
+        self.last = np.minimum(tips * (1.0 - _SHORT), straight * (1.0 + _SHORT))
+        self.loaded = np.ones((len(self.springs.points), n), dtype=bool)
+
+    def first_slides(self, guess: Array) -> Answer:
+        """The first ratios at which the pushes slide, from guesses, shape (n,)."""
+        n = len(guess)
+        answer = Answer(np.full(n, np.inf), np.zeros(n), np.full((2, n), np.nan))
+        i = self._movable()
+        zero, last = np.zeros(i.size), self.last[i]
+        self._solve_brackets(i, zero, last, np.minimum(guess[i], last), answer)
+        i, lo, hi = self._earlier_brackets(i, np.minimum(answer.ratio[i], last))
+        self._solve_brackets(i, lo, hi, 0.5 * (lo + hi), answer)
+        return answer
+
+    def slide_first(self, guess: Array) -> NDArray[np.bool_]:
+        """Return True for pushes that slide before they topple, from guesses, shape (n,)."""
+        slides = np.zeros(len(guess), dtype=bool)
+        i = self._movable()
+        for at in (np.minimum(guess, self.last), self.last):
+            slides[i] = self.friction_excess(at[i], i).excess < -_PRECISE * self.h[i] * at[i]
+            i = i[~slides[i]]
+        slides[self._earlier_brackets(i, self.last[i])[0]] = True
+        return slides
+
+    def critical_friction(self) -> Array:
+        """Friction coefficients below which they slide before they topple, shape (n,).
+
+        r |u_xy| / S is quasi-convex where S is concave: it is largest as the push topples, or where
+        the loaded points change. The search is to be made for a friction without end.
+        """
+        self.mu = np.where(self.h > 0.0, np.inf, 0.0)
+        self.mu[self.tips <= 0.0] = 0.0
+        i, at = self._movable(), self.last
+        self.mu[i] = 1.0
+        look = self.friction_excess(at[i], i, precise=True)
+        self.mu[i] = at[i] * self.h[i] / look.limit.ratio
+        loaded = self.loaded.copy()
+        while i.size:
+            self.loaded = loaded.copy()
+            i, _, earlier = self._earlier_brackets(i, at[i])
+            look = self.friction_excess(earlier, i, precise=True)
+            self.mu[i] = earlier * self.h[i] / look.limit.ratio
+        return self.mu
+
+    def _movable(self) -> Index:
+        """Pushes that may slide."""
+        return np.flatnonzero((self.h > 0.0) & (self.last > 0.0) & np.isfinite(self.last))
+
+    def _solve_brackets(self, i: Index, lo: Array, hi: Array, at: Array, answer: Answer) -> None:
+        """Newton's method inside brackets, where the push holds at the lower end.
+
+        It holds at the upper end too if it never slides; that is learned there, at the last ratio.
+        """
+        lo, hi, at = lo.copy(), hi.copy(), at.copy()
+        open_ = np.arange(i.size)
+        near = None
+        for number in range(_STEPS):
+            if not open_.size:
+                return
+            x, pushes = at[open_], i[open_]
+            look = self.friction_excess(x, pushes, x >= self.last[pushes], near)
+            value, limit = look.excess, look.limit
+            done = np.abs(value) <= _PRECISE * self.h[pushes] * x
+            slides = (value < 0.0) | done
+            never = ~slides & (x >= self.last[pushes])
+            lo[open_], hi[open_] = np.where(slides, lo[open_], x), np.where(slides, x, hi[open_])
+            low, high = lo[open_], hi[open_]
+            with np.errstate(divide="ignore", invalid="ignore"):
+                step = x - value / look.slope
+            inside = (step > low) & (step < high) & (number < _NEWTON or number % 2 == 0)
+            met = high - low <= _PRECISE * high
+            far = ~slides & ((step >= high) | met) & (high >= self.last[pushes])
+            at[open_] = np.where(far, high, np.where(inside, step, 0.5 * (low + high)))
+            done |= ~never & ~far & met
+            if done.any():
+                answer.ratio[pushes[done]] = x[done]
+                answer.residual[pushes[done]] = self._residual(x[done], pushes[done], look, done)
+                answer.motion[:, pushes[done]] = limit.across[done], limit.turn[done]
+            # Toppling comes first: it would slide later, if its loads stayed those at tipping.
+            kept = never & np.isfinite(self.tips[pushes])
+            held = self.mu[pushes] * limit.ratio / self.h[pushes]
+            answer.ratio[pushes[kept]] = held[kept]
+            going = ~done & ~never
+            open_, near = open_[going], limit.chosen_pushes(going)
+        answer.residual[i[open_]] = np.inf
+
+    def _earlier_brackets(self, i: Index, found: Array) -> tuple[Index, Array, Array]:
+        """Pushes that slide before those found, where looked at last, and brackets of that.
+
+        While the same points are loaded the loads are linear in r and S is concave in them: a push
+        that holds at both ends of such a stretch holds on all of it. So the ends are looked at, or
+        even steps where the points are many.
+        """
+        rest = self._loaded_at_rest[:, i]
+        changed = (self.loaded[:, i] != rest).any(axis=0) | (found > self.leaves[i])
+        i, found = i[changed], found[changed]
+        if not i.size:
+            return i, found, found
+        if len(self.springs.points) <= _FEW:
+            last = np.minimum(found, self.leaves[i])
+            way = self.start[:, i], self.moves[:, i], last, rest[:, changed]
+            ends = [*self.springs.load_changes(*way), last]
+        else:
+            ends = list(np.arange(1, _LOOKS)[:, None] / _LOOKS * found)
+        lo, hi, earlier = np.zeros(i.size), found.copy(), np.zeros(i.size, dtype=bool)
+        # Few pushes are looked at at many ends at once.
+        at_once = max(BLOCK // max(len(self.springs.points) * i.size, 1), 1)
+        for start in range(0, len(ends), at_once):
+            r = np.array(ends[start : start + at_once])
+            slides, holds = np.zeros((2, *r.shape), dtype=bool)
+            row, k = np.nonzero((r < found * (1.0 - _SHORT)) & ~earlier)
+            if not k.size:
+                continue
+            excess = self.friction_excess(r[row, k], i[k]).excess
+            slides[row, k] = excess < -_PRECISE * self.h[i[k]] * r[row, k]
+            holds[row, k] = ~slides[row, k]
+            first = np.where(slides, r, np.inf).min(axis=0)
+            lo = np.maximum(lo, np.where(holds & (r < first), r, 0.0).max(axis=0))
+            hi, earlier = np.minimum(hi, first), earlier | slides.any(axis=0)
+        return i[earlier], lo[earlier], hi[earlier]
+
+    @cached_property
+    def _loaded_at_rest(self) -> NDArray[np.bool_]:
+        """Which points are loaded before anybody pushes, shape (k, n)."""
+        loaded = np.ones((len(self.springs.points), self.com.shape[1]), dtype=bool)
+        self.springs.loads(self.com, np.zeros_like(self.com), loaded)
+        return np.broadcast_to(loaded, self.loaded.shape)
+
+    def pressure_centres(self, r: Array, i: Index) -> tuple[Array, Array]:
+        """Centres of pressure and how they move with r, each (2, n)."""
+        q, dq = self.start[:, i] + r * self.moves[:, i], self.moves[:, i]
+        if self.inside is not None:
+            beyond = (self.inside.normals @ q / self.inside.offsets[:, None]).max(axis=0)
+            beyond = np.maximum(beyond * (1.0 + _SHORT), 1.0)
+            q, dq = q / beyond, np.where(beyond > 1.0, 0.0, dq)
+        return q, dq
+
+    def friction_excess(
+        self, r: Array, i: Index, precise: NDArray[np.bool_] | bool = False,
+        near: Limit | None = None,
+    ) -> _Look:  # fmt: skip
+        """The friction at load ratios: the sign of the excess, and itself where it is small.
+
+        Limits of looks near by spare steps. Where `precise`, the excess is found however large.
+        """
+        q, dq = self.pressure_centres(r, i)
+        loaded = self.loaded[:, i]
+        loads, change = self.springs.loads(q, dq, loaded)
+        self.loaded[:, i] = loaded
+        along, left = self.friction_points(q, i)
+        mu, h, scale = self.mu[i], self.h[i], self.scale[i]
+        compared = np.where(precise, np.nan, r * h / mu)
+        limit = friction_limit(loads, along, left, compared, near)
+        slope = (change * np.hypot(*limit.slip_velocities(along, left))).sum(axis=0)
+        if self.scaled:
+            ahead, aside = self.in_push_axes((1.0 - scale) * dq, i)
+            slope += limit.turn * (loads * (limit.across_i * ahead - limit.along_i * aside)).sum(
+                axis=0
+            )
+        return _Look(mu * limit.ratio - r * h, mu * slope - h, limit, q, loads, along, left)
+
+    def in_push_axes(self, q: Array, i: Index) -> tuple[Array, Array]:
+        """Vectors (2, n) of B along the pushes and to their left."""
+        a, b = self.along[i].T, self.across[i].T
+        return a[0] * q[0] + a[1] * q[1], b[0] * q[0] + b[1] * q[1]
+
+    def friction_points(self, q: Array, i: Index) -> tuple[Array, Array]:
+        """The points where friction acts, along the pushes and left of their lines, each (k, n)."""
+        points = self.springs.points
+        along, left = points @ self.along[i].T, points @ self.across[i].T - self.line[i]
+        if self.scaled:
+            ahead, aside = self.in_push_axes(q, i)
+            along = ahead + self.scale[i] * (along - ahead)
+            left = (aside - self.line[i]) + self.scale[i] * (left - (aside - self.line[i]))
+        return along, left
+
+    def _residual(self, r: Array, i: Index, look: _Look, done: NDArray[np.bool_]) -> Array:
+        """Largest relative violation of what must hold, from the forces themselves."""
+        limit = look.limit
+        q, loads, along, left = (each[:, done] for each in look[3:])
+        d_x, d_y = limit.along_i[:, done], limit.across_i[:, done]
+        size = np.sqrt((loads * (along**2 + left**2)).sum(axis=0))
+        push = r * self.h[i] / self.mu[i]
+        violated = (
+            np.abs(loads.sum(axis=0) - 1.0),
+            np.abs(self.springs.points.T @ loads - q).max(axis=0) / size,
+            np.abs((loads * d_x).sum(axis=0) - push) / push,
+            np.abs((loads * d_y).sum(axis=0)) / push,
+            np.abs((loads * (along * d_y - left * d_x)).sum(axis=0)) / (push * size),
+            np.maximum(np.hypot(d_x, d_y).max(axis=0) - 1.0, 0.0),
+            np.abs(limit.ratio[done] - push) / push,  # power dissipated and supplied
+        )
+        return np.asarray(np.max(violated, axis=0))
