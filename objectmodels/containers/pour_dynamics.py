@@ -375,7 +375,7 @@ class UncertainPour:
         return cls(volume, pour(vessel, volume, **cases))
 
     @property
-    def believed(self) -> Pour:
+    def nominal_pour(self) -> Pour:
         """The pour of the believed contents, shape (...)."""
         middle = len(self.contents) // 2
         return Pour(*(each[..., middle, :] for each in vars(self.running).values()))

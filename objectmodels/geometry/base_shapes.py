@@ -28,9 +28,6 @@ Array = NDArray[np.float64]
 # Corners nearer to the line through their neighbours than this share of the base count as on it.
 _FLAT = 1e-9
 
-# Numbers in an array up to which several edges are looked at together.
-_AT_ONCE = 16384
-
 # Sides of the polygon that stands for a round base where points are needed.
 ROUND_CORNERS = 24
 
@@ -194,26 +191,21 @@ class Polygon(Base):
         self, m: Array, e: Array, w: Array, weight: float, shift: ArrayLike = 0.0
     ) -> Array:
         """Least of s_k = (G d_k − n_k·m) / (n_k·e + w d_k) over its edges; see `Base`."""
-        least: Array = np.full(np.broadcast_shapes(m.shape[:-1], e.shape[:-1], w.shape), np.inf)
+        least: Array | None = None
         (m_x, m_y), (e_x, e_y) = (m[..., 0], m[..., 1]), (e[..., 0], e[..., 1])
-        for n_x, n_y, d, nearer in self._edges(shift, least):
+        for n_x, n_y, d, nearer in self._edges(shift):
             holding = weight * (d - nearer) - (n_x * m_x + n_y * m_y)
             growing = n_x * e_x + n_y * e_y + w * d
             force = _first_crossing(np.maximum(holding, 0.0), growing)
-            np.minimum(least, force.min(axis=0), out=least)
+            least = force if least is None else np.minimum(least, force, out=least)
+        assert least is not None
         return least
 
-    def _edges(self, shift: ArrayLike, least: Array) -> Iterator[tuple[Array, ...]]:
-        """Normals and offsets of the edges, and by how much a shift brings them nearer [m].
-
-        As many at once as keep arrays short that have a row for each before those of `least`.
-        """
-        moved = np.abs(self.normals) @ np.broadcast_to(shift, 2)
-        columns = np.column_stack((self.normals, self.offsets, moved)).T
-        together = max(_AT_ONCE // max(least.size, 1), 1)
-        for start in range(0, len(self.normals), together):
-            rows = columns[:, start : start + together]
-            yield tuple(rows.reshape(*rows.shape, *(1,) * least.ndim))
+    def _edges(self, shift: ArrayLike) -> Iterator[tuple[float, float, float, float]]:
+        """Normal and offset of each edge, and by how much a shift brings it nearer [m]."""
+        moved = np.broadcast_to(shift, 2)
+        for n, d in zip(self.normals, self.offsets.tolist(), strict=True):
+            yield *n.tolist(), d, float(np.abs(n) @ moved)
 
     def nearest_edge(self, q: Array) -> tuple[Array, NDArray[np.int64]]:
         """See `Base`."""
@@ -228,12 +220,13 @@ class Polygon(Base):
         self, m: Array, e: Array, rise: Array, load: Array, shift: ArrayLike = 0.0
     ) -> Array:
         """See `Base`."""
+        least: Array | None = None
         (x, y), (rise_x, rise_y) = np.moveaxis(m + e, -1, 0), np.moveaxis(rise, -1, 0)
-        least: Array = np.full(np.broadcast_shapes(x.shape, rise_x.shape, load.shape), np.inf)
-        for n_x, n_y, d, nearer in self._edges(shift, least):
+        for n_x, n_y, d, nearer in self._edges(shift):
             room = d * load - nearer - (n_x * x + n_y * y)
             height = _first_crossing(room, n_x * rise_x + n_y * rise_y)
-            np.minimum(least, height.min(axis=0), out=least)
+            least = height if least is None else np.minimum(least, height)
+        assert least is not None
         return least
 
     def quadrature_nodes(self) -> tuple[Array, Array]:

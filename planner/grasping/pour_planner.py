@@ -177,7 +177,7 @@ class _Pouring:
         # What is not known of either content counts where it runs over.
         sd = math.hypot(container.contents_sd, basin.contents_sd)
         running = UncertainPour.from_belief(vessel, container.contents, sd, **motion)
-        ahead = float(running.believed.landing(d.pour_clearance)[0])
+        ahead = float(running.nominal_pour.landing(d.pour_clearance)[0])
         catch = Catch(
             along=ahead, across=0.0, fall=d.pour_clearance, radius=basin.opening.radius,
             free=wanted.room, sd=d.pour_aim,

@@ -156,7 +156,7 @@ def test_unknown_contents_make_unknown_volumes() -> None:
     )
     alone = pour(CARTON, FULL, heading=FORWARDS, angle=angles, rate=0.3, wait=3.0)
     # Levels are found to 1e-10 m, over some 5 cm² of surface.
-    assert running.believed.poured == pytest.approx(alone.poured, abs=1e-12)
+    assert running.nominal_pour.poured == pytest.approx(alone.poured, abs=1e-12)
     result = running.caught_by(catch)
     means = result.mean_volumes()
     assert means["poured"].shape == (2,)
