@@ -194,15 +194,8 @@ class ConeThresholds:
     Forces are components along the inward normal, for the nominal mass [N]; heights are measured
     from the table at the contact's lateral position [m], and a height above the object's top is
     given as infinite, since no contact can be there.
-
-    Attributes:
-        slides_most, topples_most: unit directions in the cone, shape (n, 3), in which sliding comes
-            longest before toppling, and the other way round: the best and the worst one for who
-            wants it to slide. Of the fixed directions, with parameters at `sigmas`.
     """
 
-    slides_most: Array
-    topples_most: Array
     _slide_search: MarginSearch = field(repr=False)
     _sliding: Callable[[], _Sliding] = field(repr=False)
     _toppling: Callable[[], _Toppling] = field(repr=False)
@@ -342,19 +335,11 @@ def cone_thresholds(
         )
 
     return ConeThresholds(
-        slides_most=_chosen_directions(f[at], slide_gap.argmax(axis=1)),
-        topples_most=_chosen_directions(f[at], slide_gap.argmin(axis=1)),
         _slide_search=MarginSearch.begin(slide_gap, shares[at], slide_margin, near, radius),
         _sliding=sliding,
         _toppling=toppling,
         _contacts=(model, p, normals, yaw),
     )
-
-
-def _chosen_directions(f: Array, chosen: Index) -> Array:
-    """The chosen ones of forces (n, j, 3) as unit directions, shape (n, 3)."""
-    picked = f[np.arange(len(f)), chosen]
-    return np.asarray(picked / np.linalg.norm(picked, axis=1, keepdims=True))
 
 
 def _height_below(case: Case, foot: Array, f: Array, slide: Array) -> Array:

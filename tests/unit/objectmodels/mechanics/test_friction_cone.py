@@ -268,33 +268,3 @@ def test_mass_scales_the_forces_only() -> None:
     np.testing.assert_allclose(3 * a.slide_margin, b.slide_margin, rtol=1e-9)
     np.testing.assert_allclose(a.height_below, b.height_below, rtol=1e-12)
     np.testing.assert_allclose(a.probability_slide, b.probability_slide, atol=1e-12)
-
-
-def test_the_best_and_the_worst_direction_are_in_the_cone_and_are_what_they_say() -> None:
-    rng = np.random.default_rng(5)
-    for _ in range(20):
-        box = random_box(rng)
-        p, n = random_contacts(box, rng, 6)
-        cone = box.cone_thresholds(p, n)
-        gaps = []
-        for u in (cone.slides_most, cone.topples_most):
-            np.testing.assert_allclose(np.linalg.norm(u, axis=1), 1.0)
-            pressing = -np.sum(u * n, axis=1)
-            aside = np.linalg.norm(u + pressing[:, None] * n, axis=1)
-            # The ring encloses the cone by 0.5 %.
-            assert (aside <= 1.006 * box.finger_friction * pressing).all()
-            t = box.thresholds(p, u)
-            with np.errstate(invalid="ignore"):
-                gap = np.where(np.isinf(t.slide), -np.inf, (t.topple - t.slide) * pressing)
-            gaps.append(gap)
-        # Whatever else is in the cone lies between.
-        share = box.finger_friction * np.array([[0.3, -0.4], [0.0, 0.9], [-0.8, 0.1], [0.0, -0.9]])
-        for tangential in share:
-            f = contact_forces(n, np.tile(tangential, (len(n), 1)))
-            t = box.thresholds(p, f / np.linalg.norm(f, axis=1, keepdims=True))
-            length = np.linalg.norm(f, axis=1)
-            with np.errstate(invalid="ignore"):
-                gap = np.where(np.isinf(t.slide), -np.inf, (t.topple - t.slide) / length)
-            # Of the ring's directions, 11° apart.
-            assert (gap <= gaps[0] + 0.05 * box.weight).all()
-            assert (gap >= gaps[1] - 0.05 * box.weight).all()
