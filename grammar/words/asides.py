@@ -56,8 +56,8 @@ _BEGINNING = re.compile(r"[(\[]")
 _OPTION = re.compile(r" \[([^\[\]]*)\]|\[([^\[\]]*)\] ")
 _DOUBLED = re.compile(r"(?<![^ ])((?:[a-z]+ ){0,2}[a-z]+|\d+)(?: ,)?(?= \1(?: |$))")
 _TOPIC = re.compile(
-    r"[a-z ]+? ((?:the|my|your|our) [^,]+?) (?:is|are|was|stands|blocks|has|gets|might|could|will)"
-    r" [^,]* , (?:[a-z]+ ){1,3}it(?= |$)"
+    r"(?:[a-z]+ ){1,3}((?:the|my|your|our)(?: [a-z0-9]+){1,5}) "
+    r"(?:is|are|was|stands|blocks|has|gets|might|could|will) [^,]* , (?:[a-z]+ ){1,3}it(?= |$)"
 )
 """A reason about a thing, which "it" means then: "since the mug is dirty, push it away"."""
 

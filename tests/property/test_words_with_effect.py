@@ -60,6 +60,7 @@ GOVERNING = {
 SAID_AGAIN = {
     "AMOUNT": "nudge it a little",
     "BOUND": "about 10 cm is 10 cm; in at most 5 s is in 5 s",
+    "DO": "go ahead, push it",
     "DIRECTION": "hand it to me; down towards me",
     "FILLED": "filled is filled to the brim",
     "FROM_TABLE": "all stands on the table",
