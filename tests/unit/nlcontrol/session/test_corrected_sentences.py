@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import pytest
 
+from grammar import parse
 from grammar.frames import command as g
 from nlcontrol import Controller
 from nlcontrol.session.conversation import Conversation
 from nlcontrol.session.corrected_sentences import BEFORE, LEFT_OUT, REMARKS
+from planner import plan
+from planner.refusals.refusal_builder import no_plan
 from planner.refusals.sentences import SENTENCES
 from planner.types.defaults import DEFAULTS
+from planner.types.plan import PlanningResult
+from planner.types.robot import Robot
+from planner.types.world_state import WorldState
 
 REFUSED = {
     "push the ice tea box 3 m away": "push the ice tea box away by 69 cm",
@@ -135,3 +142,63 @@ def test_every_suggestion_with_a_number_becomes_a_sentence() -> None:
     # An option of the command line is no sentence.
     told = {phrase for phrase in told if not phrase.startswith("--set")}
     assert {p for p in told if not any(re.fullmatch(each, p) for each in patterns)} == set()
+
+
+# -- where no change of the sentence does -------------------------------------------------------
+
+
+def refusing(rule: Callable[[g.Frame, WorldState], bool]) -> Controller:
+    """A controller whose planner finds the mug in the way of the hand where a rule says."""
+
+    def planner(frame: g.Frame, state: WorldState, robot: Robot, **others: Any) -> PlanningResult:
+        if rule(frame, state):
+            words = {"object": "ice tea box", "last": "it would hit the mug", "blocker": "mug"}
+            return no_plan("pushes_blocked", {"ways": 2.0}, **words).refusal
+        return plan(frame, state, robot, **others)
+
+    return Controller("kitchen", planner=planner)
+
+
+def test_what_is_in_the_way_is_moved_first() -> None:
+    there: dict[str, float] = {}
+
+    def rule(frame: g.Frame, state: WorldState) -> bool:
+        x = state.objects["mug"].pose.x
+        assert frame.object is not None
+        return frame.object.id != "mug" and x == there.setdefault("mug", x)
+
+    error = refusing(rule).say("push the ice tea box 5 cm away", plan_only=True).error
+    assert error is not None
+    assert error.say == ("move the mug, then push the ice tea box away by 5 cm",)
+
+
+def test_another_direction_is_offered_where_no_amount_of_the_one_has_a_plan() -> None:
+    def rule(frame: g.Frame, state: WorldState) -> bool:
+        return getattr(frame.goal, "direction", None) != "left"
+
+    error = refusing(rule).say("push the ice tea box 5 cm away", plan_only=True).error
+    assert error is not None
+    assert error.say == ("push the ice tea box to the left by 5 cm",)
+
+
+def test_where_nothing_has_a_plan_the_refusal_says_so_and_how_to_ask() -> None:
+    error = refusing(lambda *_: True).say("push the ice tea box 5 cm away", plan_only=True).error
+    assert error is not None
+    assert error.say == ()
+    # A person may move the mug.
+    assert error.suggestions[0] == "move the mug first"
+    quoted = re.search(r"“(.+)”", error.suggestions[1])
+    assert quoted is not None
+    assert parse(quoted[1]).frames[0].query == "affordances"
+
+
+def test_every_step_of_what_is_offered_has_a_plan(controller: Controller) -> None:
+    steps = ("push the mug 5 cm away with at most 0.1 N", "push the mug 3 m to the left")
+    error = controller.say(", then ".join(steps), plan_only=True).error
+    assert error is not None
+    first, second = parse(error.say[0]).frames
+    assert isinstance(second.goal, g.Displace)
+    assert isinstance(second.goal.distance, float)
+    # The table is 1.6 m wide.
+    assert second.goal.distance < 1.6
+    assert first.constraints
