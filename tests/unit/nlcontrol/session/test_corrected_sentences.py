@@ -152,7 +152,11 @@ def refusing(rule: Callable[[g.Frame, WorldState], bool]) -> Controller:
 
     def planner(frame: g.Frame, state: WorldState, robot: Robot, **others: Any) -> PlanningResult:
         if rule(frame, state):
-            words = {"object": "ice tea box", "last": "it would hit the mug", "blocker": "mug"}
+            words: dict[str, Any] = {
+                "object": "ice tea box",
+                "last": "it would hit the mug",
+                "blocker": "mug",
+            }
             return no_plan("pushes_blocked", {"ways": 2.0}, **words).refusal
         return plan(frame, state, robot, **others)
 
