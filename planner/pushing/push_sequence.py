@@ -35,7 +35,7 @@ _PATHS = 5  # free ways for which the hand's reach is asked
 _ASIDE = 0.15  # way to a place where it may be turned instead [m]
 _ROOM = 0.05  # room that such a place has around [m]
 _SPOTS = 2  # such places that are looked at
-_CLOSER = 0.7  # share of a gap that is asked for that is kept on the way
+_CLOSER = 0.7  # share of a gap that is asked for, or that there is, that is kept on the way
 _NEAR = 0.02  # what is nearer to its aim is not led around anything [m]
 _PARTED = 0.12  # a leg longer than this may be made by several pushes [m]
 _TURNS = 12  # ways to part a turn for which it is asked
@@ -374,7 +374,10 @@ def path_clearances(problem: PushProblem) -> dict[str, float]:
     if meets is not None:
         near[meets] = gap(footprint(problem.target), footprint(problem.state.objects[meets]))
     for name, other in problem.others.items():
-        # What it is to stand close to it may come as close to on the way.
-        usual = min(problem.clearance(other), _CLOSER * near.get(name, math.inf))
-        kept[name] = max(usual, said.get(name, 0.0))
+        usual = problem.clearance(other)
+        here = gap(footprint(problem.target), footprint(other))
+        # What it is to stand close to it may come as close to on the way, and what it stands close
+        # to it must get away from.
+        close = min(near.get(name, math.inf), here if here < usual else math.inf)
+        kept[name] = max(min(usual, _CLOSER * close), said.get(name, 0.0))
     return kept

@@ -142,6 +142,18 @@ def test_fragile_things_are_given_a_wide_berth() -> None:
     assert len(planned("push the ice tea box 10 cm away", careful).pushes) == 1
 
 
+@pytest.mark.parametrize(("way", "pushes"), [("toward me", 1), ("to the left", 1), ("away", 3)])
+def test_it_gets_away_from_what_it_stands_close_to(way: str, pushes: int) -> None:
+    # 8 mm between them, and 30 mm are kept from what is fragile.
+    state = world(
+        ice_tea_box=PlanarPose(0.45, 0.0), mug=PlanarPose(0.45 + 0.045 + 0.04 + 0.008, 0.0)
+    )
+    mug = replace(state.objects["mug"], fragile=True)
+    state = replace(state, objects={**state.objects, "mug": mug})
+    text = f"push the ice tea box {'30' if way == 'away' else '8'} cm {way}"
+    assert len(planned(text, state).pushes) == pushes
+
+
 def test_without_touching_keeps_the_distance_that_is_said() -> None:
     state = world(ice_tea_box=PlanarPose(0.45, 0.0), mug=PlanarPose(0.65, 0.12))
     near = planned("push the ice tea box 30 cm away without touching the mug", state)
