@@ -1,21 +1,8 @@
-"""How many paraphrases of a command are read as the command itself.
-
-    python -m benchmarks.paraphrases --seed 0                    # the words it was made with
-    python -m benchmarks.paraphrases --seed 100 --words judging  # the words it was not made with
-
-Commands are drawn as frames and said in other ways by the kinds of paraphrase that make
-vision-language models stumble: other words, another structure, politeness, disfluency, another
-order, typing errors. A paraphrase is read as the same, refused, or read as something else; of
-typing errors one that is refused where it stands counts as read, since nothing is guessed. A name
-that is none on the table is refused when it is looked up, so it counts as refused.
-"""
+"""Says commands in the words of `developing_words.yaml`, by which the language was made."""
 
 from __future__ import annotations
 
-import argparse
-import re
-from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from random import Random
@@ -23,14 +10,13 @@ from typing import Any, NamedTuple
 
 import yaml
 
-from grammar import ParseError, paraphrase, parse
 from grammar.frames import command as g
-from grammar.words.lexicon import default_lexicon
 
-WORDS = Path(__file__).with_name("paraphrase_words.yaml")
+WORDS: dict[str, Any] = yaml.safe_load(
+    Path(__file__).with_name("developing_words.yaml").read_text(encoding="utf-8")
+)
 NAMES = ("coffee box", "mug", "cereal box", "soup can", "jar", "ice tea box")
 OTHERS = ("tea tin", "bottle", "sugar box")
-KINDS = ("lexical", "structural", "politeness", "disfluency", "order", "typing")
 
 
 class Verb(NamedTuple):
@@ -131,15 +117,11 @@ def drawn_case(rng: Random) -> Case:
     return Case(verb, name, phrases, tuple(map(Phrase, how)), frame)
 
 
-class Speaker:
-    """Says a case in other words, drawn from one list of words."""
+class DevelopingSpeaker:
+    """Says a case in other words."""
 
-    def __init__(self, words: Mapping[str, Any], rng: Random) -> None:
-        self._words, self._rng = words, rng
-        lexicon = default_lexicon()
-        terminals = [*lexicon.terminals, *lexicon.verb_words]
-        self._known = {w for t in terminals for p in lexicon.phrases_of(t) for w in p.split()}
-        self._known |= lexicon.reserved_words | {w for n in (*NAMES, *OTHERS) for w in n.split()}
+    def __init__(self, rng: Random, known: frozenset[str]) -> None:
+        self._rng, self._known = rng, known
 
     def paraphrase_of(self, case: Case, kind: str) -> str:
         """The case said in the way of a kind."""
@@ -147,7 +129,7 @@ class Speaker:
         return " ".join(said.split()).replace(" ,", ",").replace(" .", ".")
 
     def _pick(self, key: str) -> str:
-        picked: str = self._rng.choice(self._words[key])
+        picked: str = self._rng.choice(WORDS[key])
         return picked
 
     def _first(self, phrase: Phrase, other: bool = False) -> str:
@@ -158,16 +140,17 @@ class Speaker:
     def _rest(self, case: Case, other: bool = False) -> str:
         return " ".join(self._first(phrase, other) for phrase in (*case.goal, *case.how))
 
-    def _bare(self, case: Case) -> str:
+    def plain(self, case: Case) -> str:
+        """The command in plain words."""
         return f"{case.verb.base} the {case.name} {self._rest(case)}"
 
     def _lexical(self, case: Case) -> str:
         return f"{case.verb.base} the {case.name} {self._rest(case, other=True)}"
 
     def _structural(self, case: Case) -> str:
-        templates = [t for ts in self._words["structures"].values() for t in ts]
+        templates = [t for ts in WORDS["structures"].values() for t in ts]
         if case.verb.noun and not isinstance(case.frame.goal, g.Place):
-            templates += self._words["nouns"] * 2
+            templates += WORDS["nouns"] * 2
         verb = case.verb
         return str(self._rng.choice(templates)).format(
             v=verb.base, ed=verb.ed, ing=verb.ing, a=verb.noun, o=f"the {case.name}",
@@ -175,7 +158,7 @@ class Speaker:
         )  # fmt: skip
 
     def _politeness(self, case: Case) -> str:
-        bare, way = self._bare(case), self._rng.randrange(4)
+        bare, way = self.plain(case), self._rng.randrange(4)
         before = f"{self._pick('before')} " if way in (0, 2) else ""
         after = self._pick("after") if way in (1, 2) else ""
         reason = f" {self._pick('reasons')}" if way == 3 else ""
@@ -221,7 +204,7 @@ class Speaker:
                 return f"{verb} {' '.join((*goal, *how))}"
 
     def _typing(self, case: Case) -> str:
-        words = self._bare(case).split()
+        words = self.plain(case).split()
         own = set(case.name.split()) | {w for p in case.goal for w in p.name.split()}
         places = [i for i, w in enumerate(words) if len(w) > 3 and w.isalpha() and w not in own]
         while True:
@@ -251,86 +234,5 @@ MISTAKEN = {
 
 def plain_words(key: str) -> str:
     """The first words of a key, those that the language had before."""
-    words: str = _ALL_WORDS["developing"][key][0]
+    words: str = WORDS[key][0]
     return words
-
-
-_ALL_WORDS: dict[str, Any] = yaml.safe_load(WORDS.read_text(encoding="utf-8"))
-
-
-def meaning(frames: Sequence[g.Frame]) -> str:
-    """Frames without the places of their words, constraints in any order."""
-    plain = []
-    for frame in frames:
-        dumped = replace_spans(frame.model_dump(exclude_defaults=True))
-        dumped["constraints"] = sorted(map(repr, dumped.get("constraints", ())))
-        plain.append(dumped)
-    return repr(plain)
-
-
-def replace_spans(value: Any) -> Any:
-    """A copy without spans, and with quantities to nine digits."""
-    if isinstance(value, dict):
-        return {k: replace_spans(v) for k, v in sorted(value.items()) if k != "spans"}
-    if isinstance(value, list | tuple):
-        return [replace_spans(v) for v in value]
-    return round(value, 9) if isinstance(value, float) else value
-
-
-def outcome(text: str, case: Case, kind: str) -> str:
-    """Whether a paraphrase is read as the `same`, `refused`, or read `differently`."""
-    try:
-        frames = parse(text).frames
-    except ParseError as error:
-        start, end = error.span or (0, len(text))
-        wrong = set(re.findall(r"[a-z]+", text)) - set(
-            re.findall(r"[a-z]+", paraphrase(case.frame))
-        )
-        located = any(word in text[max(0, start - 20) : end + 20] for word in wrong)
-        return "same" if kind == "typing" and located else "refused"
-    said = meaning(frames)
-    if said == meaning([case.frame]):
-        return "same"
-    if names_in(said) <= {*NAMES, *OTHERS, "it", "its"}:
-        return "differently"
-    return "same" if kind == "typing" else "refused"
-
-
-def names_in(said: str) -> set[str]:
-    """The names of objects in a meaning."""
-    return set(re.findall(r"'text': [\"'](.+?)[\"'][,}]", said))
-
-
-def judged(words: str, seed: int, count: int) -> Iterator[tuple[str, str, str]]:
-    """For each paraphrase its kind, what came of it, and its text."""
-    rng = Random(seed)
-    speaker = Speaker(_ALL_WORDS[words], rng)
-    for i in range(count):
-        kind, case = KINDS[i % len(KINDS)], drawn_case(rng)
-        text = speaker.paraphrase_of(case, kind)
-        yield kind, outcome(text, case, kind), text
-
-
-def main() -> None:
-    options = argparse.ArgumentParser(description="How paraphrases of a command are read.")
-    options.add_argument("--seed", type=int, default=0)
-    options.add_argument("--words", choices=sorted(_ALL_WORDS), default="developing")
-    options.add_argument("--count", type=int, default=4200)
-    options.add_argument("--show", type=int, default=0, help="failures of each kind to print")
-    chosen = options.parse_args()
-    table: Counter[tuple[str, str]] = Counter()
-    for kind, came, text in judged(chosen.words, chosen.seed, chosen.count):
-        table[kind, came] += 1
-        if came != "same" and table[kind, came] <= chosen.show:
-            print(f"{kind}, {came}: {text}")
-    print(f"{chosen.count} paraphrases, seed {chosen.seed}, words {chosen.words}")
-    for kind in (*KINDS, "all"):
-        row = [
-            sum(n for (k, came), n in table.items() if came == column and kind in (k, "all"))
-            for column in ("same", "refused", "differently")
-        ]
-        print(f"{kind:11} same {row[0]:5}  refused {row[1]:5}  differently {row[2]:5}")
-
-
-if __name__ == "__main__":
-    main()
