@@ -4,8 +4,8 @@
     python -m benchmarks.dialogues judging --simulate
 
 Dialogues stand in `tests/data/dialogues`, each turn with what is meant; their first lines say how.
-Without `--simulate` everything is planned and nothing moves. Of the dialogues that judge nothing but
-counts is printed.
+Without `--simulate` everything is planned and nothing moves. Of the dialogues that judge only
+counts are printed.
 """
 
 from __future__ import annotations

@@ -5,8 +5,8 @@
 
 Commands are said in other ways by the kinds of paraphrase that make vision-language models stumble:
 other words, another structure, politeness, disfluency, another order, typing errors. A paraphrase
-is read as the same, refused, or read as something else. Of the words that judge nothing but counts
-is printed.
+is read as the same, refused, or read as something else. Of the words that judge only counts
+are printed.
 """
 
 from __future__ import annotations

@@ -145,7 +145,10 @@ class DevelopingSpeaker:
         return f"{case.verb.base} the {case.name} {self._rest(case)}"
 
     def _lexical(self, case: Case) -> str:
-        return f"{case.verb.base} the {case.name} {self._rest(case, other=True)}"
+        verb = case.verb.base
+        if self._rng.randrange(3) == 0:
+            verb = self._rng.choice(WORDS["synonyms"][verb])
+        return f"{verb} the {case.name} {self._rest(case, other=True)}"
 
     def _structural(self, case: Case) -> str:
         templates = [t for ts in WORDS["structures"].values() for t in ts]
@@ -154,26 +157,31 @@ class DevelopingSpeaker:
         verb = case.verb
         return str(self._rng.choice(templates)).format(
             v=verb.base, ed=verb.ed, ing=verb.ing, a=verb.noun, o=f"the {case.name}",
-            rest=self._rest(case),
+            n=case.name, rest=self._rest(case),
         )  # fmt: skip
 
     def _politeness(self, case: Case) -> str:
         bare, way = self.plain(case), self._rng.randrange(4)
         before = f"{self._pick('before')} " if way in (0, 2) else ""
         after = self._pick("after") if way in (1, 2) else ""
-        reason = f" {self._pick('reasons')}" if way == 3 else ""
+        reason = f"{self._rng.choice(('', '', ','))} {self._pick('reasons')}" if way == 3 else ""
         return f"{before}{bare}{after}{reason}"
 
     def _disfluency(self, case: Case) -> str:
         phrases = [case.verb.base, f"the {case.name}"]
         phrases += [self._first(phrase) for phrase in (*case.goal, *case.how)]
-        match self._rng.randrange(4):
+        match self._rng.randrange(5):
             case 0:
-                i = self._rng.randrange(len(phrases))
-                first = phrases[i].split()[0]
-                phrases.insert(i, first)
+                words = " ".join(phrases).split()
+                i = self._rng.randrange(len(words))
+                again = words[i : i + self._rng.choice((1, 2))]
+                return " ".join([*words[:i], *again, *words[i:]])
             case 1:
                 phrases.insert(self._rng.randrange(len(phrases)), self._pick("fillers"))
+            case 2:
+                words = " ".join(phrases).split()
+                words.insert(self._rng.randrange(len(words)), self._pick("fillers"))
+                return " ".join(words)
             case _:
                 i = self._rng.randrange(1, len(phrases))
                 instead = self._mistaken(case, i)
@@ -194,7 +202,14 @@ class DevelopingSpeaker:
         self._rng.shuffle(how)
         verb = f"{case.verb.base} the {case.name}"
         front = [words for words in how if words in ("gently", "slowly", "without toppling it")]
-        match self._rng.randrange(3):
+        match self._rng.randrange(6):
+            case 3:
+                return f"{' '.join(goal)}, {verb} {' '.join(how)}"
+            case 4:
+                return f"{verb}, {', '.join((*goal, *how))}"
+            case 5:
+                second = f". Do it {' '.join(how)}" if how else ""
+                return f"{verb} {' '.join(goal)}{second}"
             case 0 if front and front[0] != "without toppling it":
                 how.remove(front[0])
                 return f"{front[0]} {verb} {' '.join((*goal, *how))}"
@@ -204,6 +219,11 @@ class DevelopingSpeaker:
                 return f"{verb} {' '.join((*goal, *how))}"
 
     def _typing(self, case: Case) -> str:
+        match self._rng.randrange(8):
+            case 0:
+                return self.plain(case).upper()
+            case 1:
+                return f"{self.plain(case).capitalize()}{self._rng.choice(('.', '!', '...', ' .'))}"
         words = self.plain(case).split()
         own = set(case.name.split()) | {w for p in case.goal for w in p.name.split()}
         places = [i for i, w in enumerate(words) if len(w) > 3 and w.isalpha() and w not in own]
