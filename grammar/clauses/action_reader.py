@@ -173,7 +173,8 @@ class ActionReader:
         if particle is not None and particle.optional:
             topples = lexicon.find_verb(part.word, particle.word)
             if topples is None or (alone and alone.goal == "displace"):
-                rest, particle = [p for p in rest if p is not particle], None
+                spare = [p for p in rest if isinstance(p, ph.Particle) and p.optional]
+                rest, particle = [p for p in rest if p not in spare], None
         if particle is not None:
             verb = lexicon.find_verb(part.word, particle.word)
             if verb is not None:

@@ -155,7 +155,7 @@ class _ClauseReader:
             raise unexpected_part(remarks[0], self._sentence)
         if ask and not verbs:
             return [self._question_frame(ask)]
-        if ask and ask[0].query in ("value", "affordances"):
+        if ask and ask[0].query in ("value", "affordances", "seen", "did", "compare"):
             raise unexpected_part(verbs[0], self._sentence)
         if not verbs:
             return [self._remark_frame(remarks)]
@@ -185,6 +185,9 @@ class _ClauseReader:
         dialogue = self._joint_dialogue(remarks)
         if dialogue in ("undo", "stop"):
             raise unexpected_part(remarks[0], self._sentence)
+        if dialogue == "do":
+            self._require_emphasis(frames[0], remarks[-1])
+            dialogue = None
         restored = dialogue == "repeat" and frames[0].goal.kind in _RESTORING
         if restored or dialogue == "do":  # "stand it up again"; "go ahead, push it"
             dialogue = None
@@ -195,6 +198,16 @@ class _ClauseReader:
             frame.model_copy(update={"dialogue": dialogue, "spans": spans + frame.spans})
             for frame in frames
         ]
+
+    def _require_emphasis(self, frame: g.Frame, remark: ph.Remark) -> None:
+        """Takes "do it" beside a command as said of that command; before it, of another one.
+
+        Raises:
+            ParseError: `unexpected_words`.
+        """
+        words = self._sentence.words_as_written(remark.span).casefold()
+        if words.startswith(("do ", "make ")) and remark.span < min(frame.spans):
+            raise unexpected_part(remark, self._sentence)
 
     # --- parts --------------------------------------------------------------------------------
 

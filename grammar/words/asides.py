@@ -14,6 +14,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 from grammar.frames.command import Span
+from grammar.words.courtesy import Courtesy
 from grammar.words.lexer_lookahead import WORD, Phrases
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
@@ -39,9 +40,10 @@ _OPEN = frozenset({"A", "AT", "BETWEEN", "BY", "FILLED_WITH", "FROM", "GAP", "IN
 """Terminals that say nothing by themselves, so that one said twice is stammered."""
 
 _SHAPES = {
-    "fillers": r"(?<![^ ])(?!(?<=you )like ,)(?:{0})(?:(?: ,)? (?:{0}))*(?= |$)",
+    "fillers": r"(?<![^ ])(?!(?<=you )like ,|(?<=do )you know)(?:{0})(?:(?: ,)? (?:{0}))*(?= |$)",
     "corrections": r"(?:(?<= )[.,;] )??(?<![^ ])(?:{0})(?:(?: ,)? (?:{0}))*(?: ,)?(?= )",
-    "reasons": r"^(?:{0}) [^,;]+?(?= , )|(?<= )(?:{0})(?: .+?)?(?=$| [.;] | (?:, )?(?:and )?then )",
+    "reasons": r"^(?!so (?!that ))(?:{0}) [^,;]+?(?= , )|"
+    r"(?<= )(?:{0})(?: .+?)?(?=$| [.;] | (?:, )?(?:and )?then )",
     "statements": r"(?<=[^ ] )(?:{0})(?: [^,.;]+)?(?= [,.;] )",
     "after": r"(?<![^ ])(?<!the )(?:{0})(?=$| [.;])",
     "before": r"(?:^|(?<=[.;] ))(?:{0})(?= |$)",
@@ -54,7 +56,7 @@ _SHAPES = {
 _OPENING = re.compile(r"(?:^|(?<=[.;] ))[^ ]+")
 _BEGINNING = re.compile(r"[(\[]")
 _OPTION = re.compile(r" \[([^\[\]]*)\]|\[([^\[\]]*)\] ")
-_DOUBLED = re.compile(r"(?<![^ ])((?:[a-z]+ ){0,2}[a-z]+|\d+)(?: ,)?(?= \1(?: |$))")
+_DOUBLED = re.compile(r"(?<![^ ])((?:[a-z]+ ){0,2}[a-z]+|\d+(?: [a-z]+)?)(?: ,)?(?= \1(?: |$))")
 _TOPIC = re.compile(
     r"(?:[a-z]+ ){1,3}((?:the|my|your|our)(?: [a-z0-9]+){1,5}) "
     r"(?:is|are|was|stands|blocks|has|gets|might|could|will) [^,]* , (?:[a-z]+ ){1,3}it(?= |$)"
@@ -62,7 +64,10 @@ _TOPIC = re.compile(
 """A reason about a thing, which "it" means then: "since the mug is dirty, push it away"."""
 
 _AS_MUCH = re.compile(r"(?<![^ ])as [a-z]+ $")
-_STRAY = re.compile(r"^[,.;](?= |$)|(?<= )[,.;]$|(?<= ),(?= [,.;] )|(?<=[.;] )[,.;](?= )")
+_STRAY = re.compile(
+    r"(?<= the) ,(?= )|(?<=^the) ,(?= )|"
+    r"^[,.;](?= |$)|(?<= )[,.;]$|(?<= ),(?= [,.;] )|(?<=[.;] )[,.;](?= )"
+)
 
 
 class _Group(NamedTuple):
@@ -79,6 +84,7 @@ class Asides:
     def __init__(self, lexicon: Lexicon, phrases: Phrases) -> None:
         self._lexicon = lexicon
         self._phrases = phrases
+        self._courtesy = Courtesy(lexicon, phrases)
         self._patterns: dict[str, re.Pattern[str]] = {}
 
     def left_out(self, sentence: Normalised) -> Normalised:
@@ -86,7 +92,10 @@ class Asides:
         said = sentence
         spoken = sentence.text.split()
         words = set(spoken)
+        said = self._courtesy.without_greeting(said)
         for kind in _SHAPES:
+            if kind == "before":
+                said = self._courtesy.put_plainly(said)
             near = _OPENING.findall(said.text) if kind == "before" else words
             if not self._first_words[kind].isdisjoint(near):
                 said = self._without_all(said, kind, self._pattern_of(kind))
@@ -151,7 +160,7 @@ class Asides:
         if kind == "doubled":
             first = match[1].split()[0]
             known = self._lexicon.reserved_words | self._lexicon.first_words
-            if first not in known and not first.isdigit():
+            if first not in known and not first.isdigit() and " " not in match[1]:
                 return None
             if first in self._lexicon.terminals["IT"]:
                 return None  # "push it it" may lack a word between them
@@ -160,11 +169,13 @@ class Asides:
         before, comma, _ = said.text[:start].rpartition(" ,")
         if kind == "fillers" and comma and self._is_open(before.rpartition(" ")[2]):
             start, end = len(before), end + 2 * said.text.startswith(" ,", end)  # "the, uh, mug"
+        elif kind == "fillers" and self._is_open(said.text[:start].rstrip().rpartition(" ")[2]):
+            end += 2 * said.text.startswith(" ,", end)  # "to uh, the left"
         left = _joined(said, (0, start), (end, len(said.text)))
         if kind == "after" and self._is_open(left.text.rpartition(" ")[2]):
             return None  # "to the right now"
-        polite = kind in ("before", "after") and re.search(r"\b(?:you|please)\b", match[0])
-        tagged = kind == "after" and end == len(said.text)
+        polite = kind in ("before", "after") and re.search(r"\b(?:you|we|please)\b", match[0])
+        tagged = kind in ("after", "fillers") and start > 0 and end == len(said.text)
         return replace(left, question=said.question and not (polite or tagged))
 
     def _is_open(self, words: str) -> bool:
@@ -204,14 +215,17 @@ class Asides:
         self, said: Normalised, start: int, end: int, only: frozenset[str] = frozenset()
     ) -> Normalised | None:
         """The sentence with what follows a mark of correction in the place of what it corrects."""
+        paused = said.text[start] in ",.;" or said.text[:end].endswith(",")
         start = len(said.text[:start].rstrip(" ,"))
         end = len(said.text) - len(said.text[end:].lstrip(" ,"))
+        if not paused and not self._begins_a_group(said.text, end):
+            return None  # "push it left no matter what"
         before, after = self._groups(said.text, 0, start), self._groups(said.text, end)
         if not before or not after or (only and not only & after[0].kinds & before[-1].kinds):
             return None
         for i in reversed(range(len(before))):
             wrong, between = before[i], before[i + 1 :]
-            if not wrong.kinds & after[0].kinds:
+            if not wrong.kinds & after[0].kinds - {"WORD"}:
                 continue
             rest = (after[0].end, len(said.text))
             if said.text[rest[0] :].startswith(" ,"):
@@ -221,6 +235,11 @@ class Asides:
             kept = [(wrong.end, start)] if between and len(after) == 1 else []
             return _joined(said, (0, wrong.start), after[0][:2], *kept, rest)
         return None
+
+    def _begins_a_group(self, text: str, start: int) -> bool:
+        """Check for a phrase of the language or a number, and not for any word."""
+        number = self._lexicon.numbers.pattern.match(text, start) or DIGITS.match(text, start)
+        return bool(number or self._phrases.phrases_at(text, start))
 
     def _groups(self, text: str, start: int, end: int | None = None) -> list[_Group]:
         """The groups of words of a part of a text."""

@@ -111,6 +111,7 @@ class Lexicon:
         vague: words and phrases of no clear meaning → what to say instead.
         contractions: contracted word → spelled out.
         asides: where words stand that change nothing → templates of them.
+        courtesy: where they stand → the words that runs of courtesy are made of.
         labels: terminal → how a message names it.
     """
 
@@ -130,6 +131,7 @@ class Lexicon:
     vague: Mapping[str, tuple[str, ...]]
     contractions: Mapping[str, str]
     asides: Mapping[str, tuple[str, ...]]
+    courtesy: Mapping[str, str]
     labels: Mapping[str, str]
 
     __hash__ = object.__hash__  # what is made of its words is remembered by the lexicon itself
@@ -163,6 +165,7 @@ class Lexicon:
             vague={word: tuple(instead) for word, instead in data["vague"].items()},
             contractions=data["contractions"],
             asides={place: tuple(templates) for place, templates in data["asides"].items()},
+            courtesy=data["courtesy"],
             labels=data["labels"],
         )
 
@@ -283,7 +286,7 @@ class Lexicon:
         """Ends of phrases behind a "the"."""
         definite = (p for known in self.terminals.values() for p in known if "the " in p)
         phrases = (f" {phrase}".rpartition(" the ") for phrase in definite)
-        return frozenset(end for _, the, end in phrases if the)
+        return frozenset(end for _, the, end in phrases if the) - self.nobodies
 
     @cached_property
     def joints(self) -> frozenset[str]:

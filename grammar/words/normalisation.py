@@ -26,6 +26,8 @@ _ALIKE = frozenset({"CYRILLIC", "GREEK", "ARMENIAN", "CHEROKEE"})
 _WORD = re.compile(r"[^ ]+")
 _READY = re.compile(r"[A-Za-z0-9 ,.'\"-]*")
 _MINUS = re.compile(r"(?<![^ ])-(?=[.\d])|(?<=\de)-(?=\d)")
+_ELLIPSIS = re.compile(r"\.(?:[ .]*\.)+")
+_DASH = re.compile(r"(?<= )-+(?= )")
 _RANGE = re.compile(r"(?<=\d)-(?=[.\d])")
 
 
@@ -171,6 +173,7 @@ def _space_out(letters: list[_Letter]) -> list[_Letter]:
     plain = _text_of(letters)
     if _SPACED.isdisjoint(plain):
         return letters
+    pauses = {i for p in (_ELLIPSIS, _DASH) for m in p.finditer(plain) for i in range(*m.span())}
     out: list[_Letter] = []
     minus = {m.start() for m in _MINUS.finditer(plain)}
     ranges = {m.start() for m in _RANGE.finditer(plain)} - minus
@@ -183,7 +186,9 @@ def _space_out(letters: list[_Letter]) -> list[_Letter]:
         before = plain[i - 1] if i else " "
         after = plain[i + 1] if i + 1 < len(letters) else " "
         within ^= char == '"'
-        if i in ranges:
+        if i in pauses:
+            out += [(c, start, end) for c in " , "] if i - 1 not in pauses else []
+        elif i in ranges:
             out += [(c, start, end) for c in " to "]
         elif char == "-" and i not in minus:
             out.append((" ", start, end))

@@ -1,0 +1,179 @@
+"""Words of courtesy around a command, told by what they are made of instead of by their phrases.
+
+"I was wondering whether you would be so kind as to push the jar away, if that is not asking too
+much" has a run of words before its verb, and one behind it, that say nothing about a thing, a place
+or a way of doing it. Such a run is left out if it ends where a command can begin; before a gerund
+or a participle it is put as "try" or "I want", which the grammar reads.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection
+from dataclasses import replace
+
+from grammar.frames.command import Span
+from grammar.words.lexer_lookahead import WORD, Phrases
+from grammar.words.lexicon import Lexicon
+from grammar.words.normalisation import Normalised
+
+_ASKS = frozenset({"CAN_YOU", "HOW_HARD", "IF", "POSSIBLE", "THINK", "WHAT_CAN", "WHAT_HAPPENS",
+                   "WHAT_IF", "WHERE", "WHICH_CAN", "WHY_DID"})  # fmt: skip
+"""Terminals that begin a question or a condition, which is no courtesy."""
+
+_COMMAND = frozenset({"VERB", "MANNER", "MIND"})
+_THING = frozenset({"THE", "THAT", "IT"})
+_BEHIND_TOPIC = re.compile(r" (?:[,.;?!]|and)(?: (?:and|then|please|now))* ")
+_READ = frozenset({"FILLER", "NEXT", "VOCATIVE"})
+_SAYS = frozenset({"AMOUNT", "DIRECTION", "FACE", "FROM_SIDE", "MANNER", "REGION",
+                   "REGION_OF_TABLE", "SENSE", "WAY"})  # fmt: skip
+_PAUSES = frozenset(",.;!?")
+
+
+class Courtesy:
+    """Finds runs of courtesy, by the words of a lexicon."""
+
+    def __init__(self, lexicon: Lexicon, phrases: Phrases) -> None:
+        self._phrases = phrases
+        self._words = {kind: frozenset(said.split()) for kind, said in lexicon.courtesy.items()}
+        self._topics = re.compile(rf"(?:{lexicon.courtesy['topics']}) ")
+        self._opening = self._words["both"] | self._words["before"]
+        self._closing = self._words["both"] | self._words["after"]
+
+    def put_plainly(self, said: Normalised) -> Normalised:
+        """The sentence without the courtesy before its command and behind it."""
+        said = self._without_request(self._without_topic(self.without_greeting(said)))
+        return self._without_closing(said)
+
+    def without_greeting(self, said: Normalised) -> Normalised:
+        """The sentence without courtesy up to a first pause, as often as it comes."""
+        words = said.text.split()
+        while (end := self._pause(words)) and self._is_courtesy(words[:end], self._opening):
+            said, words = _from_word(said, end + 1), words[end + 1 :]
+        return said
+
+    def _pause(self, words: list[str]) -> int:
+        """Place of the first pause with something behind it; 0 if there is none."""
+        pauses = (i for i, word in enumerate(words[:-1]) if word in _PAUSES)
+        return next(pauses, 0)
+
+    def _is_courtesy(self, words: list[str], known: frozenset[str]) -> bool:
+        """Check for words of courtesy that do not just point at something."""
+        if not known.issuperset(words) or self._words["pointing"].issuperset(words):
+            return False
+        return not self._is_read(words) and not self._says_something(" ".join(words))
+
+    def _says_something(self, text: str) -> bool:
+        """Check for a phrase of several words about where, how or how far: "to the right"."""
+        return any(
+            " " in phrase and not _SAYS.isdisjoint(kinds)
+            for word in WORD.finditer(text)
+            for phrase, kinds in self._phrases.phrases_at(text, word.start())
+        )
+
+    def _is_read(self, words: list[str]) -> bool:
+        """Check for words that the grammar reads itself."""
+        text = " ".join(words)
+        found = self._phrases.phrases_at(text, 0)
+        return bool(found) and found[0][0] == text and not _READ.isdisjoint(found[0][1])
+
+    def _asks(self, words: list[str]) -> bool:
+        """Check for the beginning of a question or a condition."""
+        if "please" in words:
+            return False
+        found = self._phrases.phrases_at(" ".join(words), 0)
+        return bool(found) and not _ASKS.isdisjoint(found[0][1])
+
+    def _without_request(self, said: Normalised) -> Normalised:
+        """The sentence without the request before its verb, or with a plain one in its place."""
+        places = list(WORD.finditer(said.text))
+        run = next((i for i, m in enumerate(places) if m[0] not in self._opening), len(places))
+        if self._phrases.has_terminal_at("VERB", said.text, 0):
+            return said
+        for i in range(min(run, len(places) - 1), 0, -1):
+            words, start = [m[0] for m in places[:i]], places[i].start()
+            found = self._phrases.phrases_at(said.text, start)
+            kinds = {kind for _, kinds in found for kind in kinds}
+            instead = self._instead(words, kinds, said.text[start:])
+            asked = self._asks(words[_last_pause(words) :])
+            asked = asked or any(self._reaches(said.text, m.start(), start) for m in places[:i])
+            asked = asked or self._says_something(" ".join(words))
+            asked = asked or (words != ["so"] and self._is_read(words))
+            if instead is not None and not asked:
+                return _begun_with(instead, said, start)
+        return said
+
+    def _without_topic(self, said: Normalised) -> Normalised:
+        """The sentence that begins with its thing: "as for the jar, push it" is "the jar, …"."""
+        topic = self._topics.match(said.text)
+        if topic is None or not self._has_kind(_THING, said.text, topic.end()):
+            return said
+        for pause in _BEHIND_TOPIC.finditer(said.text, topic.end()):
+            if self._has_kind({"VERB"}, said.text, pause.end()):
+                text = f"{said.text[: pause.start()]} , {said.text[pause.end() :]}"
+                columns = said.columns[: pause.start()], said.columns[pause.end() :]
+                between = ((said.columns[pause.start() + 1]),) * 3
+                whole = replace(said, text=text, columns=(*columns[0], *between, *columns[1]))
+                return _begun_with("", whole, topic.end())
+        return said
+
+    def _has_kind(self, kinds: Collection[str], text: str, start: int) -> bool:
+        return any(self._phrases.has_terminal_at(kind, text, start) for kind in kinds)
+
+    def _reaches(self, text: str, start: int, end: int) -> bool:
+        """Check for a phrase of the language from one place to beyond another."""
+        return any(start + len(phrase) > end for phrase, _ in self._phrases.phrases_at(text, start))
+
+    def _instead(self, words: list[str], kinds: set[str], rest: str) -> str | None:
+        """What to say in place of a run; None if no command can begin behind it."""
+        last = words[-1]
+        if "VERB_ING" in kinds and last in self._words["before_gerund"]:
+            return "try "
+        if kinds & _COMMAND and self._asks_for(words):
+            return ""
+        wishes = not self._words["wishing"].isdisjoint(words)
+        if not (kinds & _THING and wishes and last in self._words["before_thing"]):
+            return None
+        passive = any(self._has_kind({"VERB_ED"}, rest, m.start()) for m in WORD.finditer(rest))
+        return "i want " if passive else None
+
+    def _asks_for(self, words: list[str]) -> bool:
+        """Check for a run behind which a verb is asked for: "… you could", not "do you"."""
+        if words[-1] in self._words["behind_you"]:
+            return words[-2:-1] in (["you"], ["we"], ["robot"])
+        statement = words[-2:] == ["do", "you"] or words == ["you"]
+        return words[-1] in self._words["before_verb"] and not statement
+
+    def _without_closing(self, said: Normalised) -> Normalised:
+        """The sentence without courtesy behind its last pauses."""
+        words = said.text.split()
+        while pauses := [i for i, word in enumerate(words) if i and word in _PAUSES]:
+            tail = words[pauses[-1] + 1 :]
+            if tail and not self._is_courtesy(tail, self._closing):
+                break
+            end = list(WORD.finditer(said.text))[pauses[-1] - 1].end()
+            said = replace(said, text=said.text[:end], columns=said.columns[:end],
+                           question=said.question and not tail)  # fmt: skip
+            words = words[: pauses[-1]]
+        return said
+
+
+def _last_pause(words: list[str]) -> int:
+    """Place behind the last pause of some words."""
+    return max((i + 1 for i, word in enumerate(words) if word in _PAUSES), default=0)
+
+
+def _from_word(said: Normalised, i: int) -> Normalised:
+    start = list(WORD.finditer(said.text))[i].start()
+    return replace(said, text=said.text[start:], columns=said.columns[start:])
+
+
+def _begun_with(words: str, said: Normalised, start: int) -> Normalised:
+    """A sentence from a place on, with other words before that."""
+    over: Span = (said.columns[0][0], said.columns[start - 1][1])
+    return replace(
+        said,
+        text=words + said.text[start:],
+        columns=(*((over,) * len(words)), *said.columns[start:]),
+        question=said.question and {"you", "we"}.isdisjoint(said.text[:start].split()),
+    )
