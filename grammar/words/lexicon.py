@@ -9,8 +9,7 @@ words is not used.
 from __future__ import annotations
 
 import json
-import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from hashlib import sha256
@@ -19,54 +18,19 @@ from typing import Any, TypeVar, cast, get_args
 
 from grammar.frames.command import Action, Quality
 from grammar.words.numerals import NumberWords
+from grammar.words.phrase_templates import expand_template, with_rules
 
 T = TypeVar("T")
 
 WORDS = Path(__file__).with_name("lexicon.yaml")
 STORED = Path(__file__).with_name("lexicon.json")
 
-_RULE = re.compile(r"<(\w+)>")
-_MARK = re.compile(r"([()\[\]|])")
 
 NAME_TERMINALS = ("VERB", "VERB_ED", "VERB_ING")
 """Terminals that are made of the verbs: infinitives, participles, gerunds."""
 
 OPENERS = frozenset({"CAN", "WILL", "FIND_OUT", "TELL", "STOP", "VOCATIVE"})
 """Terminals that begin something new, so that right behind a name they are a part of it."""
-
-
-def expand_template(template: str) -> list[str]:
-    """The phrases of a template: `(a|b)` is a choice, `[c]` may be left out."""
-    return [" ".join(phrase.split()) for phrase in _choices_of(iter(_MARK.split(template)))]
-
-
-def _choices_of(pieces: Iterator[str]) -> list[str]:
-    """The phrases of the pieces of a template, marks and words, up to the end of a group."""
-    choices, said = list[str](), [""]
-    for piece in pieces:
-        if piece in (")", "]"):
-            break
-        if piece == "|":
-            choices, said = choices + said, [""]
-        elif piece in ("(", "["):
-            group = [""] * (piece == "[") + _choices_of(pieces)
-            said = [before + choice for before in said for choice in group]
-        else:
-            said = [before + piece for before in said]
-    return choices + said
-
-
-def _with_rules(said: Any, rules: Mapping[str, str]) -> Any:
-    """Words with the choices of the rules in the place of their names: "<can>"."""
-    if isinstance(said, str):
-        while "<" in said:
-            said = _RULE.sub(lambda named: f"({rules[named[1]]})", said)
-        return said
-    if isinstance(said, list):
-        return [_with_rules(each, rules) for each in said]
-    if isinstance(said, dict):
-        return {key: _with_rules(each, rules) for key, each in said.items()}
-    return said
 
 
 @dataclass(frozen=True)
@@ -143,7 +107,7 @@ class Lexicon:
         Raises:
             ValueError: if a phrase has two meanings in one terminal.
         """
-        data = _with_rules(data, data["rules"])
+        data = with_rules(data, data["rules"])
         return cls(
             verbs=_expand_verbs(data["verbs"]),
             verb_forms={verb: (ed, ing) for verb, (ed, ing) in data["verb_forms"].items()},

@@ -22,11 +22,11 @@ from grammar.words.lexicon import (
     STORED,
     WORDS,
     default_lexicon,
-    expand_template,
     words_data,
 )
 from grammar.words.normalisation import normalise
 from grammar.words.phrase_lexer import PhraseLexer, Token
+from grammar.words.phrase_templates import expand_template
 
 LEXICON = default_lexicon()
 LEXER = PhraseLexer(LEXICON)

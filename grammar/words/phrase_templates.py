@@ -1,0 +1,44 @@
+"""Templates of phrases: `(a|b)` is a choice, `[c]` may be left out, `<name>` stands for a rule."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+_RULE = re.compile(r"<(\w+)>")
+_MARK = re.compile(r"([()\[\]|])")
+
+
+def expand_template(template: str) -> list[str]:
+    """The phrases of a template: `(a|b)` is a choice, `[c]` may be left out."""
+    return [" ".join(phrase.split()) for phrase in _choices_of(iter(_MARK.split(template)))]
+
+
+def _choices_of(pieces: Iterator[str]) -> list[str]:
+    """The phrases of the pieces of a template, marks and words, up to the end of a group."""
+    choices, said = list[str](), [""]
+    for piece in pieces:
+        if piece in (")", "]"):
+            break
+        if piece == "|":
+            choices, said = choices + said, [""]
+        elif piece in ("(", "["):
+            group = [""] * (piece == "[") + _choices_of(pieces)
+            said = [before + choice for before in said for choice in group]
+        else:
+            said = [before + piece for before in said]
+    return choices + said
+
+
+def with_rules(said: Any, rules: Mapping[str, str]) -> Any:
+    """Words with the choices of the rules in the place of their names: "<can>"."""
+    if isinstance(said, str):
+        while "<" in said:
+            said = _RULE.sub(lambda named: f"({rules[named[1]]})", said)
+        return said
+    if isinstance(said, list):
+        return [with_rules(each, rules) for each in said]
+    if isinstance(said, dict):
+        return {key: with_rules(each, rules) for key, each in said.items()}
+    return said
