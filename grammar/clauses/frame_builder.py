@@ -187,7 +187,6 @@ class _ClauseReader:
             raise unexpected_part(remarks[0], self._sentence)
         if dialogue == "do":
             self._require_emphasis(frames[0], remarks[-1])
-            dialogue = None
         restored = dialogue == "repeat" and frames[0].goal.kind in _RESTORING
         if restored or dialogue == "do":  # "stand it up again"; "go ahead, push it"
             dialogue = None
