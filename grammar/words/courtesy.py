@@ -125,7 +125,7 @@ class Courtesy:
         return any(start + len(phrase) > end for phrase, _ in self._phrases.phrases_at(text, start))
 
     def _instead(self, words: list[str], kinds: set[str], rest: str) -> str | None:
-        """What to say in place of a run; None if no command can begin behind it."""
+        """Words to say in place of a run; None if no command can begin behind it."""
         last = words[-1]
         if "VERB_ING" in kinds and last in self._words["before_gerund"]:
             return "try "

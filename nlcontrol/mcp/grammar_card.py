@@ -19,6 +19,8 @@ from grammar.words.lexicon import default_lexicon
 _BOX, _MUG = g.ObjectRef(text="box"), g.ObjectRef(text="mug")
 _VALUES = {"rad": 0.17453292519943295, "N": 5.0, "m/s": 0.05, "s": 20.0, "m": 0.1}
 
+_MOST_VERBS = 10  # of a kind; it knows more
+
 _GOAL_FIELDS: dict[str, dict[str, Any]] = {
     "displace": {"direction": "away", "distance": 0.1},
     "place": {"relation": "left_of", "reference": (_MUG,), "distance": 0.05},
@@ -77,8 +79,8 @@ def _lines() -> Iterator[str]:
 
 
 def _verbs(kind: str) -> str:
-    verbs = default_lexicon().verbs.items()
-    return ", ".join(said for said, verb in verbs if verb.goal == kind)
+    said = [word for word, verb in default_lexicon().verbs.items() if verb.goal == kind]
+    return ", ".join(said[:_MOST_VERBS])
 
 
 def _goal_example(kind: str) -> str:

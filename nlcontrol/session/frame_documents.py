@@ -89,20 +89,20 @@ def command_of(said: str | Frames, parser: Parser) -> Command:
         command = _validated_command(_as_json(said))
         if not text:
             kept = tuple(without_spans(f, lambda ref: ref) for f in command.frames)
-            command = command.model_copy(update={"frames": kept})
-        _require_spans_within(command.frames, text)
+            command = command.model_copy(update={"frames": kept, "asides": ()})
+        _require_spans_within(command, text)
         with known_errors_raised():
             said = sensible_frames(command.frames, parser)
     except RecursionError as raised:
         raise _bad_frame("frames", "the parts stand too deep inside each other") from raised
     words = paraphrase(said, parser.lexicon)
-    return Command(text=text or words, frames=said, paraphrase=words)
+    return Command(text=text or words, frames=said, paraphrase=words, asides=command.asides)
 
 
 def _as_json(frames: Any) -> dict[str, Any]:
     """A document with nothing but what a command has."""
     if isinstance(frames, Command):
-        frames = {"text": frames.text, "frames": frames.frames}
+        frames = {"text": frames.text, "frames": frames.frames, "asides": frames.asides}
     elif not isinstance(frames, Mapping):
         frames = {"frames": frames}
     version = frames.get("schema_version", SCHEMA_VERSION)
@@ -131,14 +131,18 @@ def _validated_command(document: dict[str, Any]) -> Command:
     return command
 
 
-def _require_spans_within(frames: Sequence[Frame], text: str) -> None:
-    for index, frame in enumerate(frames):
-        for part in parts_within(frame):
-            for start, end in getattr(part, "spans", ()):
-                if not 0 <= start < end <= len(text):
-                    message = f"found span {[start, end]}, expected a place in the text"
-                    hint = f"spans lie within 0 and {len(text)}; they may be left out"
-                    raise _bad_frame(f"frames[{index}]", message, hint)
+def _require_spans_within(command: Command, text: str) -> None:
+    spans = [
+        (f"frames[{index}]", span)
+        for index, frame in enumerate(command.frames)
+        for part in parts_within(frame)
+        for span in getattr(part, "spans", ())
+    ]
+    for path, (start, end) in (*spans, *(("asides", span) for span in command.asides)):
+        if not 0 <= start < end <= len(text):
+            message = f"found span {[start, end]}, expected a place in the text"
+            hint = f"spans lie within 0 and {len(text)}; they may be left out"
+            raise _bad_frame(path, message, hint)
 
 
 # --- what has not the form of frames -----------------------------------------------------------
