@@ -158,7 +158,7 @@ class _ClauseReader:
         if ask and ask[0].query in ("value", "affordances", "seen", "did", "compare"):
             raise unexpected_part(verbs[0], self._sentence)
         if not verbs:
-            return [self._remark_frame(remarks)]
+            return self._remark_frames(remarks)
         excluded = self._take_parts(ph.NotThis)
         excepted = self._take_parts(ph.Except)
         things = clause_objects(self._parts, ask, remarks, self._lexicon, self._sentence)
@@ -283,21 +283,37 @@ class _ClauseReader:
                 return dialogue
         return None
 
-    def _remark_frame(self, remarks: Sequence[ph.Remark]) -> g.Frame:
+    def _dialogue_of(
+        self, remarks: Sequence[ph.Remark], excluded: Sequence[ph.NotThis], things: Parts
+    ) -> g.Dialogue | None:
+        """Act of a clause without a verb: what its remarks say, or how little is said."""
+        dialogue = self._joint_dialogue(remarks)
+        said = [part for part in self._parts if not isinstance(part, ph.Filler)]
+        if dialogue == "undo" and any(isinstance(p, ph.Length | ph.Amount) for p in said):
+            return "reverse"  # "go back 2 cm"
+        if dialogue is not None:
+            return dialogue
+        if excluded and things:
+            return "correct"
+        if self._goes_on and (things or any(isinstance(p, _SAYS) for p in said)):
+            return "same" if things and not self._sentence.question else "repeat"
+        if things or not said or self._sentence.question:
+            return None
+        bare = all(isinstance(part, (*_GOES_ON, ph.Constraint)) for part in said)
+        return "correct" if bare else None  # "10 cm", "to the left", "with one finger"
+
+    @property
+    def _goes_on(self) -> bool:
+        return any(isinstance(part, ph.Filler) and part.goes_on for part in self._parts)
+
+    def _remark_frames(self, remarks: Sequence[ph.Remark]) -> list[g.Frame]:
         """A remark without a verb: undo that, a bit more to the left, no, the coffee box."""
         excluded = self._take_parts(ph.NotThis)
-        things, parts = self._take_parts(ph.Thing), self._parts
-        dialogue = self._joint_dialogue(remarks)
-        if dialogue is None and excluded and things:
-            dialogue = "correct"
-        goes_on = any(isinstance(part, ph.Filler) and part.goes_on for part in self._parts)
-        if dialogue is None and goes_on and (things or any(isinstance(p, _SAYS) for p in parts)):
-            dialogue = "same" if things and not self._sentence.question else "repeat"
-        if dialogue == "undo" and any(isinstance(p, ph.Length | ph.Amount) for p in self._parts):
-            dialogue = "reverse"  # "go back 2 cm"
+        things = self._take_parts(ph.Thing)
+        dialogue = self._dialogue_of(remarks, excluded, things)
         if dialogue is None:
             raise no_verb(self._sentence, [*things, *self._parts])
-        if len(things) > 1:
+        if len(things) > 1 and dialogue != "same":
             raise several_objects(things[1], self._sentence)
         thing = things[0] if things else NOBODY
         rest, constraints = constraints_of(self._parts, thing, self._lexicon, self._sentence)
@@ -307,7 +323,7 @@ class _ClauseReader:
             raise unexpected_part((content or remarks)[0], self._sentence)
         if dialogue == "stop" and things:
             raise several_objects(things[0], self._sentence)
-        is_about = dialogue == "repeat" and goes_on
+        is_about = dialogue == "repeat" and self._goes_on
         if dialogue in ("more", "do", "repeat", "reverse") and things and not is_about:
             raise no_verb(self._sentence, things)
         if dialogue == "correct" and not (content or constraints or things):
@@ -327,10 +343,11 @@ class _ClauseReader:
         spans = [part.span for part in (*remarks, *excluded)]
         frame = g.Frame(
             dialogue=dialogue,
-            object=things[0].ref if things else None,
             goal=goal,
             constraints=constraints,
             spans=tuple(sorted(spans)),
         )
-        require_consistent(frame, self._sentence)
-        return frame
+        frames = [frame.model_copy(update={"object": each.ref}) for each in things] or [frame]
+        for each in frames:
+            require_consistent(each, self._sentence)
+        return frames

@@ -57,12 +57,14 @@ class Context:
         held: name of the object in the hand; None if it holds nothing.
         latest: those of the last sentence.
         moved: names of the objects that were moved, in that order.
+        group: those that were handled or compared together last, if nothing else was since.
     """
 
     last: tuple[str, ...] = ()
     held: str | None = None
     latest: tuple[str, ...] = ()
     moved: tuple[str, ...] = ()
+    group: tuple[str, ...] = ()
 
 
 NOTHING_SAID = Context()
@@ -98,7 +100,7 @@ def resolve_references(
     for frame in command.frames:
         latest = tuple(n for f in frames for n in objects_spoken_of(f)) or context.latest
         it = _pronoun_meanings(frame, spoken, context.held)
-        before = Spoken(it, it[:1], latest, context.moved)
+        before = Spoken(it, it[:1], latest, context.moved, context.group)
         for each in _frames_of_several(frame, around, before):
             frames.append(_resolve_frame(each, around, before))
             said = objects_spoken_of(frames[-1])
@@ -118,6 +120,13 @@ def objects_spoken_of(frame: Frame) -> tuple[str, ...]:
     """Names of the objects that a resolved frame speaks of: its own first, then its goal's."""
     refs = ([frame.object] if frame.object else []) + _references_in(frame.goal)
     return tuple(dict.fromkeys(ref.id for ref in refs if ref.id is not None))
+
+
+def names_together(frame: Frame) -> tuple[str, ...]:
+    """Names of what a resolved frame handles or compares, without the places that it speaks of."""
+    than = frame.goal.than if isinstance(frame.goal, Parameters) else ()
+    refs = ([frame.object] if frame.object else []) + list(than)
+    return tuple(ref.id for ref in refs if ref.id is not None)
 
 
 def parts_within(part: BaseModel) -> Iterator[BaseModel]:
@@ -176,6 +185,10 @@ def _resolve_frame(frame: Frame, around: Surroundings, before: Spoken) -> Frame:
     binder = _Binder(around, before)
     target = frame.object
     if target is not None:
+        if target.pronoun:  # "push it next to the mug" is not about the mug
+            beside = {ref.id for ref in _named_beside(frame, binder)}
+            it = tuple(name for name in spoken if name not in beside)
+            binder = replace(binder, spoken=replace(before, it=it))
         target = binder.bind_reference(target, alone=_answered_alone(frame))
     own = (target.id,) if target is not None and target.id is not None else ()
     others = tuple(name for name in spoken if name not in own)
@@ -186,6 +199,13 @@ def _resolve_frame(frame: Frame, around: Surroundings, before: Spoken) -> Frame:
     within = replace(binder, own=own, spoken=replace(around_goal, it=(*named, *own, *others)))
     constraints = tuple(within.fill_part(clause) for clause in frame.constraints)
     return frame.model_copy(update={"object": target, "goal": goal, "constraints": constraints})
+
+
+def _named_beside(frame: Frame, binder: _Binder) -> list[ObjectRef]:
+    """The objects that a frame names besides its own, bound."""
+    beside = [ref for part in (frame.goal, *frame.constraints) for ref in _references_in(part)]
+    plain = [ref for ref in beside if not ref.pronoun and ref.quantifier is None]
+    return [binder.bind_reference(ref) for ref in plain]
 
 
 def _answered_alone(frame: Frame) -> bool:

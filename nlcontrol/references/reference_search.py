@@ -44,12 +44,14 @@ class Spoken:
         last: what "the other one" may be the other of.
         latest: what the rest is the rest of.
         moved: what was moved, in that order.
+        group: of what "the taller one" and "the other one" are one, if they are several.
     """
 
     it: tuple[str, ...] = ()
     last: tuple[str, ...] = ()
     latest: tuple[str, ...] = ()
     moved: tuple[str, ...] = ()
+    group: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -152,6 +154,9 @@ def matching_objects(ref: ObjectRef, around: Surroundings, spoken: Spoken) -> li
         ControlError: `no_antecedent` if it needs one.
     """
     found, qualities = _objects_named(ref, around), _looked_for(ref, around)
+    if _is_one_of_group(ref):
+        together = [c for c in found if c.name in spoken.group]
+        found = together if len(together) > 1 else found
     if "other" in ref.qualities:
         last = _first_spoken_of(spoken.last, ref, around)
         found = [c for c in found if c.name != last]
@@ -168,6 +173,12 @@ def matching_objects(ref: ObjectRef, around: Surroundings, spoken: Spoken) -> li
         seen = _names_by_sight(ref, qualities, found, around.look())
         found = [c for c in found if c.name in seen]
     return found
+
+
+def _is_one_of_group(ref: ObjectRef) -> bool:
+    """Check for "the taller one" or "the other one"; "the tallest one" is one of all."""
+    superlative = any(word.endswith("est") for word in ref.text.split())
+    return bool(ref.qualities) and reference_noun(ref) in GENERIC and not superlative
 
 
 def _names_by_sight(

@@ -18,7 +18,11 @@ from grammar.frames import command as g
 from nlcontrol.errors import ControlError
 from nlcontrol.questions.answer import Answer
 from nlcontrol.references.object_names import name_words
-from nlcontrol.references.reference_resolution import Context, parts_within
+from nlcontrol.references.reference_resolution import (
+    Context,
+    names_together,
+    parts_within,
+)
 from nlcontrol.reports.why_answers import deed_answer, why_answer
 from nlcontrol.results.result import result_with
 from nlcontrol.session import follow_up_frames as follow_up
@@ -275,7 +279,10 @@ class Conversation:
         parts = (part for frame in reversed(frames) for part in parts_within(frame))
         names = [ref.id for ref in parts if isinstance(ref, g.ObjectRef) and ref.id is not None]
         last = tuple(dict.fromkeys((*names, *self.context.last)))
-        self.context = replace(self.context, last=last, latest=tuple(names))
+        group = tuple(dict.fromkeys(name for frame in frames for name in names_together(frame)))
+        if set(group) <= set(self.context.group):
+            group = self.context.group
+        self.context = replace(self.context, last=last, latest=tuple(names), group=group)
 
     def _recall_names(self, text: str) -> None:
         """Remembers the objects that are named where nothing else was understood."""

@@ -75,6 +75,8 @@ def goal(result: Result) -> tuple[str | None, Any]:
         ("no, I meant the cereal box", "cereal box", ("away", 0.1, None)),
         ("no, to the right", "coffee box", ("right", 0.1, None)),
         ("no, 5 cm", "coffee box", ("away", 0.05, None)),
+        ("5 cm", "coffee box", ("away", 0.05, None)),
+        ("to the right", "coffee box", ("right", 0.1, None)),
         ("push it to the right", "coffee box", ("right", None, None)),
     ],
 )
@@ -146,8 +148,11 @@ def test_a_correction_takes_the_place_of_the_name_that_was_wrong(
     assert (clause.object.text, clause.object.id) == ("cereal box", "cereal box")
 
 
-def test_what_was_not_understood_cannot_be_corrected(conversation: Conversation) -> None:
-    result = plan(conversation, AWAY, "frobnicate it", "no, to the right")
+@pytest.mark.parametrize("remark", ["no, to the right", "to the right", "5 cm"])
+def test_what_was_not_understood_cannot_be_corrected(
+    conversation: Conversation, remark: str
+) -> None:
+    result = plan(conversation, AWAY, "frobnicate it", remark)
     assert result.error is not None
     assert result.error.code == "nothing_before"
     assert plan(conversation, "again").status == "planned"
@@ -164,6 +169,38 @@ def test_what_was_not_understood_is_not_done_anyway(conversation: Conversation) 
     result = plan(conversation, AWAY, "frobnicate the mug", "do it anyway")
     assert result.error is not None
     assert result.error.code == "nothing_before"
+
+
+def test_the_taller_one_and_the_other_one_are_of_those_compared(
+    conversation: Conversation,
+) -> None:
+    compared = "which is taller, the mug or the coffee box?"
+    taller = plan(conversation, compared, "push the taller one away", "3 cm")
+    assert goal(taller) == ("coffee box", ("away", 0.03, None))
+    assert goal(plan(conversation, "now the other one")) == ("mug", ("away", 0.03, None))
+    tallest = plan(conversation, compared, "push the tallest one away")
+    assert goal(tallest)[0] == "cereal box"
+
+
+def test_the_other_one_is_asked_for_once_a_third_was_handled(conversation: Conversation) -> None:
+    compared = "which is taller, the mug or the coffee box?"
+    result = plan(conversation, compared, "push the cereal box away", "now the other one")
+    assert result.error is not None
+    assert result.error.code == "ambiguous_object"
+
+
+def test_it_is_not_what_the_sentence_names_besides(conversation: Conversation) -> None:
+    said = ("push the mug away", "how heavy is the coffee box?", "push it next to the coffee box")
+    (frame,) = plan(conversation, *said).frames
+    assert frame.object is not None
+    assert frame.object.id == "mug"
+
+
+def test_the_same_is_done_with_each(conversation: Conversation) -> None:
+    both = "do the same to the mug and the cereal box"
+    frames = plan(conversation, f"{AWAY} 4 cm", both).frames
+    assert [frame.object and frame.object.id for frame in frames] == ["mug", "cereal box"]
+    assert {getattr(frame.goal, "distance", None) for frame in frames} == {0.04}
 
 
 def test_a_question_and_a_remark_go_on_with_the_last_command(conversation: Conversation) -> None:
