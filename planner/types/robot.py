@@ -33,6 +33,8 @@ class ReachAnswer:
         blocker: name of the obstacle, if one is in the way.
         margin: if ok, smallest distance to a joint limit on the way [rad].
         numbers: figures behind the answer [SI].
+        stiffness: if ok, force per displacement of the fingertips along the push, all together
+            [N/m]; 0 of a robot that does not know it.
         work: units of work behind it, whatever was known before; see `Defaults.most_work`.
     """
 
@@ -42,6 +44,7 @@ class ReachAnswer:
     blocker: str | None = None
     margin: float = 0.0
     numbers: dict[str, float] = field(default_factory=dict)
+    stiffness: float = 0.0
     work: int = 1
 
 

@@ -31,6 +31,9 @@ class SpeedProfile:
 
 USUAL = SpeedProfile(acceleration=0.1, braking=1.5)
 
+FORCE_BAND = 0.2
+"""Share of a push's force limit below it over which its speed falls to zero."""
+
 LIFT_SPEED = 0.06
 """At which what is held goes up and down, at most [m/s]."""
 

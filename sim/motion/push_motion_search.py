@@ -167,7 +167,10 @@ class PushMotionSearch:
         if best is None:
             return self._failure_answer(asked, blocked)
         numbers = {"strength": best.strength}
-        return best.stance, ReachAnswer(ok=True, margin=best.room, numbers=numbers)
+        stiffness = best.stance.push_stiffness(np.array(self._push.direction_W))
+        return best.stance, ReachAnswer(
+            True, margin=best.room, numbers=numbers, stiffness=stiffness
+        )
 
     def _failure_answer(self, asked: int, blocked: list[_Found]) -> ReachAnswer:
         """Why no stance was found."""

@@ -14,6 +14,7 @@ import numpy as np
 from planner.types.actions import FALLING, Push, PushAction
 from planner.types.motion_guide import StopCondition
 from planner.types.plan import Plan
+from planner.types.speed_profile import FORCE_BAND
 from sim.traces.trace import EndReason
 
 _LEAST_WEIGHT = 0.1  # of a new frame: a third of a second at 30 Hz counts
@@ -75,7 +76,7 @@ RAMP = 2.0
 MOVED = 0.001
 """Travel of the fingertips that shows that the object moves [m]."""
 
-_BAND, _SMALLEST_BAND = 0.2, 0.1  # share of the limit, and [N]
+_SMALLEST_BAND = 0.1  # [N]
 _TILT_SHARE = 0.35  # a push that must not tilt stops at this share of the angle of no return
 _SLIDES_AFTER = 0.03  # travel after which a topple must show some tilt [m]
 _SLIDES_SHARE = 0.35  # of the tilt that turning about the far edge would show by then
@@ -90,7 +91,7 @@ _LOST_SHARE = 0.1  # of the onset force: less is no contact
 
 def band(push: Push) -> float:
     """Force below the limit over which the speed falls to zero [N]."""
-    return max(_BAND * push.force_limit, _SMALLEST_BAND)
+    return max(FORCE_BAND * push.force_limit, _SMALLEST_BAND)
 
 
 def fastest(push: Push) -> float:

@@ -42,12 +42,13 @@ class RuledReach:
     asked: list[Push] = field(default_factory=list)
     last: Callable[[Push], bool] | None = None
     """What it answers by when it looks thoroughly; as always if None."""
+    stiffness: float = 0.0
 
     def reach(self, push: Push, state: WorldState, effort: ReachEffort = "usual") -> ReachAnswer:
         self.asked.append(push)
         rule = self.rule if self.last is None or effort == "usual" else self.last
         if rule(push):
-            return ReachAnswer(ok=True, margin=0.5)
+            return ReachAnswer(ok=True, margin=0.5, stiffness=self.stiffness)
         return ReachAnswer(ok=False, reason="kinematics", message="too far")
 
     def estimate_reach(self, push: Push, state: WorldState) -> float:
