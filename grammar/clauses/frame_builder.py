@@ -313,7 +313,9 @@ class _ClauseReader:
         dialogue = self._dialogue_of(remarks, excluded, things)
         if dialogue is None:
             raise no_verb(self._sentence, [*things, *self._parts])
-        if len(things) > 1 and dialogue != "same":
+        if dialogue == "same":  # of "the mug, the same" only the mug is an object
+            things = [each for each in things if "same" not in each.ref.qualities] or things
+        elif len(things) > 1:
             raise several_objects(things[1], self._sentence)
         thing = things[0] if things else NOBODY
         rest, constraints = constraints_of(self._parts, thing, self._lexicon, self._sentence)
