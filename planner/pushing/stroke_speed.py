@@ -1,9 +1,9 @@
 """Speeds that strokes come to, and sentences that ask for more than that.
 
-Model: what slides catches on the table now and then. A mug and a can in the simulator lost up to a
-tenth of their speed at once, before the command changed. Fingertips of stiffness k that an object
-of mass m meets with Δv then press with Δv √(k m) more. If that takes them beyond the force limit
-less its band, the command falls back and the speed is lost. So a push keeps a speed v if
+Model: what is round catches on the table now and then. A mug in the simulator lost up to a tenth of
+its speed at once, before the command changed; boxes did not. Fingertips of stiffness k that an
+object of mass m meets with Δv then press with Δv √(k m) more. If that takes them beyond the force
+limit less its band, the command falls back and the speed is lost. So a push keeps a speed v if
 
     σ v √(k m) ≤ (1 − band) F_limit − F_onset,    σ = 0.1
 """
@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from objectmodels.geometry.base_shapes import Disc
 from planner.problem.planning_problem import PushProblem
 from planner.refusals.refusal_builder import no_plan
 from planner.types.actions import PushAction
@@ -21,7 +22,7 @@ from planner.types.speed_profile import FORCE_BAND, reached_speed
 
 _ASKING = ("speed", "min_speed", "fast")
 _SURELY = 0.5  # share of the tolerance of a speed: pushes in the simulator are off by 0.4 at most
-_CATCH = 0.1  # share of its speed that a sliding object loses at once, σ
+_CATCH = 0.1  # share of its speed that a round object loses at once, σ
 
 
 def require_speed(problem: PushProblem, pushes: Sequence[PushAction]) -> None:
@@ -52,7 +53,9 @@ def require_speed(problem: PushProblem, pushes: Sequence[PushAction]) -> None:
 
 
 def kept_speed(problem: PushProblem, push: PushAction) -> float:
-    """Speed that a push made now keeps within its force limit [m/s]; inf if that is not known."""
+    """Speed that a push made now keeps within its force limit [m/s]; inf if nothing limits it."""
+    if not isinstance(problem.target.model.base, Disc):
+        return math.inf
     effort: ReachEffort = "thorough" if problem.effort.thorough else "usual"
     stiffness = problem.robot.reach(push, problem.state, effort).stiffness
     if stiffness == 0.0:

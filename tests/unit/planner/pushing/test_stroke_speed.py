@@ -51,8 +51,12 @@ def test_a_light_object_before_stiff_fingertips_is_refused_with_what_its_force_a
     assert again.push.speed == pytest.approx(found.numbers["most"], abs=1e-3)  # told in mm/s
 
 
-@pytest.mark.parametrize(("name", "stiffness"), [("mug", SOFT), ("soup_can", STIFF), ("mug", 0.0)])
-def test_soft_fingertips_and_heavy_objects_keep_their_speed(name: str, stiffness: float) -> None:
+@pytest.mark.parametrize(
+    ("name", "stiffness"), [("mug", SOFT), ("soup_can", STIFF), ("cereal_box", STIFF), ("mug", 0.0)]
+)
+def test_soft_fingertips_heavy_objects_and_boxes_keep_their_speed(
+    name: str, stiffness: float
+) -> None:
     state = world(**{name: PlanarPose(0.55, 0.2, 0.0)})
     said = f"push the {name.replace('_', ' ')} 8 cm to the left at 0.11 m/s"
     assert planned(said, state, RuledReach(stiffness=stiffness)).push.speed == 0.11
