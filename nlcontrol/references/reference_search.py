@@ -157,6 +157,8 @@ def matching_objects(ref: ObjectRef, around: Surroundings, spoken: Spoken) -> li
     if _is_one_of_group(ref):
         together = [c for c in found if c.name in spoken.group]
         found = together if len(together) > 1 else found
+        if len(found) > 2 and _compares_two(ref):
+            return found
     if "other" in ref.qualities:
         last = _first_spoken_of(spoken.last, ref, around)
         found = [c for c in found if c.name != last]
@@ -179,6 +181,12 @@ def _is_one_of_group(ref: ObjectRef) -> bool:
     """Check for "the taller one" or "the other one"; "the tallest one" is one of all."""
     superlative = any(word.endswith("est") for word in ref.text.split())
     return bool(ref.qualities) and reference_noun(ref) in GENERIC and not superlative
+
+
+def _compares_two(ref: ObjectRef) -> bool:
+    """Check for "the taller one", which is one of two, and not one beside something else."""
+    compares = any(word.endswith("er") for word in ref.text.split() if word != "other")
+    return compares and not ref.reference and not set(COLOURS) & set(ref.qualities)
 
 
 def _names_by_sight(

@@ -182,6 +182,16 @@ def test_the_taller_one_and_the_other_one_are_of_those_compared(
     assert goal(tallest)[0] == "cereal box"
 
 
+def test_the_taller_one_is_asked_for_where_no_two_were_compared(
+    conversation: Conversation,
+) -> None:
+    result = plan(conversation, "push the taller one away")
+    assert result.error is not None
+    assert result.error.code == "ambiguous_object"
+    assert result.error.suggestions
+    assert goal(plan(conversation, "push the tallest one away"))[0] == "cereal box"
+
+
 def test_the_other_one_is_asked_for_once_a_third_was_handled(conversation: Conversation) -> None:
     compared = "which is taller, the mug or the coffee box?"
     result = plan(conversation, compared, "push the cereal box away", "now the other one")
