@@ -78,6 +78,16 @@ def test_the_speed_that_is_offered_is_one_to_which_the_stroke_comes(
     assert controller.say(error.say[0], plan_only=True).status == "planned"
 
 
+@pytest.mark.slow
+def test_the_speed_that_is_offered_for_a_light_object_is_reached() -> None:
+    controller = Controller("counter", seed=3)  # of the seeds 0 to 2 the model was made
+    error = controller.say("push the mug 7 cm to the left at 0.113 m/s").error
+    assert error is not None
+    assert error.numbers["most"] < 0.09
+    result = controller.say(error.say[0])
+    assert (result.status, result.ok) == ("done", True)
+
+
 def test_where_nothing_is_suggested_a_smaller_amount_is_found(controller: Controller) -> None:
     error = controller.say("lift the mug by 3 m", plan_only=True).error
     assert error is not None
