@@ -29,6 +29,7 @@ from objectmodels.geometry.support_points import (
     support_points,
 )
 from objectmodels.mechanics.exact.slide_search import (
+    CERTAIN,
     SlideSearch,
     Standing,
     push_blocks,
@@ -44,9 +45,6 @@ if TYPE_CHECKING:
 
 BORDER = 0.4
 """Relative distance of the closed form's thresholds within which its class may be wrong."""
-
-CERTAIN = 1e-6
-"""Residual up to which an answer is one."""
 
 
 @dataclass(frozen=True, repr=False)

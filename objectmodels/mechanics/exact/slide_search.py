@@ -27,6 +27,9 @@ BLOCK = 8192
 
 # The centre of pressure stays so much of its way short of the edge, where loads are not unique.
 _SHORT = 1e-9
+CERTAIN = 1e-6
+"""Residual up to which an answer is one."""
+
 _STEPS = 100
 _NEWTON = 12  # steps after which every other one halves the bracket
 _PRECISE = 1e-12  # of the load ratio
@@ -132,6 +135,7 @@ class SlideSearch:
         self._solve_brackets(i, zero, last, np.minimum(guess[i], last), answer)
         i, lo, hi = self._earlier_brackets(i, np.minimum(answer.ratio[i], last))
         self._solve_brackets(i, lo, hi, 0.5 * (lo + hi), answer)
+        self._look_afresh(answer)
         return answer
 
     def slide_first(self, guess: Array) -> NDArray[np.bool_]:
@@ -205,6 +209,15 @@ class SlideSearch:
             going = ~done & ~never
             open_, near = open_[going], limit.chosen_pushes(going)
         answer.residual[i[open_]] = np.inf
+
+    def _look_afresh(self, answer: Answer) -> None:
+        """Looks again from nothing near by where that left forces that do not balance."""
+        (i,) = np.nonzero((answer.residual > CERTAIN) & np.isfinite(answer.ratio))
+        if i.size:
+            look = self.friction_excess(answer.ratio[i], i, precise=True)
+            whole = np.ones(i.size, dtype=bool)
+            answer.residual[i] = self._residual(answer.ratio[i], i, look, whole)
+            answer.motion[:, i] = look.limit.across, look.limit.turn
 
     def _earlier_brackets(self, i: Index, found: Array) -> tuple[Index, Array, Array]:
         """Pushes that slide before those found, where looked at last, and brackets of that.
