@@ -71,9 +71,14 @@ class SimulatedExecutor:
         """The scene as JSON, but for defaults and models, which belong to who uses the robot."""
         return self.scene.model_dump(mode="json", by_alias=True, exclude={"defaults", "models"})
 
-    @cached_property
+    @property
     def robot(self) -> ArmHandReach:
         """Reach of arm and hand, as the planner asks for it."""
+        return self._robot
+
+    @cached_property
+    def _robot(self) -> ArmHandReach:
+        # Type checkers differ about cached properties where a protocol has a property.
         return ArmHandReach(self.cell, ARM, HAND)
 
     @cached_property

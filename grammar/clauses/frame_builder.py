@@ -313,8 +313,11 @@ class _ClauseReader:
         dialogue = self._dialogue_of(remarks, excluded, things)
         if dialogue is None:
             raise no_verb(self._sentence, [*things, *self._parts])
+        alike: list[ph.Thing] = []
         if dialogue == "same":  # of "the mug, the same" only the mug is an object
-            things = [each for each in things if "same" not in each.ref.qualities] or things
+            alike = [each for each in things if "same" in each.ref.qualities]
+            things = [each for each in things if each not in alike] or things
+            alike = [each for each in alike if each not in things]
         elif len(things) > 1:
             raise several_objects(things[1], self._sentence)
         thing = things[0] if things else NOBODY
@@ -342,7 +345,7 @@ class _ClauseReader:
             kind = Verb("", "rotate") if turns else Verb("", "displace")
             goal = goal_builder_for(kind, None, clause)(clause)
         clause.require_all_taken("")
-        spans = [part.span for part in (*remarks, *excluded)]
+        spans = [part.span for part in (*remarks, *excluded, *alike)]
         frame = g.Frame(
             dialogue=dialogue,
             goal=goal,

@@ -33,7 +33,7 @@ class Names(TokenReader):
             text = "it" if own_contents else text
             ref = g.ObjectRef(text=text, spans=((start, end),), pronoun=True)
         elif numbered := tokens_in(children, "NUMBER", "NUMBER_WORD"):
-            _, end = self.span_of(numbered)
+            _, end = self.span_of([*numbered, *tokens_in(children, "ON_IT")])
             text = f"{text} {self.numbers_in(numbered)[0]:f}"
             ref = g.ObjectRef(text=text, spans=((start, end),))
         else:
