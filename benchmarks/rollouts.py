@@ -137,7 +137,7 @@ def planned(goal: Goal, repetitions: int, *, kinematics: bool) -> tuple[list[flo
     controller = Controller(world(), registry=Registry.built_in())
     if not kinematics:
         executor = simulation(controller.executor)
-        executor.robot = Everywhere(executor.cell, ARM, HAND)
+        executor._robot = Everywhere(executor.cell, ARM, HAND)
     (frame,) = controller.resolve(controller.parse(goal.text)).frames
     state, _ = controller.look(), controller.robot
     times, why = [], ""

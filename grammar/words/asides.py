@@ -215,6 +215,8 @@ class Asides:
         self, said: Normalised, start: int, end: int, only: frozenset[str] = frozenset()
     ) -> Normalised | None:
         """The sentence with what follows a mark of correction in the place of what it corrects."""
+        if self._goes_beyond(said.text, start, end):
+            return None  # "left, no nearer than 5 cm"
         paused = said.text[start] in ",.;" or said.text[:end].endswith(",")
         start = len(said.text[:start].rstrip(" ,"))
         end = len(said.text) - len(said.text[end:].lstrip(" ,"))
@@ -235,6 +237,13 @@ class Asides:
             kept = [(wrong.end, start)] if between and len(after) == 1 else []
             return _joined(said, (0, wrong.start), after[0][:2], *kept, rest)
         return None
+
+    def _goes_beyond(self, text: str, start: int, end: int) -> bool:
+        """Check for a mark of correction that is the beginning of a phrase."""
+        mark = text[start:end].strip(" ,.;")
+        start = text.index(mark, start)
+        phrases = self._phrases.phrases_at(text, start)
+        return any(phrase.startswith(f"{mark} ") for phrase, _ in phrases)
 
     def _begins_a_group(self, text: str, start: int) -> bool:
         """Check for a phrase of the language or a number, and not for any word."""

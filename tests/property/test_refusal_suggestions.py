@@ -48,6 +48,11 @@ def test_a_quoted_name_follows_on() -> None:
         assert parse(command.paraphrase).paraphrase == command.paraphrase
 
 
+def test_no_is_no_correction_at_the_beginning_of_a_phrase() -> None:
+    words = parse("push the tin left, no nearer than 14 cm").paraphrase
+    assert words == parse("push the tin to the left by at least 14 cm").paraphrase
+
+
 @pytest.mark.parametrize(
     ("text", "units"),
     [

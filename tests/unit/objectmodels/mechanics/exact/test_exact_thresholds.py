@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from objectmodels import BoxModel, CylinderModel, ModelError, Polygon, Registry
 from objectmodels.mechanics.exact import exact_thresholds
-from objectmodels.mechanics.exact.exact_thresholds import CERTAIN, ExactThresholds, exact_codes
+from objectmodels.mechanics.exact.exact_thresholds import ExactThresholds, exact_codes
+from objectmodels.mechanics.exact.slide_search import CERTAIN
 from objectmodels.mechanics.exact.support_springs import Springs
 from objectmodels.mechanics.friction_limit import friction_limit
 
