@@ -320,7 +320,7 @@ def test_it_is_told_that_planning_takes_longer(
     # Nothing is asked of the hand.
     controller.say("push the ice tea box 3 m away", plan_only=True, progress=progress)
     assert told == []
-    monkeypatch.setattr(controller.executor, "robot", RuledReach(lambda _: False))
+    monkeypatch.setattr(controller.executor, "_robot", RuledReach(lambda _: False))
     controller.say("push the ice tea box away", plan_only=True, progress=progress)
     assert told
     assert set(told) == {("plan", "no plan as usual; looking thoroughly for what the hand can do")}
