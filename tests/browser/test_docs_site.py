@@ -87,7 +87,7 @@ def test_the_search_works_in_a_page_that_is_opened_from_its_file(
     page.on("request", lambda request: asked.append(request.url))
     page.goto((site / "index.html").as_uri())
     page.fill("input[data-md-component=search-query]", "crush_n")
-    page.wait_for_selector(".md-search-result__item", timeout=60_000)
+    page.wait_for_selector(".md-search-result__item", state="attached", timeout=60_000)
     first = page.locator(".md-search-result__link").first
     assert "models.html" in (first.get_attribute("href") or "")
     assert [url for url in asked if not url.startswith(("file:", "data:", "blob:", "about:"))] == []
