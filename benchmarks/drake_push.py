@@ -17,9 +17,10 @@ from pydrake.multibody.plant import (
     AddMultibodyPlant,
     CoulombFriction,
     ExternallyAppliedSpatialForce,
+    MultibodyPlant,
     MultibodyPlantConfig,
 )
-from pydrake.multibody.tree import SpatialInertia, UnitInertia
+from pydrake.multibody.tree import RigidBody, SpatialInertia, UnitInertia
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
@@ -30,31 +31,17 @@ SINKS = 3e-6
 """Depth to which the corners sink in under the weight [m]; they are springs of one stiffness."""
 
 
-class DrakeWorld:
-    """The object in Drake; a `benchmarks.pushes.World`."""
+class BodyInDrake:
+    """A body of a plant that is complete; a `benchmarks.pushes.World`."""
 
-    def __init__(self, model: ObjectModel) -> None:
-        builder = DiagramBuilder()
-        config = MultibodyPlantConfig(time_step=STEP, discrete_contact_approximation="sap")
-        self.plant, _ = AddMultibodyPlant(config, builder)
-        contact = _contact(model)
-        com = np.array(model.com)
-        inertia = UnitInertia(*model.gyration).ShiftFromCenterOfMass(com)
-        self.body = self.plant.AddRigidBody("object", SpatialInertia(model.mass, com, inertia))
-        for i, (x, y) in enumerate(model.footprint.corners):
-            centre = RigidTransform(np.array([x, y, SPHERE]))
-            self.plant.RegisterCollisionGeometry(
-                self.body, centre, Sphere(SPHERE), f"corner{i}", contact
-            )
-        self.plant.RegisterCollisionGeometry(
-            self.plant.world_body(), RigidTransform(), HalfSpace(), "table", contact
-        )
-        self.plant.Finalize()
+    def __init__(self, builder: DiagramBuilder, plant: MultibodyPlant, body: RigidBody) -> None:
+        plant.Finalize()
+        self.plant, self.body = plant, body
         self.simulator = Simulator(builder.Build())
-        self.context = self.plant.GetMyMutableContextFromRoot(self.simulator.get_mutable_context())
+        self.context = plant.GetMyMutableContextFromRoot(self.simulator.get_mutable_context())
         self.push = ExternallyAppliedSpatialForce()
-        self.push.body_index = self.body.index()
-        self.applied = self.plant.get_applied_spatial_force_input_port()
+        self.push.body_index = body.index()
+        self.applied = plant.get_applied_spatial_force_input_port()
         self.steps = 0
 
     def step(self, point: Array, force: Array) -> tuple[Array, Array]:
@@ -66,6 +53,26 @@ class DrakeWorld:
         self.simulator.AdvanceTo(self.steps * STEP, interruptible=False)
         velocity = self.plant.EvalBodySpatialVelocityInWorld(self.context, self.body)
         return velocity.rotational(), velocity.translational()
+
+
+class DrakeWorld(BodyInDrake):
+    """An object on its base corners in Drake."""
+
+    def __init__(self, model: ObjectModel) -> None:
+        builder = DiagramBuilder()
+        config = MultibodyPlantConfig(time_step=STEP, discrete_contact_approximation="sap")
+        plant, _ = AddMultibodyPlant(config, builder)
+        contact = _contact(model)
+        com = np.array(model.com)
+        inertia = UnitInertia(*model.gyration).ShiftFromCenterOfMass(com)
+        body = plant.AddRigidBody("object", SpatialInertia(model.mass, com, inertia))
+        for i, (x, y) in enumerate(model.footprint.corners):
+            centre = RigidTransform(np.array([x, y, SPHERE]))
+            plant.RegisterCollisionGeometry(body, centre, Sphere(SPHERE), f"corner{i}", contact)
+        plant.RegisterCollisionGeometry(
+            plant.world_body(), RigidTransform(), HalfSpace(), "table", contact
+        )
+        super().__init__(builder, plant, body)
 
 
 def _contact(model: ObjectModel) -> ProximityProperties:

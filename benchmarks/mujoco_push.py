@@ -54,11 +54,11 @@ def world_text(model: ObjectModel) -> str:
     )
 
 
-class MujocoWorld:
-    """The object in MuJoCo; a `benchmarks.pushes.World`."""
+class BodyInMujoco:
+    """The only free body of a world as MuJoCo reads it; a `benchmarks.pushes.World`."""
 
-    def __init__(self, model: ObjectModel) -> None:
-        self.model = mujoco.MjModel.from_xml_string(world_text(model))
+    def __init__(self, text: str) -> None:
+        self.model = mujoco.MjModel.from_xml_string(text)
         self.data = mujoco.MjData(self.model)
         self.rotation = np.empty(9)
         mujoco.mj_forward(self.model, self.data)
@@ -80,3 +80,10 @@ class MujocoWorld:
         mujoco.mj_step(self.model, self.data)
         mujoco.mju_quat2Mat(self.rotation, position[3:7])
         return self.rotation.reshape(3, 3) @ velocity[3:], velocity[:3].copy()
+
+
+class MujocoWorld(BodyInMujoco):
+    """An object on its base corners in MuJoCo."""
+
+    def __init__(self, model: ObjectModel) -> None:
+        super().__init__(world_text(model))

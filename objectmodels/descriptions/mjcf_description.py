@@ -17,8 +17,7 @@ from __future__ import annotations
 
 from xml.sax.saxutils import quoteattr
 
-from objectmodels.descriptions.rigid_body import FOOT, RigidBody
-from objectmodels.geometry.base_shapes import Array
+from objectmodels.descriptions.rigid_body import FOOT, RigidBody, numbers_text
 from objectmodels.mechanics.push_thresholds import GRAVITY
 
 _IMPEDANCE = 0.5
@@ -31,11 +30,12 @@ def mjcf_text(body: RigidBody) -> str:
     share = (1.0 - _IMPEDANCE) + _IMPEDANCE * len(body.feet)
     stiffness, damping = share * _FREQUENCY**2, 2.0 * share * _FREQUENCY
     feet = "\n".join(
-        f'      <geom class="foot" pos="{_row(place)}"'
+        f'      <geom class="foot" pos="{numbers_text(place)}"'
         f' solref="{-stiffness * weight:.9g} {-damping * weight:.9g}"/>'
         for place, weight in zip(body.feet, body.weights, strict=True)
     )
     asset, solid = _solid(body)
+    com, inertia = numbers_text(body.com), numbers_text(body.inertia)
     return f"""<mujoco model={quoteattr(body.name)}>
   <option timestep="0.001" gravity="0 0 {-GRAVITY}" cone="elliptic" impratio="1000"/>
   <default>
@@ -47,7 +47,7 @@ def mjcf_text(body: RigidBody) -> str:
   <worldbody>
     <body name={quoteattr(body.name)}>
       <freejoint/>
-      <inertial pos="{_row(body.com)}" mass="{body.mass:.9g}" diaginertia="{_row(body.inertia)}"/>
+      <inertial pos="{com}" mass="{body.mass:.9g}" diaginertia="{inertia}"/>
       <geom name="solid" {solid} friction="{body.finger_friction:.9g} 0 0" condim="3" priority="1"/>
 {feet}
     </body>
@@ -59,15 +59,11 @@ def mjcf_text(body: RigidBody) -> str:
 def _solid(body: RigidBody) -> tuple[str, str]:
     """The assets, and what a geom says of the shape."""
     x, y, z = (body.size / 2.0).tolist()
-    place = f'pos="{_row(body.middle)}"'
+    place = f'pos="{numbers_text(body.middle)}"'
     if body.shape == "box":
         return "", f'type="box" size="{x:.9g} {y:.9g} {z:.9g}" {place}'
     if body.shape == "cylinder":
         return "", f'type="cylinder" size="{x:.9g} {z:.9g}" {place}'
-    corners = "  ".join(_row(vertex) for vertex in body.vertices)
+    corners = "  ".join(numbers_text(vertex) for vertex in body.vertices)
     asset = f'\n  <asset>\n    <mesh name="hull" vertex="{corners}"/>\n  </asset>'
     return asset, 'type="mesh" mesh="hull"'
-
-
-def _row(values: Array) -> str:
-    return " ".join(f"{value:.9g}" for value in values.tolist())

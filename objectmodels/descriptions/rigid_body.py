@@ -16,6 +16,7 @@ import numpy as np
 
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.support_points import support_points
+from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.models.convex_hull import HullModel
 from objectmodels.models.upright_solids import BoxModel, CylinderModel
 
@@ -66,6 +67,11 @@ class RigidBody:
     vertices: Array
 
     @property
+    def stiffness(self) -> float:
+        """Stiffness of all feet together [N/m]."""
+        return self.mass * GRAVITY / SINKS
+
+    @property
     def size(self) -> Array:
         """Extents of the solid, shape (3,) [m]."""
         return np.asarray(np.ptp(self.vertices, axis=0))
@@ -74,6 +80,11 @@ class RigidBody:
     def middle(self) -> Array:
         """Middle of its extents, shape (3,) [m]."""
         return np.asarray((self.vertices.min(axis=0) + self.vertices.max(axis=0)) / 2.0)
+
+
+def numbers_text(values: Array) -> str:
+    """Numbers with nine digits, as attributes of these files have them."""
+    return " ".join(f"{value:.9g}" for value in values.tolist())
 
 
 def rigid_body(model: ObjectModel) -> RigidBody:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from xml.sax.saxutils import quoteattr
 
-from objectmodels.descriptions.rigid_body import FOOT, RELAXATION, SINKS, RigidBody
+from objectmodels.descriptions.rigid_body import FOOT, RELAXATION, RigidBody, numbers_text
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.mechanics.push_thresholds import GRAVITY
 
 
 def sdf_text(body: RigidBody, mesh: str) -> str:
@@ -27,7 +26,7 @@ def sdf_text(body: RigidBody, mesh: str) -> str:
   <model name={quoteattr(body.name)}>
     <link name={quoteattr(body.name)}>
       <inertial>
-        <pose>{_row(body.com)} 0 0 0</pose>
+        <pose>{numbers_text(body.com)} 0 0 0</pose>
         <mass>{body.mass:.9g}</mass>
         <inertia>
           <ixx>{xx:.9g}</ixx><iyy>{yy:.9g}</iyy><izz>{zz:.9g}</izz>
@@ -35,7 +34,7 @@ def sdf_text(body: RigidBody, mesh: str) -> str:
         </inertia>
       </inertial>
       <visual name="solid">
-        <pose>{_row(place)} 0 0 0</pose>
+        <pose>{numbers_text(place)} 0 0 0</pose>
         <geometry>{shape}</geometry>
       </visual>
 {_collision("solid", place, shape, body, None)}
@@ -51,14 +50,14 @@ def _collision(name: str, place: Array, shape: str, body: RigidBody, weight: flo
     mu = body.finger_friction if weight is None else body.friction
     spring = ""
     if weight is not None:
-        stiffness = weight * body.mass * GRAVITY / SINKS
+        stiffness = weight * body.stiffness
         spring = f"""
         <drake:proximity_properties>
           <drake:point_contact_stiffness>{stiffness:.9g}</drake:point_contact_stiffness>
           <drake:relaxation_time>{RELAXATION}</drake:relaxation_time>
         </drake:proximity_properties>"""
     return f"""      <collision name="{name}">
-        <pose>{_row(place)} 0 0 0</pose>
+        <pose>{numbers_text(place)} 0 0 0</pose>
         <geometry>{shape}</geometry>
         <surface><friction><ode><mu>{mu:.9g}</mu><mu2>{mu:.9g}</mu2></ode></friction></surface>{spring}
       </collision>"""
@@ -68,13 +67,9 @@ def _shape(body: RigidBody, mesh: str) -> tuple[str, Array]:
     """Geometry of the solid, and where its own frame is."""
     x, _, z = body.size.tolist()
     if body.shape == "box":
-        return f"<box><size>{_row(body.size)}</size></box>", body.middle
+        return f"<box><size>{numbers_text(body.size)}</size></box>", body.middle
     if body.shape == "cylinder":
         size = f"<radius>{x / 2.0:.9g}</radius><length>{z:.9g}</length>"
         return f"<cylinder>{size}</cylinder>", body.middle
     uri = f"<uri>{mesh}</uri><drake:declare_convex/>"
     return f"<mesh>{uri}</mesh>", 0.0 * body.middle
-
-
-def _row(values: Array) -> str:
-    return " ".join(f"{value:.9g}" for value in values.tolist())

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from xml.sax.saxutils import quoteattr
 
-from objectmodels.descriptions.rigid_body import FOOT, RELAXATION, SINKS, RigidBody
+from objectmodels.descriptions.rigid_body import FOOT, RELAXATION, RigidBody, numbers_text
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.mechanics.push_thresholds import GRAVITY
 
 
 def urdf_text(body: RigidBody, mesh: str) -> str:
@@ -26,12 +25,12 @@ def urdf_text(body: RigidBody, mesh: str) -> str:
 <robot name={quoteattr(body.name)} xmlns:drake="http://drake.mit.edu">
   <link name={quoteattr(body.name)}>
     <inertial>
-      <origin xyz="{_row(body.com)}"/>
+      <origin xyz="{numbers_text(body.com)}"/>
       <mass value="{body.mass:.9g}"/>
       <inertia ixx="{xx:.9g}" iyy="{yy:.9g}" izz="{zz:.9g}" ixy="0" ixz="0" iyz="0"/>
     </inertial>
     <visual>
-      <origin xyz="{_row(place)}"/>
+      <origin xyz="{numbers_text(place)}"/>
       <geometry>{shape}</geometry>
     </visual>
 {_collision(place, shape, body, None)}
@@ -50,12 +49,12 @@ def _collision(place: Array, shape: str, body: RigidBody, weight: float | None) 
     mu = body.finger_friction if weight is None else body.friction
     spring = ""
     if weight is not None:
-        stiffness = weight * body.mass * GRAVITY / SINKS
+        stiffness = weight * body.stiffness
         spring = f"""
         <drake:point_contact_stiffness value="{stiffness:.9g}"/>
         <drake:relaxation_time value="{RELAXATION}"/>"""
     return f"""    <collision>
-      <origin xyz="{_row(place)}"/>
+      <origin xyz="{numbers_text(place)}"/>
       <geometry>{shape}</geometry>
       <drake:proximity_properties>
         <drake:mu_static value="{mu:.9g}"/>
@@ -68,11 +67,7 @@ def _shape(body: RigidBody, mesh: str) -> tuple[str, Array]:
     """Geometry of the solid, and where its own frame is."""
     x, _, z = body.size.tolist()
     if body.shape == "box":
-        return f'<box size="{_row(body.size)}"/>', body.middle
+        return f'<box size="{numbers_text(body.size)}"/>', body.middle
     if body.shape == "cylinder":
         return f'<cylinder radius="{x / 2.0:.9g}" length="{z:.9g}"/>', body.middle
     return f'<mesh filename="{mesh}"><drake:declare_convex/></mesh>', 0.0 * body.middle
-
-
-def _row(values: Array) -> str:
-    return " ".join(f"{value:.9g}" for value in values.tolist())
