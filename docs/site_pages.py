@@ -19,7 +19,8 @@ PAGES = ("CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md")
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Adds the pages of the project's folder, and the examples."""
-    for path in (*map(Path, PAGES), *sorted(Path("examples").glob("*.*"))):
+    examples = (path for path in sorted(Path("examples").rglob("*.*")) if path.suffix != ".pyc")
+    for path in (*map(Path, PAGES), *examples):
         content = (ROOT / path).read_bytes()
         files.append(File.generated(config, path.as_posix(), content=content))
     return files

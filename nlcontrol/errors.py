@@ -76,6 +76,17 @@ CODES: dict[str, Status] = {
     "bad_push": _CALLER,
     "bad_model_file": _CALLER,
     "not_yours": _CALLER,
+    # Tests of a plug-in's models.
+    "unknown_plugin": _CALLER,
+    "no_models": _CALLER,
+    "wrong_frame": _CALLER,
+    "not_finite": _CALLER,
+    "out_of_bounds": _CALLER,
+    "not_balanced": _CALLER,
+    "too_slow": _CALLER,
+    "not_picklable": _CALLER,
+    "not_saved": _CALLER,
+    # More of the caller's files and options.
     "bad_record": _CALLER,
     "bad_recipe": _CALLER,
     "not_repeatable": _CALLER,

@@ -12,24 +12,17 @@ one is back when that file is removed. Synonyms take over nothing.
 from __future__ import annotations
 
 import os
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from functools import cache
-from importlib.metadata import EntryPoint, entry_points
 from importlib.resources import as_file, files
-from os import PathLike
 from pathlib import Path
 from types import MappingProxyType
 
 from objectmodels.errors import ModelError, fold_text, suggest
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.registry.model_files import BUILT_IN_KINDS, kind_of, load_model
+from objectmodels.registry.plugin_offers import Offer, plugin_offers
 from objectmodels.registry.user_folder import user_folder
-
-GROUP = "nlcontrol.objectmodels"
-"""Entry points of other packages that bring object models."""
-
-Offer = type[ObjectModel] | ObjectModel | Path
-"""What a plug-in brings, one at a time."""
 
 
 class Registry:
@@ -69,20 +62,52 @@ class Registry:
         """A registry of the built-in models alone."""
         return _built_in().copy()
 
-    def load_plugins(self) -> None:
-        """Adds kinds and models of the installed plug-ins; the broken ones go to `problems`."""
-        for place, offer in plugin_offers():
+    @classmethod
+    def of_plugin(cls, entry: str) -> Registry:
+        """A registry of the models of one plug-in, and of all others of the kinds that it brings.
+
+        Args:
+            entry: see `plugin_offers`.
+
+        Raises:
+            ModelError: `unknown_plugin`.
+        """
+        known, registry = cls.default(), cls()
+        registry._kinds |= known._kinds
+        registry.load_plugins(entry)
+        kinds = [offer for _, offer in plugin_offers(entry) if isinstance(offer, type)]
+        for model in known:
+            if type(model) in kinds and model.name not in registry:
+                registry.add(model, place=known.place(model.name))
+        return registry
+
+    def load_plugins(self, entry: str | None = None) -> None:
+        """Adds kinds and models of the installed plug-ins; the broken ones go to `problems`.
+
+        Args:
+            entry: see `plugin_offers`, whose errors this raises.
+        """
+        for place, offer in plugin_offers(entry):
             try:
-                if isinstance(offer, ModelError):
-                    raise offer
-                if isinstance(offer, type):
-                    self.add_kind(offer, place=place)
-                elif isinstance(offer, ObjectModel):
-                    self.add(offer, place=place)
-                else:
-                    self.load(offer, place=place)
+                self.take(offer, place)
             except ModelError as error:
                 self._problems.append(error)
+
+    def take(self, offer: Offer | ModelError, place: str) -> None:
+        """Adds what a plug-in brings: a kind, a model, a file or a folder.
+
+        Raises:
+            ModelError: the one that stands for a broken plug-in; what `add_kind`, `add` and `load`
+                raise.
+        """
+        if isinstance(offer, ModelError):
+            raise offer
+        if isinstance(offer, type):
+            self.add_kind(offer, place=place)
+        elif isinstance(offer, ObjectModel):
+            self.add(offer, place=place)
+        else:
+            self.load(offer, place=place)
 
     def add_kind(self, cls: type[ObjectModel], *, place: str = "added by the program") -> None:
         """Adds a kind of model, so that model files may be of it.
@@ -271,58 +296,3 @@ def _built_in() -> Registry:
     with as_file(files("objectmodels.registry") / "builtin") as folder:
         registry.load(folder, place="built in")
     return registry
-
-
-def plugin_offers() -> Iterator[tuple[str, Offer | ModelError]]:
-    """Offers of the installed plug-ins, each with its place; errors of the broken ones.
-
-    An entry point names a class of models (a new *kind*, whose name then stands in the `format` of
-    model files), a model, a path of a model file or of a folder of them, an iterable of these, or a
-    function without arguments that returns one of them. A plug-in that fails takes no other one
-    down. Kinds come first, so that model files of one plug-in may be of a kind of another one.
-    """
-    found: list[tuple[str, Offer | ModelError]] = []
-    for point in sorted(entry_points(group=GROUP), key=lambda p: (_package_name(p), p.name)):
-        place = f"plug-in {point.name!r} of {_package_name(point)}"
-        try:
-            found += [(place, offer) for offer in _offers_from(point.load())]
-        except Exception as error:  # a plug-in may fail in any way
-            found.append((place, _plugin_error(place, error)))
-    yield from sorted(found, key=lambda offer: not isinstance(offer[1], type))
-
-
-def _package_name(point: EntryPoint) -> str:
-    return point.dist.name if point.dist else point.value.partition(":")[0]
-
-
-def _offers_from(thing: object) -> Iterator[Offer]:
-    """The offers in what an entry point names."""
-    if isinstance(thing, type):
-        if not issubclass(thing, ObjectModel):
-            raise TypeError(f"{thing.__name__} is not a subclass of ObjectModel")
-        yield thing
-    elif isinstance(thing, ObjectModel):
-        yield thing
-    elif isinstance(thing, str | PathLike):
-        yield Path(thing)
-    elif callable(thing):
-        yield from _offers_from(thing())
-    elif isinstance(thing, Iterable):
-        for each in thing:
-            yield from _offers_from(each)
-    else:
-        raise TypeError(
-            f"expected a class, a model, a path or a function, found {type(thing).__name__}"
-        )
-
-
-def _plugin_error(place: str, error: Exception) -> ModelError:
-    if isinstance(error, ModelError):
-        return ModelError(
-            error.code, f"{place}: {error.message}", path=error.path, suggestions=error.suggestions
-        )
-    return ModelError(
-        "broken_plugin",
-        f"{place} failed: {type(error).__name__}: {error}",
-        suggestions=("mend or uninstall the package",),
-    )

@@ -1,6 +1,6 @@
-"""A package of somebody else brings a kind of model, and a sentence is said about its object.
+"""The two packages of `examples`: a kind of object and words, and sentences said with them.
 
-The class is the guide's own (docs/models.md), installed with pip into a folder of the test.
+They are installed with pip into a folder of the test.
 """
 
 from __future__ import annotations
@@ -8,43 +8,16 @@ from __future__ import annotations
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
 
-GUIDE = (Path(__file__).parents[2] / "docs" / "models.md").read_text(encoding="utf-8")
-
-PROJECT = """\
-[build-system]
-requires = ["hatchling"]
-build-backend = "hatchling.build"
-
-[project]
-name = "nlcontrol-cartons"
-version = "0.1.0"
-
-[tool.hatch.build.targets.wheel]
-packages = ["cartons"]
-
-"""
-
-MILK = """\
-format: carton/1
-name: milk carton
-synonyms: [milk]
-size_m: [0.07, 0.07, 0.20]
-shell_kg: 0.03
-fill: 0.5
-mass_kg: 0.53
-mass_kg_sd: 0.02
-friction_table: 0.30
-friction_table_sd: 0.02
-friction_finger: 0.6
-centre_of_mass_m_sd: [0.001, 0.001, 0.005]
-provenance: {source: a test}
-"""
+ROOT = Path(__file__).parents[2]
+EXAMPLES = ROOT / "examples"
 
 SCENE = """\
 version: 1
@@ -60,31 +33,29 @@ objects:
 """
 
 
-def block(language: str) -> str:
-    (found,) = re.findall(rf"^```{language}\n(.*?)^```$", GUIDE, re.MULTILINE | re.DOTALL)
+def block(page: str, language: str) -> str:
+    guide = (ROOT / "docs" / page).read_text(encoding="utf-8")
+    (found,) = re.findall(rf"^```{language}\n(.*?)^```$", guide, re.MULTILINE | re.DOTALL)
     return str(found)
 
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder into which the package was installed."""
-    source, target = tmp_path_factory.mktemp("cartons"), tmp_path_factory.mktemp("site")
-    package = source / "cartons"
-    (package / "models").mkdir(parents=True)
-    code = block("python kind") + "\n\nMODELS = Path(__file__).parent / 'models'\n"
-    code = code.replace("from typing import", "from pathlib import Path\nfrom typing import", 1)
-    (package / "__init__.py").write_text(code, encoding="utf-8")
-    (package / "models" / "milk.yaml").write_text(MILK, encoding="utf-8")
-    (package / "models" / "broken.yaml").write_text("format: carton/1\n", encoding="utf-8")
-    (source / "pyproject.toml").write_text(PROJECT + block("toml"), encoding="utf-8")
+    """A folder into which the packages were installed, one of their files broken."""
+    copies, target = tmp_path_factory.mktemp("copies"), tmp_path_factory.mktemp("site")
+    for name in ("cartons", "workshop"):
+        shutil.copytree(EXAMPLES / name, copies / name)
+    broken = copies / "cartons" / "cartons" / "models" / "broken.yaml"
+    broken.write_text("format: carton/1\n", encoding="utf-8")
     command = [sys.executable, "-m", "pip", "install", "-q", "--no-index", "--no-deps"]
-    command += ["--no-build-isolation", "--target", str(target), str(source)]
+    command += ["--no-build-isolation", "--target", str(target)]
+    command += [str(copies / "cartons"), str(copies / "workshop")]
     subprocess.run(command, check=True, capture_output=True, timeout=120)
     return target
 
 
 def nlcontrol(site: Path, *args: str) -> subprocess.CompletedProcess[str]:
-    paths = [str(site), str(Path(__file__).parents[2]), os.environ.get("PYTHONPATH", "")]
+    paths = [str(site), str(ROOT), os.environ.get("PYTHONPATH", "")]
     return subprocess.run(
         [sys.executable, "-m", "nlcontrol", *args],
         capture_output=True, text=True, encoding="utf-8", timeout=300, check=False,
@@ -92,8 +63,18 @@ def nlcontrol(site: Path, *args: str) -> subprocess.CompletedProcess[str]:
     )  # fmt: skip
 
 
-def test_the_class_of_the_guide_has_thirty_lines() -> None:
-    assert len(block("python kind").rstrip().splitlines()) <= 36
+def test_the_packages_are_those_of_the_guides() -> None:
+    kind = block("models.md", "python kind")
+    assert len(kind.rstrip().splitlines()) <= 36
+    source = (EXAMPLES / "cartons" / "cartons" / "__init__.py").read_text("utf-8")
+    assert source.replace("from pathlib import Path\n", "").startswith(kind)
+    assert 'MODELS = Path(__file__).parent / "models"' in source
+    words = (EXAMPLES / "workshop" / "workshop" / "__init__.py").read_text("utf-8")
+    assert words == block("language_reference.md", "python words")
+    for package, page in (("cartons", "models.md"), ("workshop", "language_reference.md")):
+        told = tomllib.loads(block(page, "toml"))["project"]["entry-points"]
+        project = tomllib.loads((EXAMPLES / package / "pyproject.toml").read_text("utf-8"))
+        assert project["project"]["entry-points"] == told
 
 
 def test_its_objects_are_listed_and_its_broken_file_is_skipped(site: Path) -> None:
@@ -122,6 +103,25 @@ def test_a_sentence_about_its_object_is_planned(site: Path, tmp_path: Path) -> N
     document = json.loads(told.stdout)
     assert (told.returncode, document["status"]) == (0, "planned"), told.stderr
     assert document["plan"]["actions"][0]["prediction"]["outcome"] == "slide"
+
+
+def test_a_sentence_in_its_words_is_planned(site: Path) -> None:
+    told = nlcontrol(site, "plan", "scoot the mug 3 cm to port with kid gloves", "--json")
+    document = json.loads(told.stdout)
+    assert (told.returncode, document["status"]) == (0, "planned"), told.stderr
+    assert document["frames"][0]["goal"]["direction"] == "left"
+
+
+def test_its_models_are_checked_and_the_broken_file_is_named(site: Path) -> None:
+    told = nlcontrol(site, "objects", "check", "carton", "--json")
+    document = json.loads(told.stdout)
+    assert (told.returncode, document["ok"]) == (0, True), told.stdout
+    assert {row["object"] for row in document["checks"]} == {"milk carton"}
+    told = nlcontrol(site, "objects", "check", "nlcontrol-cartons", "--json")
+    document = json.loads(told.stdout)
+    assert (told.returncode, document["error"]["code"]) == (2, "missing_key")
+    faults = [row["object"] for row in document["checks"] if row["error"]]
+    assert faults == ["nlcontrol-cartons"]
 
 
 @pytest.mark.slow

@@ -37,8 +37,16 @@ EXAMPLES = {
 }
 
 SERVICE = "tests/unit/nlcontrol/service"
+MODEL_CHECKS = "tests/unit/objectmodels/registry/test_model_checks.py"
 ELSEWHERE = {
     "not_explorable": "tests/unit/nlcontrol/session/test_exploration_commands.py",
+    "wrong_frame": MODEL_CHECKS,
+    "not_finite": MODEL_CHECKS,
+    "out_of_bounds": MODEL_CHECKS,
+    "not_balanced": MODEL_CHECKS,
+    "too_slow": MODEL_CHECKS,
+    "not_picklable": MODEL_CHECKS,
+    "not_saved": MODEL_CHECKS,
     "missing_extra": "tests/unit/objectmodels/registry/test_mesh_import.py",
     "no_pictures": "tests/unit/sim/worlds/drake/test_world.py",
     "worker_lost": "tests/unit/nlcontrol/batches/test_batch.py",

@@ -1,8 +1,11 @@
-"""Type checkers accept the Python of README and guides, strictly and without any plugin."""
+"""Type checkers accept the Python of README and guides, strictly and without any plugin,
+and so they do the programs of `examples`.
+"""
 
 from __future__ import annotations
 
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -27,6 +30,9 @@ def test_a_type_checker_accepts_the_python_of_the_guides(checker: str, tmp_path:
             guides += 1
             (tmp_path / f"{guide.stem.lower()}.py").write_text("\n".join(blocks), encoding="utf-8")
     assert guides > 8
+    for program in (*ROOT.glob("examples/*.py"), *ROOT.glob("examples/*/*/__init__.py")):
+        name = program.parent.name if program.stem == "__init__" else program.stem
+        shutil.copy(program, tmp_path / f"example_{name}.py")
     # In a folder of its own, so that no settings of the project count.
     command = [sys.executable, *CHECKERS[checker], "."]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)

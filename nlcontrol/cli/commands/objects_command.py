@@ -10,10 +10,11 @@ import click
 
 from nlcontrol.cli.console.command_options import open_registry
 from nlcontrol.cli.console.console_output import FILE, json_option, print_answer, print_json
-from nlcontrol.errors import CODES, OK, ErrorInfo
+from nlcontrol.errors import CODES, OK, ErrorInfo, error, exception_info
+from nlcontrol.text_format import error_lines
 
 if TYPE_CHECKING:
-    from objectmodels import ObjectModel, Registry
+    from objectmodels import ModelError, ObjectModel, Registry
     from objectmodels.descriptions.description_files import Format
 
 
@@ -73,6 +74,50 @@ def validate_files(files: tuple[Path, ...], as_json: bool) -> int:
             mark = f"{verdict['file']}: a good model of {verdict.get('name')!r}"
             click.echo(mark if verdict["ok"] else verdict["error"], err=not verdict["ok"])
     return OK if ok else CODES["bad_model_file"].exit
+
+
+@group.command("check")
+@click.argument("entry")
+@json_option
+def check_plugin(entry: str, as_json: bool) -> int:
+    """Test the models of a plug-in: are its predictions those of an object on a table?
+
+    ENTRY is the name of an entry point or of a package that is installed, or the object itself, as
+    an entry point would name it: my_shapes:CartonModel.
+    """
+    from objectmodels import Registry
+    from objectmodels.registry.model_checks import model_faults
+
+    sys.path.append(str(Path.cwd()))  # where a module is that is not installed yet
+    registry = Registry.of_plugin(entry)
+    told: list[tuple[str, str, ModelError | None]]
+    told = [(entry, "loads", problem) for problem in registry.problems]
+    told += [(m.name, check, f) for m in registry for check, f in model_faults(m).items()]
+    if not told:
+        raise error(
+            "no_models",
+            f"{entry} brings no model that could be tested",
+            suggestions=("let it bring a model file of its kind too",),
+        )
+    rows = [(name, check, exception_info(f) if f else None) for name, check, f in told]
+    faults = [info for *_, info in rows if info]
+    if as_json:
+        checks = [
+            {
+                "object": name,
+                "check": check,
+                "error": info.model_dump(mode="json") if info else None,
+            }
+            for name, check, info in rows
+        ]
+        fault = {"error": faults[0].model_dump(mode="json")} if faults else {}
+        print_json({"ok": not faults, "checks": checks, **fault})
+    else:
+        for name, check, info in rows:
+            click.echo(f"{'✗' if info else '✓'} {name}: {check}")
+            for line in error_lines(info) if info else ():
+                click.echo(f"    {line}")
+    return faults[0].status.exit if faults else OK
 
 
 @group.command("add")

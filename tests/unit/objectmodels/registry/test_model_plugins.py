@@ -12,7 +12,7 @@ from pydantic import Field
 
 from objectmodels import BoxModel, ModelError, ObjectModel, Polygon, Registry, sides
 from objectmodels.geometry.side_faces import Face
-from objectmodels.registry import model_registry
+from objectmodels.registry import plugin_offers
 from objectmodels.registry.model_files import save_model
 from objectmodels.registry.user_folder import user_folder
 
@@ -67,7 +67,7 @@ def _point(name: str, thing: object) -> EntryPoint:
                 raise thing
             return thing
 
-    return Point(name, f"{name}_package:thing", model_registry.GROUP)
+    return Point(name, f"{name}_package:thing", plugin_offers.GROUP)
 
 
 Install = Callable[..., Registry]
@@ -78,7 +78,7 @@ def install(monkeypatch: pytest.MonkeyPatch) -> Install:
     """Makes the default registry with some plug-ins."""
 
     def made(**things: object) -> Registry:
-        monkeypatch.setattr(model_registry, "entry_points", Found(**things))
+        monkeypatch.setattr(plugin_offers, "entry_points", Found(**things))
         return Registry.default()
 
     return made
