@@ -4,6 +4,7 @@
     python -m benchmarks.goals --cases 200 --record goals.jsonl --confirm 30
     python -m benchmarks.goals --cases 20 --kinds rotate,tilt --no-run
     python -m benchmarks.goals --alone --cases 10 --record alone.jsonl
+    python -m benchmarks.goals --hard --cases 40 --plan-only --record hard.jsonl
 
 A case depends on its seed and number alone: the options choose among them. With `--record` results
 are kept as they come, and a broken run goes on where it was.
@@ -16,11 +17,13 @@ import itertools
 import sys
 from collections.abc import Iterator
 from concurrent.futures import Executor
+from functools import partial
 from pathlib import Path
+from typing import get_args
 
 from benchmarks.goals.cases import Done, run
 from benchmarks.goals.confirm import confirmed
-from benchmarks.goals.sentences import KINDS, kind_of, pairs, said, target_of
+from benchmarks.goals.sentences import KINDS, Kind, kind_of, pairs, said, target_of
 from benchmarks.goals.tables import report
 from benchmarks.goals.worlds import Job
 from benchmarks.record import carried_out
@@ -41,7 +44,7 @@ def chosen(options: argparse.Namespace) -> list[Job]:
 
 def _fitting(seed: int, end: int, options: argparse.Namespace) -> Iterator[Job]:
     for number in range(options.first, end):
-        job = Job(seed, number, options.bias, options.oblique, options.alone)
+        job = Job(seed, number, options.bias, options.oblique, options.alone, options.hard)
         if kind_of(job) in options.kinds and (
             options.objects is None or target_of(job) in options.objects
         ):
@@ -53,9 +56,8 @@ def _listed(text: str) -> list[str]:
 
 
 def _kinds(text: str) -> list[str]:
-    unknown = set(_listed(text)) - set(KINDS)
-    if unknown:
-        raise argparse.ArgumentTypeError(f"kinds are {', '.join(KINDS)}")
+    if set(_listed(text)) - set(get_args(Kind)):
+        raise argparse.ArgumentTypeError(f"kinds are {', '.join(get_args(Kind))}")
     return _listed(text)
 
 
@@ -73,11 +75,15 @@ def _options() -> argparse.Namespace:
     parser.add_argument(
         "--alone", action="store_true", help="one object in a world, and exact goals"
     )
+    parser.add_argument("--hard", action="store_true", help="narrow, fallen, many, wide worlds")
+    parser.add_argument("--plan-only", action="store_true", help="carry nothing out")
     parser.add_argument(
         "--cases", type=int, default=len(KINDS), help="of each seed; alone, of each object and kind"
     )
     parser.add_argument("--first", type=int, default=0, help="number of the first case")
-    parser.add_argument("--kinds", type=_kinds, default=KINDS, help="of goals, with commas")
+    parser.add_argument(
+        "--kinds", type=_kinds, default=get_args(Kind), help="of goals, with commas"
+    )
     parser.add_argument("--objects", type=_objects, help="that are spoken of, with commas")
     parser.add_argument("--bias", action="store_true", help="a camera with constant errors too")
     parser.add_argument(
@@ -104,7 +110,13 @@ def main(executor: Executor | None = None) -> int:
         return 0
     record, workers = options.record, options.workers
     done = carried_out(
-        run, jobs, Done, executor=executor, workers=workers, record=record, told=_told
+        partial(run, plan_only=options.plan_only),
+        jobs,
+        Done,
+        executor=executor,
+        workers=workers,
+        record=record,
+        told=_told,
     )
     results = list(done.values())
     print(report(results), flush=True)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import time
 import traceback
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -17,12 +18,14 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict
 
 from benchmarks.goals.final import final
-from benchmarks.goals.sentences import Kind, said
-from benchmarks.goals.worlds import Job, believed
+from benchmarks.goals.sentences import Kind, beliefs_of, said
+from benchmarks.goals.true_judge import Verdict, judged
+from benchmarks.goals.worlds import Job
 from benchmarks.record import Kept
 from grammar.frames.command import Frame
 from nlcontrol import Controller
 from nlcontrol.checks.verdicts import Check
+from objectmodels import ObjectModel
 from planner.types.plan import Plan
 
 if TYPE_CHECKING:
@@ -43,6 +46,7 @@ class Stage(BaseModel):
         plans: how many were made.
         clauses: per check its clause and whether it held.
         errors: see `benchmarks.goals.final`.
+        met, broken: what the judge of `benchmarks.goals.true_judge` says.
     """
 
     model_config = ConfigDict(frozen=True)
@@ -56,6 +60,8 @@ class Stage(BaseModel):
     plans: int
     clauses: tuple[tuple[str, bool], ...]
     errors: dict[str, float]
+    met: bool | None = None
+    broken: tuple[str, ...] = ()
 
 
 class Done(Kept[Job]):
@@ -90,6 +96,11 @@ class Done(Kept[Job]):
     def lacking(self) -> bool:
         """Whether the robot lacks what it takes, so that neither success nor failure counts."""
         return self.status in ("unsupported", "not_understood")
+
+    @property
+    def falsely_done(self) -> bool:
+        """Whether it says that all was done, and a goal was truly missed."""
+        return self.status == "done" and any(stage.met is False for stage in self.stages)
 
     @property
     def accepted(self) -> bool:
@@ -180,8 +191,8 @@ class Watched(Controller):
         return checks
 
 
-def run(job: Job) -> Done:
-    """Carries out a case; what it stumbles over is a result too."""
+def run(job: Job, *, plan_only: bool = False) -> Done:
+    """Carries out a case, or only plans it; what it stumbles over is a result too."""
     scene, sentence = said(job)
     done = Done(
         job=job,
@@ -192,12 +203,12 @@ def run(job: Job) -> Done:
         objects=len(scene.objects),
         status="crashed",
     )
-    controller = Watched(scene, registry=believed(), seed=job.seed)
+    controller = Watched(scene, registry=beliefs_of(job), seed=job.seed)
     try:
-        result = controller.say(sentence.text)
+        result = controller.say(sentence.text, plan_only=plan_only)
         turns = scene.object(sentence.target).truth.radius_m is None
         stages = tuple(
-            _stage(step, watch, turns)
+            _stage(step, watch, turns, controller.models)
             for step, watch in zip(result.steps, controller.watches, strict=False)
         )
     except Exception:  # one case that breaks must not end a run of hundreds
@@ -215,8 +226,9 @@ def run(job: Job) -> Done:
     )
 
 
-def _stage(step: Step, watch: Watch, turns: bool) -> Stage:
+def _stage(step: Step, watch: Watch, turns: bool, models: Mapping[str, ObjectModel]) -> Stage:
     plan, frame = watch.plan, watch.frame
+    truly = judged(frame, watch.trace, models) if watch.trace and plan else Verdict(None)
     until = any(clause.kind == "until" for clause in frame.constraints)
     return Stage(
         goal="until" if until else frame.goal.kind,
@@ -228,4 +240,6 @@ def _stage(step: Step, watch: Watch, turns: bool) -> Stage:
         plans=len(watch.plans),
         clauses=tuple((check.clause, check.ok) for check in watch.checks),
         errors=final(frame, watch.trace, plan, turns=turns) if watch.trace and plan else {},
+        met=truly.met,
+        broken=truly.broken,
     )

@@ -31,8 +31,8 @@ import numpy as np
 from benchmarks.goals.cases import Done, Watched
 from benchmarks.goals.postures import reachable
 from benchmarks.goals.search import Asked, Found, repeated, search, seen
-from benchmarks.goals.sentences import said
-from benchmarks.goals.worlds import Job, believed
+from benchmarks.goals.sentences import beliefs_of, said
+from benchmarks.goals.worlds import Job
 from benchmarks.record import Kept, carried_out
 from benchmarks.strokes import Array, heading_of, upright
 from nlcontrol.batches.drawn_scenes import Generator
@@ -164,7 +164,7 @@ def table(found: Sequence[Confirmation]) -> str:
 def confirm(doubt: Doubt) -> Confirmation:
     """Looks into one refusal."""
     scene, sentence = said(doubt.case)
-    robot = Watched(scene, registry=believed(), seed=doubt.case.seed)
+    robot = Watched(scene, registry=beliefs_of(doubt.case), seed=doubt.case.seed)
     result = robot.say(sentence.text)
     made = partial(
         Confirmation,

@@ -13,6 +13,7 @@ sentences may well be refused:
   `TILT` of the angle of no return, and where the object lands or leans is free and on the table.
 - A force that is allowed is at least `FORCE` times what the model says it takes, and a time is long
   enough for a push of that length.
+- What takes a whole hand: see `hand_sense`.
 """
 
 from __future__ import annotations
@@ -23,13 +24,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from benchmarks.goals.hand_sense import may_be_handled, may_be_held
 from grammar.frames import command as g
 from objectmodels import ObjectModel
 from objectmodels.geometry.side_faces import Face
 from planner.geometry.directions import angle_between, heading_of
 from planner.geometry.footprints import footprint, free_travel, gap, landing_strip, travel_to_edge
 from planner.problem.frame_interpretation import interpret_frame
-from planner.problem.planning_problem import PushProblem
+from planner.problem.planning_problem import PushProblem, is_handled
 from planner.pushing.push_paths import obliqueness
 from planner.types.actions import Aim
 from planner.types.defaults import DEFAULTS
@@ -65,6 +67,11 @@ def sensible(frames: Sequence[g.Frame], state: WorldState) -> bool:
         state: how everything stands.
     """
     for frame in frames:
+        if is_handled(frame):
+            if not may_be_handled(frame, state):
+                return False
+            if not isinstance(frame.goal, g.Place):
+                continue
         try:
             asked = interpret_frame(frame, state, DEFAULTS)
         except NoPlanError:
@@ -125,6 +132,8 @@ class _Thought:
         """The object after the step; None if the step makes no sense."""
         if self.asked.goal.outcome == "topple":
             return self._tipped()
+        if is_handled(self.frame):
+            return next((self._at(aim) for aim in self.asked.goal.aims if self._put(aim)), None)
         if self._touched() & {name for name, _ in self.asked.motion.clear_of}:
             return None
         if any(self.state.objects[name].fragile for name in self._touched()):
@@ -140,10 +149,14 @@ class _Thought:
         yaw = pose.yaw if aim.yaw is None else aim.yaw
         return replace(self.target, pose=replace(pose, x=aim.x, y=aim.y, yaw=yaw))
 
+    def _put(self, aim: Aim) -> bool:
+        """Whether a hand may put it down there."""
+        there = self._at(aim)
+        return _is_on_table(aim) and self._clear(there, set()) and may_be_held(there, self.state)
+
     def _sent(self, aim: Aim) -> bool:
         """Whether an object may be sent to an aim, in the time that is said."""
-        (x0, x1), (y0, y1) = TABLE
-        if not (x0 <= aim.x <= x1 and y0 <= aim.y <= y1) or not self._in_time(aim):
+        if not _is_on_table(aim) or not self._in_time(aim):
             return False
         touched = self._touched()
         return all(self._clear(pose, touched) for pose in self._way(aim))
@@ -265,6 +278,11 @@ class _Thought:
             return abs(angle_between(heading_of(-there.pose.R_WB @ np.array(face.normal)), heading))
 
         return [min(faces, key=oblique)]
+
+
+def _is_on_table(aim: Aim) -> bool:
+    (x0, x1), (y0, y1) = TABLE
+    return x0 <= aim.x <= x1 and y0 <= aim.y <= y1
 
 
 def _here(there: SeenObject) -> Aim:

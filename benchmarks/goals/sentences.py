@@ -8,6 +8,9 @@ what is tilted or toppled topples before it slides when it is pushed high. The o
 blindly and about anything; most of these should be refused. The words are those of
 `docs/language_reference.md`.
 
+In hard worlds settings and their kinds take turns, and every sentence is drawn until it makes
+sense.
+
 Where an object stands alone, its case's number says which object and which goal (`pairs`), so that
 each comes equally often: something exact, without constraints, that makes sense wherever it can.
 """
@@ -19,18 +22,28 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Literal, get_args
 
+from benchmarks.goals.hard_worlds import LIDDED, SETTINGS, Setting, hard_scene
 from benchmarks.goals.sense import sensible, tips
 from benchmarks.goals.worlds import Job, believed, drawn, generator, standing
 from nlcontrol import Controller
 from nlcontrol.batches.drawn_scenes import Generator, pushable_models
 from nlcontrol.errors import ControlError
-from objectmodels import CylinderModel, ObjectModel
+from objectmodels import BoxModel, CylinderModel, ObjectModel, Registry
 from planner.types.world_state import WorldState
 from sim.simulated_executor import simulation
 from sim.truth.scene_file import Scene
 
-Kind = Literal["displace", "place", "rotate", "tilt", "topple", "until", "steps"]
-KINDS: tuple[Kind, ...] = get_args(Kind)
+PushKind = Literal["displace", "place", "rotate", "tilt", "topple", "until", "steps"]
+Kind = Literal[PushKind, "lift", "carry", "open"]
+KINDS: tuple[PushKind, ...] = get_args(PushKind)
+
+HARD: dict[Setting, tuple[Kind, ...]] = {
+    "narrow": ("displace", "place", "rotate", "topple", "lift", "carry"),
+    "fallen": ("displace", "place", "rotate", "until"),
+    "many": (*KINDS, "lift", "carry"),
+    "wide": (*KINDS, "lift", "carry", "open"),
+}
+"""Kinds of goals in each setting of `hard_worlds`."""
 
 SIDES = ("away", "toward me", "to the left", "to the right")
 SENSES = ("clockwise", "counterclockwise", "to the left", "to the right")
@@ -76,7 +89,20 @@ def pairs() -> tuple[tuple[ObjectModel, Kind], ...]:
 
 def kind_of(job: Job) -> Kind:
     """Kind of the goal of a case."""
+    if job.hard:
+        kinds = HARD[setting_of(job)]
+        return kinds[job.number // len(SETTINGS) % len(kinds)]
     return pairs()[job.number % len(pairs())][1] if job.alone else KINDS[job.number % len(KINDS)]
+
+
+def setting_of(job: Job) -> Setting:
+    """Setting of a case in a hard world."""
+    return SETTINGS[job.number % len(SETTINGS)]
+
+
+def beliefs_of(job: Job) -> Registry:
+    """What the robot believes in the world of a case."""
+    return believed(wide=job.hard and setting_of(job) == "wide")
 
 
 def target_of(job: Job) -> str:
@@ -88,15 +114,18 @@ def said(job: Job) -> tuple[Scene, Sentence]:
     """The world of a case, and what is said in it."""
     rng, kind = generator(job), kind_of(job)
     goals = _ALONE if job.alone else _GOALS
-    blind = not job.alone and bool(rng.random() >= SENSIBLE)
-    scene = drawn(job, rng, _among(job, kind, blind))
-    models = {model.name: model for model in pushable_models()}
+    blind = not (job.alone or job.hard) and bool(rng.random() >= SENSIBLE)
+    among = _among(job, kind, blind)
+    if job.hard:
+        scene = hard_scene(f"{job.seed}-{job.number}", setting_of(job), rng, among)
+    else:
+        scene = drawn(job, rng, among)
     target, *others = (item.name for item in scene.objects)
-    words = _Words(models[target], others, rng)
+    words = _Words(standing(scene)[target].model, others, rng)
     text = goals[kind](words)
     if blind:
         return scene, Sentence(kind, target, text, sensible=False)
-    robot = Controller(scene, registry=believed())
+    robot = Controller(scene, registry=beliefs_of(job))
     for _ in range(TRIES - 1):
         if _sensible(text, robot):
             break
@@ -108,6 +137,10 @@ def _among(job: Job, kind: Kind, blind: bool) -> list[ObjectModel]:
     """Models, one of which is that of the target."""
     if job.alone:
         return [pairs()[job.number % len(pairs())][0]]
+    if kind == "open":
+        return [Registry.built_in().get(name) for name in LIDDED]
+    if job.hard and setting_of(job) == "fallen":
+        return [model for model in pushable_models() if isinstance(model, BoxModel)]
     return [model for model in pushable_models() if blind or _fits(kind, model)]
 
 
@@ -271,6 +304,28 @@ def _steps(words: _Words) -> str:
     return ", then ".join([first, *then[words.whole(0, len(then) - 1)]])
 
 
+def _lift(words: _Words) -> str:
+    it, high = words.it, words.whole(5, 20)
+    goals = [f"lift {it} by {high} cm", f"lift {it}", f"pick up {it}", f"raise {it} {high} cm"]
+    return words.with_(words.one(goals), ["slowly", "gently", "without touching anything"])
+
+
+def _carry(words: _Words) -> str:
+    x, y = words.whole(42, 68) / 100, words.whole(-30, 30) / 100
+    goals = [f"put it at x {x:g} y {y:g}"]
+    if words.others:
+        other, gap = words.other(), words.whole(4, 12)
+        goals += [
+            f"put it next to {other}", f"put it behind {other}", f"put it left of {other}",
+            f"put it {gap} cm right of {other}", f"put it in front of {other}",
+        ]  # fmt: skip
+    return f"pick up {words.it} and {words.one(goals)}"
+
+
+def _open(words: _Words) -> str:
+    return words.with_(f"open {words.it}", ["slowly", "gently"])
+
+
 _GOALS: dict[Kind, Callable[[_Words], str]] = {
     "displace": _displace,
     "place": _place,
@@ -279,6 +334,9 @@ _GOALS: dict[Kind, Callable[[_Words], str]] = {
     "topple": _topple,
     "until": _until,
     "steps": _steps,
+    "lift": _lift,
+    "carry": _carry,
+    "open": _open,
 }
 
 _ALONE: dict[Kind, Callable[[_Words], str]] = {

@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
+from typing import get_args
 
 import numpy as np
 
 from benchmarks.goals.cases import Done, Stage
-from benchmarks.goals.sentences import EXACT, KINDS
+from benchmarks.goals.hard_worlds import SETTINGS
+from benchmarks.goals.sentences import EXACT, Kind, setting_of
 
 LEVELS = ((0.95, 0.97), (0.97, 0.99), (0.99, 1.0))
 """Stated probabilities that are looked at together."""
@@ -29,17 +31,55 @@ _SURE = 1.96  # standard deviations of an interval
 
 def report(results: Sequence[Done]) -> str:
     """All tables."""
-    parts = (counts, clauses, refusals, errors, objects, beyond, reliability, times, failures)
+    parts = (
+        counts, settings, truths, clauses, refusals, errors, objects, beyond, reliability, times,
+        failures,
+    )  # fmt: skip
     return "\n\n".join(filter(None, (part(results) for part in parts)))
 
 
 def counts(results: Sequence[Done]) -> str:
     """How many of each kind were accepted and satisfied."""
     lines = [f"{'kind':10} {'cases':>6} {'lacking':>8} {'accepted':>18} {'satisfied':>18}"]
-    kinds = [kind for kind in KINDS if any(done.kind == kind for done in results)]
+    kinds = [kind for kind in get_args(Kind) if any(done.kind == kind for done in results)]
     lines += [_count(kind, [done for done in results if done.kind == kind]) for kind in kinds]
     lines.append(_count("sensible", [done for done in results if done.sensible]))
     return "\n".join([*lines, _count("all", results)])
+
+
+def settings(results: Sequence[Done]) -> str:
+    """Of the sensible cases in hard worlds: what is lacking counts as not accepted here."""
+    lines = [f"{'setting':10} {'sensible':>8} {'accepted':>18} {'satisfied':>18}"]
+    for setting in SETTINGS:
+        hard = [done for done in results if done.job.hard and setting_of(done.job) == setting]
+        lines += [_setting(setting, [done for done in hard if done.sensible])] if hard else []
+    every = [done for done in results if done.job.hard and done.sensible]
+    return "\n".join([*lines, _setting("all", every)]) if every else ""
+
+
+def _setting(name: str, sensible: Sequence[Done]) -> str:
+    accepted = [done for done in sensible if done.accepted]
+    satisfied = sum(done.status == "done" for done in accepted)
+    return (
+        f"{name:10} {len(sensible):>8} {_of(len(accepted), len(sensible)):>18}"
+        f" {_of(satisfied, len(accepted)):>18}"
+    )
+
+
+def truths(results: Sequence[Done]) -> str:
+    """What the judge says of cases that are said to be done, and of goals that were met."""
+    done = [each for each in results if each.status == "done"]
+    if not done:
+        return ""
+    stages = _stages(done)
+    known = sum(stage.met is not None for stage in stages)
+    false = [f"{each.job.seed}-{each.job.number}" for each in done if each.falsely_done]
+    broken = [f"{each.job.seed}-{each.job.number} {', '.join(stage.broken)}"
+              for each in done for stage in each.stages if stage.met and stage.broken]  # fmt: skip
+    lines = [f"steps done: {len(stages)}, of which the judge can tell: {known}"]
+    lines.append(f"falsely done: {len(false)} {' '.join(false)}".rstrip())
+    lines.append(f"done with a clause broken: {len(broken)} {'; '.join(broken)}".rstrip())
+    return "\n".join(lines)
 
 
 def _count(name: str, results: Sequence[Done]) -> str:

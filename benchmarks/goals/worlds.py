@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from benchmarks.goals.hard_worlds import WIDE, unsure_lid
 from nlcontrol.batches.drawn_scenes import (
     CENTRE_OF_MASS,
     FINGER_FRICTION,
@@ -20,12 +21,12 @@ from nlcontrol.batches.drawn_scenes import (
     MASS,
     Generator,
     draw_scene_with,
-    pushable_models,
 )
 from objectmodels import ObjectModel, Registry
 from planner.types.world_state import PlanarPose, SeenObject
 from sim.cell.cell_description import Vision
-from sim.truth.scene_file import Scene
+from sim.rotations import rot_z
+from sim.truth.scene_file import Pose, Scene
 
 BIAS = Vision(position_bias_m=0.003, angle_bias_deg=1.5)
 """The default camera with constant errors on top."""
@@ -39,6 +40,7 @@ class Job(NamedTuple):
         bias: whether the camera has constant errors too.
         oblique: largest angle between a face and the robot's directions [degrees]; 45 for any.
         alone: whether one object stands there, and something exact is asked of it.
+        hard: whether its world is one of `hard_worlds`.
     """
 
     seed: int
@@ -46,25 +48,25 @@ class Job(NamedTuple):
     bias: bool = False
     oblique: float = 45.0
     alone: bool = False
+    hard: bool = False
 
 
 @cache
-def believed() -> Registry:
+def believed(wide: bool = False) -> Registry:
     """What the robot believes: the registry's models, each as sure as the worlds' bounds make it.
 
     An even distribution within a bound has the standard deviation bound / √3.
     """
+    bounds = {"mass": MASS, "friction": FRICTION, "finger_friction": FINGER_FRICTION}
+    if wide:
+        bounds = dict.fromkeys(bounds, WIDE)
     registry = Registry.built_in().copy()
     for model in Registry.built_in():
-        surely = model.model_copy(
-            update={
-                "mass_sd": MASS * model.mass / math.sqrt(3.0),
-                "friction_sd": FRICTION * model.friction / math.sqrt(3.0),
-                "finger_friction_sd": FINGER_FRICTION * model.finger_friction / math.sqrt(3.0),
-                "com_sd": (CENTRE_OF_MASS / math.sqrt(3.0),) * 3,
-            }
-        )
-        registry.add(surely, over=(model.name,))
+        sds = {f"{k}_sd": bound * getattr(model, k) / math.sqrt(3.0) for k, bound in bounds.items()}
+        surely: dict[str, object] = {**sds, "com_sd": (CENTRE_OF_MASS / math.sqrt(3.0),) * 3}
+        if wide and model.lid is not None:
+            surely["lid"] = unsure_lid(model.lid)
+        registry.add(model.model_copy(update=surely), over=(model.name,))
     return registry
 
 
@@ -93,13 +95,17 @@ def drawn(job: Job, rng: Generator, among: Sequence[ObjectModel]) -> Scene:
 
 def standing(scene: Scene) -> dict[str, SeenObject]:
     """The objects of a world by name, as they stand, but with the models that are believed."""
-    models = {model.name: model for model in pushable_models()}
+    models = Registry.built_in()
     return {
-        item.name: SeenObject(
-            item.name,
-            PlanarPose(item.pose.x_m, item.pose.y_m, float(np.radians(item.pose.yaw_deg))),
-            models[item.model],
-            fragile=item.fragile,
+        item.name: SeenObject.lying(
+            item.name, _planar(item.pose), models.get(item.model), fragile=item.fragile
         )
         for item in scene.objects
     }
+
+
+def _planar(pose: Pose) -> PlanarPose:
+    yaw = float(np.radians(pose.yaw_deg))
+    upright = pose.roll_deg == pose.pitch_deg == 0.0
+    attitude = None if upright else tuple((rot_z(-yaw) @ pose.R_WB).ravel().tolist())
+    return PlanarPose(pose.x_m, pose.y_m, yaw, attitude)

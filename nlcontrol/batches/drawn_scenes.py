@@ -89,7 +89,7 @@ def draw_scene_with(
     for model in (first, *chosen):
         spans = STANDING if standing else REACHED
         truth, fragile = _draw_truth(model, rng), bool(standing) and bool(rng.random() < FRAGILE)
-        pose = _free_place(model, spans, standing, rng, oblique)
+        pose = free_place(model, spans, standing, rng, oblique)
         if pose is None:
             continue
         standing.append(SeenObject(model.name, pose, model))
@@ -121,21 +121,31 @@ def _robot_mount() -> RobotMount:
     return load_scene("kitchen").robot
 
 
-def _free_place(
+def free_place(
     model: ObjectModel,
     spans: tuple[tuple[float, float], ...],
     standing: Sequence[SeenObject],
     rng: Generator,
-    oblique: float,
+    oblique: float = 45.0,
+    apart: float = GAP,
 ) -> PlanarPose | None:
-    """A free place for one more object; None if none is found."""
+    """A free place for one more object; None if none is found.
+
+    Args:
+        model: of the object.
+        spans: least and largest x and y [m].
+        standing: the others.
+        rng: to draw from.
+        oblique: largest angle between a face and the robot's directions [degrees].
+        apart: least distance from the others [m].
+    """
     for _ in range(_TRIES):
         x, y = (float(rng.uniform(*span)) for span in spans)
         quarters = int(rng.integers(4))
         yaw = np.radians(90.0 * quarters + oblique * float(rng.uniform(-1.0, 1.0)))
         pose = PlanarPose(x, y, float(np.arctan2(np.sin(yaw), np.cos(yaw))))
         covered = footprint(SeenObject(model.name, pose, model))
-        if not any(overlaps(covered, footprint(other), GAP) for other in standing):
+        if not any(overlaps(covered, footprint(other), apart) for other in standing):
             return pose
     return None
 

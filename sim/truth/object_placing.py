@@ -5,13 +5,10 @@ Frames: W is the world, z up, table plane z = 0; B is an object's frame at the c
 
 from __future__ import annotations
 
-import math
-
-import numpy as np
-
 from objectmodels import BoxModel, CylinderModel, HullModel, ObjectModel, PrismModel
 from objectmodels.errors import printable
 from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.support_points import hull_polygon
 from planner.geometry.footprints import gap, room_to_edge
 from sim.errors import SceneError
 from sim.truth.object_truth import Truth
@@ -86,9 +83,8 @@ def scene_with_object(scene: Scene, model: ObjectModel, pose: Pose) -> Scene:
 
 def _covered(item: SceneObject) -> Array:
     """Corners of what an object covers of the table in W, shape (k, 2) [m]."""
-    yaw = math.radians(item.pose.yaw_deg)
-    turn = np.array([[math.cos(yaw), math.sin(yaw)], [-math.sin(yaw), math.cos(yaw)]])
-    return np.asarray(np.array(item.truth.outline) @ turn + [item.pose.x_m, item.pose.y_m])
+    corners = item.truth.corners @ item.pose.R_WB.T + item.p_WB
+    return hull_polygon(corners[:, :2]).vertices
 
 
 def _no_place(model: ObjectModel, why: str, hint: str) -> SceneError:

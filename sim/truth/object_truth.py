@@ -16,7 +16,7 @@ from pydantic import model_validator
 
 from objectmodels.containers import lid_geometry
 from objectmodels.files.value_types import Deviation, Friction, Length, Mass, length_of
-from objectmodels.geometry.base_shapes import Base, Disc, Polygon
+from objectmodels.geometry.base_shapes import Array, Base, Disc, Polygon
 from objectmodels.geometry.support_points import hull_polygon
 from objectmodels.models.object_parts import Container, Lid
 from objectmodels.models.vessel import Vessel
@@ -154,6 +154,13 @@ class Truth(Part):
         if self.vertices_m is not None:
             return _outline(self.vertices_m)
         return self.corners_m or _circle(self.radius_m or 0.0)
+
+    @property
+    def corners(self) -> Array:
+        """Corners of its hull in B, points around those of round ends, shape (k, 3) [m]."""
+        if self.vertices_m is not None:
+            return np.array(self.vertices_m)
+        return np.array([(x, y, z) for z in (0.0, self.height) for x, y in self.outline])
 
     @property
     def centre_of_mass(self) -> Point3:

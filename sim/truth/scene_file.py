@@ -15,6 +15,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Annotated, Literal, TypeVar
 
+import numpy as np
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
 from objectmodels.errors import ModelError, printable
@@ -33,15 +34,31 @@ from sim.cell.cell_description import (
 from sim.cell.strict_model import AsItIs, Fraction, Part, Spread
 from sim.errors import SceneError
 from sim.random_streams import RandomStream, clipped_normal, source
+from sim.rotations import Array, rot_x, rot_y, rot_z
 from sim.truth.object_truth import Truth
 
 
 class Pose(Part):
-    """Planar pose X_WB of an object that stands on its base."""
+    """Pose X_WB of an object on the table, which stands on its base unless it is turned off it.
+
+    Attributes:
+        x_m, y_m: of B's origin.
+        yaw_deg: turn about the vertical, after those about B's own x and y axes.
+        roll_deg, pitch_deg: turn about x, then about y; 90 lays a box on its side.
+    """
 
     x_m: Coordinate
     y_m: Coordinate
     yaw_deg: Angle = 0.0
+    roll_deg: Angle = 0.0
+    pitch_deg: Angle = 0.0
+
+    @property
+    def R_WB(self) -> Array:
+        """Rotation of B in W, shape (3, 3)."""
+        yaw, pitch, roll = np.radians([self.yaw_deg, self.pitch_deg, self.roll_deg])
+        # Adding zero turns −0.0 into 0.0, as an upright object has it.
+        return rot_z(yaw) @ rot_y(pitch) @ rot_x(roll) + 0.0
 
 
 class SceneObject(CellObject):
@@ -54,6 +71,12 @@ class SceneObject(CellObject):
 
     pose: Pose
     truth: Truth
+
+    @property
+    def p_WB(self) -> Array:
+        """Place of B's origin in W at the start, as high as puts it on the table, (3,) [m]."""
+        lowest = float((self.truth.corners @ self.pose.R_WB[2]).min())
+        return np.array([self.pose.x_m, self.pose.y_m, 0.0 - lowest])
 
 
 class FrictionVariation(Part):

@@ -126,13 +126,7 @@ def initial_frames(scene: Scene, seconds: float, *, seed: int) -> list[Frame]:
     micrometres by which objects settle.
     """
     port = camera_port(scene, seed=seed)
-    poses = {
-        item.name: (
-            rot_z(np.radians(item.pose.yaw_deg)),
-            np.array([item.pose.x_m, item.pose.y_m, 0.0]),
-        )
-        for item in scene.objects
-    }
+    poses = {item.name: (item.pose.R_WB, item.p_WB) for item in scene.objects}
     frames: list[Frame] = []
     for tick in itertools.count():
         time = tick / scene.control_rate_hz

@@ -262,9 +262,7 @@ def filter_collisions(
 
 
 def initial_pose(item: SceneObject) -> RigidTransform:
-    """Pose X_WB in which an object stands at the start."""
+    """Pose X_WB in which an object is at the start."""
     from pydrake.math import RigidTransform, RotationMatrix
 
-    pose = item.pose
-    R_WB = RotationMatrix.MakeZRotation(np.radians(pose.yaw_deg))
-    return RigidTransform(R_WB, np.array([pose.x_m, pose.y_m, 0.0]))
+    return RigidTransform(RotationMatrix(item.pose.R_WB), item.p_WB)
