@@ -11,6 +11,7 @@ Frames: W is the world, B the object. Sources of the physics: `objectmodels`.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -80,7 +81,8 @@ def best_push(problem: PushProblem, step: PushStep, search: ReachSearch) -> Push
         for side, dead_end in crowded:
             # From there it would fall, if there were room.
             blocked = dead_end.refusal.reason == "blocked"
-            if blocked and any(rate_contacts(problem, step, [side])):
+            fingers = problem.contact.fingers
+            if blocked and any(any(rate_contacts(problem, step, [side], n)) for n in fingers):
                 raise dead_end
     raise attempt.first
 
@@ -93,18 +95,20 @@ def _best_candidate(
     problem = _in_time(problem, step)
     queries = ContactQueries(search, problem)
     least, doubted = math.inf, False
-    for rated in rate_contacts(problem, step, sides):
+    for rated in _rated_cases(problem, step, sides, queries):
         strong, needed = _strong_enough(problem, step, rated)
         least = min(least, needed)
         problem.budget.spend(_RATED * len(sides))
         order = _in_order(problem, step, strong)
         for number, contact in enumerate(order):
             problem.budget.require_rest(problem.target.name, len(order) - number)
+            push = _push_at(problem, step, contact)
+            if not queries.is_open(push):
+                continue
             problem.budget.spend(_CONFIRMED)
             if not outcome_prediction.confirm_with_exact_tier(problem, step, contact):
                 doubted = True
                 continue
-            push = _push_at(problem, step, contact)
             if queries.is_reached(push):
                 found = _push_candidate(problem, step, contact, push, len(queries.denied))
                 return replace(
@@ -121,6 +125,20 @@ def _best_candidate(
     if math.isfinite(least) and not doubted:
         raise _too_weak(problem, step, least)
     raise NoPlanError(contact_refusal(problem, step, sides))
+
+
+def _rated_cases(
+    problem: PushProblem, step: PushStep, sides: list[Side], queries: ContactQueries
+) -> Iterator[list[Contacts]]:
+    """Contacts of all cases, the surest first, as long as any more are asked for.
+
+    Two fingers come before one, since they hold the object's heading by themselves.
+    """
+    for fingers in problem.contact.fingers:
+        for rated in rate_contacts(problem, step, sides, fingers):
+            yield rated
+            if queries.are_used_up(fingers):
+                break
 
 
 # -- how fast and how hard --------------------------------------------------------------------

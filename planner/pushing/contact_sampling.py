@@ -204,47 +204,43 @@ def model_limited_by_hand(model: ObjectModel, limits: RobotLimits) -> ObjectMode
 
 
 def rate_contacts(
-    problem: PushProblem, step: PushStep, sides: list[Side]
+    problem: PushProblem, step: PushStep, sides: list[Side], fingers: Literal[1, 2]
 ) -> Iterator[list[Contacts]]:
-    """Contacts at which the wanted outcome is sure enough, from the surest case to the least.
-
-    Two fingers come before one, since they hold the object's heading by themselves.
-    """
+    """Contacts at which the wanted outcome is sure enough, from the surest case to the least."""
     model, defaults = problem.target.model, problem.defaults
     held = model_limited_by_hand(model, problem.robot.limits)
-    for fingers in problem.contact.fingers:
-        places = [(side, _allowed_part(problem, step, side, fingers)) for side in sides]
-        turns = fingers == 1
-        cases = [(model, False, turns), (held, True, turns)]
-        if turns and step.outcome == "topple":
-            # Over an edge that lies on the table it does not turn; that it does not turn before it
-            # is over, `confirm_with_exact_tier` looks at.
-            cases.append((held, True, False))
-        for believed, guarded, turning in cases:
-            for sigmas in (defaults.sigmas, defaults.sigmas / 2, 0.0):
-                # Within all sigmas the outcome is sure; within fewer it must also be likely.
-                least = 0.0 if sigmas == defaults.sigmas else problem.effort.probability
-                found = [
-                    Contacts(
-                        side=side,
-                        fingers=fingers,
-                        spread=allowed.spread,
-                        sigmas=sigmas,
-                        guarded=guarded,
-                        **_rate_face(
-                            believed,
-                            side.face,
-                            fingers,
-                            allowed,
-                            sigmas,
-                            step.outcome,
-                            least,
-                            turning,
-                        ),
-                    )
-                    for side, allowed in places
-                ]
-                yield [contacts for contacts in found if len(contacts.chosen)]
+    places = [(side, _allowed_part(problem, step, side, fingers)) for side in sides]
+    turns = fingers == 1
+    cases = [(model, False, turns), (held, True, turns)]
+    if turns and step.outcome == "topple":
+        # Over an edge that lies on the table it does not turn; that it does not turn before it
+        # is over, `confirm_with_exact_tier` looks at.
+        cases.append((held, True, False))
+    for believed, guarded, turning in cases:
+        for sigmas in (defaults.sigmas, defaults.sigmas / 2, 0.0):
+            # Within all sigmas the outcome is sure; within fewer it must also be likely.
+            least = 0.0 if sigmas == defaults.sigmas else problem.effort.probability
+            found = [
+                Contacts(
+                    side=side,
+                    fingers=fingers,
+                    spread=allowed.spread,
+                    sigmas=sigmas,
+                    guarded=guarded,
+                    **_rate_face(
+                        believed,
+                        side.face,
+                        fingers,
+                        allowed,
+                        sigmas,
+                        step.outcome,
+                        least,
+                        turning,
+                    ),
+                )
+                for side, allowed in places
+            ]
+            yield [contacts for contacts in found if len(contacts.chosen)]
 
 
 class _Rating(TypedDict):

@@ -71,21 +71,29 @@ class ContactQueries:
         self._hopeless: set[int] = set()
         self.denied: list[ReachAnswer] = []
 
+    def are_used_up(self, fingers: int) -> bool:
+        """Return True if no further contact of so many fingers is asked for."""
+        return len(self._asked[fingers]) == self._problem.effort.contacts
+
+    def is_open(self, push: Push) -> bool:
+        """Return True if a push may still be asked for, and was not."""
+        return not self.are_used_up(push.fingers) and push.p_BC not in self._asked[push.fingers]
+
     def is_reached(self, push: Push) -> bool:
         """Ask for a push, if it is worth asking for; True if the hand gets there.
 
         Raises:
             NoPlanError: the budget is used up.
         """
-        before, problem = self._asked[push.fingers], self._problem
-        if push.p_BC in before or len(before) == problem.effort.contacts:
+        problem = self._problem
+        if not self.is_open(push):
             return False
         if problem.robot.estimate_reach(push, problem.state) == 0.0:
             # A glance is not sure, so one such push is asked for.
             if push.fingers in self._hopeless:
                 return False
             self._hopeless.add(push.fingers)
-        before.add(push.p_BC)
+        self._asked[push.fingers].add(push.p_BC)
         answer = self._search.reach(push, problem.state)
         if not answer.ok:
             self.denied.append(answer)

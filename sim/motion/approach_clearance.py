@@ -102,7 +102,7 @@ class Approach:
         ahead = np.reshape(self.points, (2, 3))[:, :2] @ inward
         return face - float(ahead.max()) - FACE_CLEARANCE - _ROUNDING
 
-    @property
+    @functools.cached_property
     def _object(self) -> Obstacle:
         outline = np.reshape(self.outline, (-1, 2))
         return Obstacle.at_origin(outline, self.height, self.radius)

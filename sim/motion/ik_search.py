@@ -118,14 +118,26 @@ class PushIkSearch:
         n = len(hands)
         elbows = self._mount.arm.redundancy_samples
         hand, elbow = np.repeat(np.arange(n), len(elbows)), np.tile(elbows, n)
-        ends = [1, -1]
-        q, valid = solve_poses(
-            self._mount, hands[hand], self._R_WD[ends], self._points[ends], elbow
-        )
-        room = self._mount.arm.joint_room(q).min(axis=1)
-        good = valid.all(axis=1) & (room > least)
-        row, branch = best_solutions(good, room, q[:, 0] - self._mount.home, _HOMESICK, _SOLVED)
+        at_touch, good, room = self._at_point(1, hands[hand], elbow, least)
+        # Where the arm does not get to the touch, it is not asked for the end.
+        some = good.any(axis=1)
+        hand, elbow, at_touch = hand[some], elbow[some], at_touch[some]
+        _, good_too, room_too = self._at_point(-1, hands[hand], elbow, least)
+        good, room = good[some] & good_too, np.minimum(room[some], room_too)
+        row, branch = best_solutions(good, room, at_touch - self._mount.home, _HOMESICK, _SOLVED)
         return hand[row], elbow[row], branch
+
+    def _at_point(
+        self, point: int, hands: PostureSet, elbow: Array, least: float
+    ) -> tuple[Array, NDArray[np.bool_], Array]:
+        """Angles of n hands and elbow angles at a point of the way, which are good, their room.
+
+        Shapes (n, branches, joints), (n, branches) and (n, branches).
+        """
+        at = [point]
+        q, valid = solve_poses(self._mount, hands, self._R_WD[at], self._points[at], elbow)
+        room = self._mount.arm.joint_room(q[:, 0])
+        return q[:, 0], valid[:, 0] & (room > least), room
 
     def _follow_path(
         self,

@@ -12,6 +12,7 @@ Frames: see `sim.motion.arm_configuration`.
 
 from __future__ import annotations
 
+import functools
 import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -117,11 +118,14 @@ class PushMotionSearch:
             self._scenery.pushed, self._points[:2], self._R_WD[0], mount.hand,
             push.fingers, push.spread, fine=effort.fine,
         )  # fmt: skip
-        # From the touch on, the pushed object goes where the fingertips take it.
+
+    @functools.cached_property
+    def _pushed(self) -> list[Obstacle]:
+        """The pushed object at the points: from the touch on it goes where the fingertips do."""
         touch = self._points[1]
-        self._pushed = [
+        return [
             self._scenery.pushed.after_motion(touch, self._points[max(k, 1)], float(turn))
-            for k, turn in enumerate(way.turns_at())
+            for k, turn in enumerate(self._way.turns_at())
         ]
 
     @property

@@ -18,7 +18,7 @@ from importlib import resources
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.rotations import Array, cross, rot_x, rot_y
+from sim.rotations import Array, rot_x, rot_y
 
 SHOULDER, UPPER_ARM, FOREARM, FLANGE = 0.31, 0.40, 0.39, 0.078
 """Heights of the shoulder above the base and lengths of the links [m]."""
@@ -39,12 +39,13 @@ _SHARES = np.linspace(0.0, 1.0, 8)[:, None]  # of a link, where its spheres are
 _ELBOW_STEP = 15.0  # between elbow angles worth trying [degrees]
 
 _SIGNS = np.array([1.0, 1.0, 1.0, -1.0, 1.0, 1.0, 1.0])  # joint 4 turns about −y
-_AXES = _SIGNS[:, None] * np.eye(3)[[2, 1, 2, 1, 2, 1, 2]]
+_TURNED_ABOUT = 2, 1, 2, 1, 2, 1, 2  # axis of each joint's frame
 
 BRANCHES = tuple(itertools.product((1.0, -1.0), repeat=3))
 """Signs of joints 4, 2 and 6 of the eight solutions."""
 
-_BRANCH_SIGNS = np.array(BRANCHES)
+_DIFFERS = np.array([(s, s, e * s, e, e * w, w, w) for e, s, w in BRANCHES]) < 0.0
+"""Joints whose angle in a branch is another than in the first, shape (8, 7)."""
 
 
 @dataclass(frozen=True)
@@ -71,11 +72,13 @@ class LwrKinematics:
 
     def torques(self, q: Array, p_AC: Array, f_A: Array) -> Array:
         """Torques with which the joints exert a force at a point, Jᵀf [N·m]."""
-        joints = itertools.islice(_link_frames(q), 7)
-        each = [
-            np.sum(R @ axis * cross(p_AC - p, f_A), axis=-1)
-            for (R, p), axis in zip(joints, _AXES, strict=True)
-        ]
+        (c_x, c_y, c_z), (f_x, f_y, f_z) = np.moveaxis(p_AC, -1, 0), np.moveaxis(f_A, -1, 0)
+        each = []
+        for (R, p), sign, axis in zip(_link_frames(q), _SIGNS, _TURNED_ABOUT, strict=False):
+            n_x, n_y, n_z = sign * np.moveaxis(R[..., axis], -1, 0)
+            x, y, z = c_x - p[..., 0], c_y - p[..., 1], c_z - p[..., 2]
+            turning = n_x * (y * f_z - z * f_y) + n_y * (z * f_x - x * f_z)
+            each.append(turning + n_z * (x * f_y - y * f_x))
         return np.stack(each, axis=-1)
 
     def inverse(
@@ -90,23 +93,19 @@ class LwrKinematics:
         squared = np.sum(p_SW * p_SW, axis=1)
         cos_q4 = (squared - UPPER_ARM**2 - FOREARM**2) / (2.0 * UPPER_ARM * FOREARM)
         reachable = np.abs(cos_q4) < 1.0 - 1e-4
-        bend = np.arccos(np.clip(cos_q4, -1.0, 1.0))
+        q4 = np.arccos(np.clip(cos_q4, -1.0, 1.0))
         R_arm = _frames_along(*p_SW.T) @ rot_x(redundancy)
-
-        signs = _BRANCH_SIGNS if branches is None else _BRANCH_SIGNS[np.asarray(branches)]
-        # All solutions have two angles of joint 4 between them.
-        elbows, elbow = signs[..., 0], np.arange(signs.shape[-2])
-        if branches is None:
-            elbows, elbow = np.unique(signs[:, 0], return_inverse=True)
-        q4 = elbows * bend[:, None]
         # The line from shoulder to wrist, seen from joint 3 at zero angles of joints 1 to 3.
         line = -FOREARM * np.sin(q4), np.zeros_like(q4), UPPER_ARM + FOREARM * np.cos(q4)
-        R_03 = R_arm[:, None] @ np.swapaxes(_frames_along(*line), -1, -2)
-        R_47 = np.swapaxes(R_03 @ rot_y(-q4), -1, -2) @ R_AF[:, None]
-        q = np.empty((*q4.shape[:1], len(elbow), 7))
-        q[..., :3] = _zyz_angles(R_03, elbow, signs[..., 1])
-        q[..., 3] = q4[:, elbow]
-        q[..., 4:] = _zyz_angles(R_47, elbow, signs[..., 2])
+        R_03 = R_arm @ np.swapaxes(_frames_along(*line), -1, -2)
+        R_47 = np.swapaxes(R_03 @ rot_y(-q4), -1, -2) @ R_AF
+        # One joint after the other: numpy is much faster on arrays that lie in a row.
+        one = np.stack([*_zyz_angles(R_03), q4, *_zyz_angles(R_47)])[..., None]
+        # With another sign of joint 2, 4 or 6 those beside it turn by half a turn.
+        other = -one
+        other[::2] = one[::2] - np.copysign(np.pi, one[::2])
+        differs = _DIFFERS[np.atleast_2d(range(8) if branches is None else branches)]
+        q = np.moveaxis(np.where(np.moveaxis(differs, -1, 0), other, one), 0, -1)
         valid = (
             reachable[:, None]
             & (np.abs(q) < LIMITS).all(axis=-1)
@@ -195,21 +194,7 @@ def _frames_along(x: Array, y: Array, z: Array) -> Array:
     return R
 
 
-def _zyz_angles(R: Array, which: NDArray[np.intp], sign: Array) -> Array:
-    """Angles of some of the rotations R = rot_z(a) rot_y(b) rot_z(c), with b of a sign.
-
-    Args:
-        R: shape (k, e, 3, 3).
-        which: of the e to take, shape (b,).
-        sign: of each of these, shape (b,) or (k, b).
-
-    Returns:
-        Shape (k, b, 3) [rad].
-    """
-    b = np.arccos(np.clip(R[..., 2, 2], -1.0, 1.0))
-    a = np.arctan2(R[..., 1, 2], R[..., 0, 2])
-    c = np.arctan2(R[..., 2, 1], -R[..., 2, 0])
-    bent = np.stack([a, b, c], axis=-1)
-    turned = bent - np.copysign(np.pi, bent)
-    turned[..., 1] = -b
-    return np.where(sign[..., None] > 0.0, bent[:, which], turned[:, which])
+def _zyz_angles(R: Array) -> tuple[Array, Array, Array]:
+    """Angles a, b ≥ 0 and c of rotations rot_z(a) rot_y(b) rot_z(c), (k, 3, 3), shape (k,) each."""
+    b = np.arccos(np.clip(R[:, 2, 2], -1.0, 1.0))
+    return np.arctan2(R[:, 1, 2], R[:, 0, 2]), b, np.arctan2(R[:, 2, 1], -R[:, 2, 0])

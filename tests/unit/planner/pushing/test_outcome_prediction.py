@@ -45,7 +45,7 @@ def verdicts(model: ObjectModel, sentence: str) -> list[tuple[float, bool]]:
     face = model.faces(np.array([0.0]))[2 if isinstance(model, BoxModel) else 0]
     found = [
         (float(contact.point[2]), confirm_with_exact_tier(problem, step, contact))
-        for case in rate_contacts(problem, step, [Side(face, 0.0)])
+        for case in rate_contacts(problem, step, [Side(face, 0.0)], 1)
         for contacts in case
         for contact in contacts
     ]

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
 from planner.problem.frame_interpretation import interpret_frame
+from planner.problem.planning_problem import PushStep
+from planner.pushing import contact_planner
+from planner.pushing.contact_planner import best_push
+from planner.pushing.contact_sampling import Contacts, rate_contacts
 from planner.pushing.reach_search import ContactQueries, ReachSearch
 from planner.types.defaults import DEFAULTS
 from planner.types.refusal import NoPlanError
@@ -66,3 +72,25 @@ def test_no_contact_is_asked_for_twice(kitchen: WorldState) -> None:
     assert not queries.is_reached(push)
     assert not queries.is_reached(push)
     assert (len(robot.asked), len(queries.denied)) == (1, 1)
+
+
+def test_contacts_are_rated_as_long_as_more_are_asked_for(
+    kitchen: WorldState, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rated: list[int] = []
+
+    def counted(*args: Any) -> Iterator[list[Contacts]]:
+        for case in rate_contacts(*args):
+            rated.append(args[-1])
+            yield case
+
+    monkeypatch.setattr(contact_planner, "rate_contacts", counted)
+    robot = RuledReach(lambda _: False)
+    problem = interpret_frame(frame_of(SENTENCE), kitchen, DEFAULTS, robot)
+    few = replace(problem, effort=replace(problem.effort, contacts=1))
+    step = PushStep.from_goal(problem.goal)
+    with pytest.raises(NoPlanError) as refused:
+        best_push(few, step, ReachSearch(few))
+    assert refused.value.refusal.reason == "out_of_reach"
+    # The surest case of two fingers, and of one, has a contact; there are six of each.
+    assert rated == [2, 1]
