@@ -86,8 +86,11 @@ def test_the_search_works_in_a_page_that_is_opened_from_its_file(
     asked: list[str] = []
     page.on("request", lambda request: asked.append(request.url))
     page.goto((site / "index.html").as_uri())
-    page.fill("input[data-md-component=search-query]", "crush_n")
-    page.wait_for_selector(".md-search-result__item", state="attached", timeout=60_000)
+    box = page.locator("input[data-md-component=search-query]")
+    box.click()
+    page.get_by_text("Type to start searching").wait_for()
+    box.press_sequentially("crush_n")  # the page listens to keys
+    page.wait_for_selector(".md-search-result__item", state="attached")
     first = page.locator(".md-search-result__link").first
     assert "models.html" in (first.get_attribute("href") or "")
     assert [url for url in asked if not url.startswith(("file:", "data:", "blob:", "about:"))] == []
