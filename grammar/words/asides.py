@@ -19,6 +19,7 @@ from grammar.words.lexer_lookahead import WORD, Phrases
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
 from grammar.words.numerals import DIGITS
+from grammar.words.reasons import Reasons
 
 _ALONE = frozenset({"AMOUNT", "DIRECTION", "MANNER", "SENSE", "SEPARATOR", "VERB"})
 """Terminals that are a group of words by themselves."""
@@ -40,10 +41,10 @@ _OPEN = frozenset({"A", "AT", "BETWEEN", "BY", "FILLED_WITH", "FROM", "GAP", "IN
 """Terminals that say nothing by themselves, so that one said twice is stammered."""
 
 _SHAPES = {
-    "fillers": r"(?<![^ ])(?!(?<=you )like ,|(?<=do )you know)(?:{0})(?:(?: ,)? (?:{0}))*(?= |$)",
+    "fillers": r"(?<![^ ])(?!(?<=you )like ,|(?<=do )you know|(?<=not )see ,)"
+    r"(?:{0})(?:(?: ,)? (?:{0}))*(?= |$)",
     "corrections": r"(?:(?<= )[.,;] )??(?<![^ ])(?:{0})(?:(?: ,)? (?:{0}))*(?: ,)?(?= )",
-    "reasons": r"^(?!so (?!that ))(?:{0}) [^,;]+?(?= , )|"
-    r"(?<= )(?:{0})(?: .+?)?(?=$| [.;] | (?:, )?(?:and )?then )",
+    "reasons": r"(?:^(?!so (?!that ))|(?<= ))(?:{0})(?= |$)",
     "statements": r"(?<=[^ ] )(?:{0})(?: [^,.;]+)?(?= [,.;] )",
     "after": r"(?<![^ ])(?<!the )(?:{0})(?=$| [.;])",
     "before": r"(?:^|(?<=[.;] ))(?:{0})(?= |$)",
@@ -59,11 +60,13 @@ _OPTION = re.compile(r" \[([^\[\]]*)\]|\[([^\[\]]*)\] ")
 _DOUBLED = re.compile(r"(?<![^ ])((?:[a-z]+ ){0,2}[a-z]+|\d+(?: [a-z]+)?)(?: ,)?(?= \1(?: |$))")
 _TOPIC = re.compile(
     r"(?:[a-z]+ ){1,3}((?:the|my|your|our)(?: [a-z0-9]+){1,5}) "
-    r"(?:is|are|was|stands|blocks|has|gets|might|could|will) [^,]* , (?:[a-z]+ ){1,3}it(?= |$)"
+    r"(?:is|are|was|stands|blocks|has|gets|might|could|will) [^,]* (?:, )?(?:[a-z]+ ){1,3}it(?= |$)"
 )
 """A reason about a thing, which "it" means then: "since the mug is dirty, push it away"."""
 
-_AS_MUCH = re.compile(r"(?<![^ ])as [a-z]+ $")
+_NO_REASON_BEHIND = re.compile(r"(?<![^ ])(?:as [a-z]+|is|are) $")
+"""Words with which what looks like a reason is none: "as soon as it is", "what is for dinner"."""
+
 _STRAY = re.compile(
     r"(?<= the) ,(?= )|(?<=^the) ,(?= )|"
     r"^[,.;](?= |$)|(?<= )[,.;]$|(?<= ),(?= [,.;] )|(?<=[.;] )[,.;](?= )"
@@ -85,6 +88,7 @@ class Asides:
         self._lexicon = lexicon
         self._phrases = phrases
         self._courtesy = Courtesy(lexicon, phrases)
+        self._reasons = Reasons(lexicon, phrases)
         self._patterns: dict[str, re.Pattern[str]] = {}
 
     def left_out(self, sentence: Normalised) -> Normalised:
@@ -149,10 +153,8 @@ class Asides:
     def _without(self, said: Normalised, kind: str, match: re.Match[str]) -> Normalised | None:
         """The sentence without a match, changed as its kind asks; None if it has to stay."""
         start, end = match.span()
-        if kind == "reasons" and _AS_MUCH.search(said.text, 0, start):
-            return None  # "as soon as it is"
-        if kind == "reasons" and start == 0 and (topic := _TOPIC.match(said.text)):
-            return _joined(said, topic.span(1), (end, len(said.text)))
+        if kind == "reasons":
+            return self._without_reason(said, start, end)
         if kind == "corrections":
             return self._corrected(said, start, end)
         if kind == "fillers" and (corrected := self._corrected(said, start, end, _RESTATED)):
@@ -177,6 +179,18 @@ class Asides:
         polite = kind in ("before", "after") and re.search(r"\b(?:you|we|please)\b", match[0])
         tagged = kind in ("after", "fillers") and start > 0 and end == len(said.text)
         return replace(left, question=said.question and not (polite or tagged))
+
+    def _without_reason(self, said: Normalised, start: int, opened: int) -> Normalised | None:
+        if _NO_REASON_BEHIND.search(said.text, 0, start):
+            return None
+        end = self._reasons.end_of(said.text, start, opened)
+        if end is None:
+            return None
+        if start == 0 and (topic := _TOPIC.match(said.text)):
+            if said.text[end] != ",":
+                return None  # "as the mug is dirty push it away"
+            return _joined(said, topic.span(1), (end, len(said.text)))
+        return _joined(said, (0, start), (end, len(said.text)))
 
     def _is_open(self, words: str) -> bool:
         """Check for the beginning of a phrase, which says nothing by itself."""
@@ -324,10 +338,13 @@ def _first_words(template: str) -> set[str]:
 
 
 def _pattern_of(template: str) -> str:
-    """The regular expression of a template: `(a|b)` is a choice, `[c]` may be left out."""
+    """The regular expression of a template.
+
+    `(a|b)` is a choice, `[c]` may be left out, and `_` is any word, or the beginning of one.
+    """
     pattern = template.replace("(", "(?:")
     while option := _OPTION.search(pattern):
         last, first = option.groups()
         either = f"(?:(?:{first}) )?" if last is None else f"(?: (?:{last}))?"
         pattern = pattern[: option.start()] + either + pattern[option.end() :]
-    return pattern.replace(".", "[.;!?]")
+    return re.sub(r"(?<![a-z])_(?=[a-z ')|]|$)", "[a-z']+", pattern.replace(".", "[.;!?]"))
