@@ -1,17 +1,17 @@
 """Motion of an object that one or two fingers push along the table.
 
-Model: quasi-static sliding on the ellipsoidal limit surface, so the motion is normal to it at the
-friction wrench: v ∝ F, ω ∝ m_z / c̄² about the centre of pressure (Howe and Cutkosky 1996). Fingers
-are points that travel along a straight line and do not turn. A finger sticks while its force stays
-in its friction cone, else it slips along the face. Two fingers on one face make a stable push as
-long as the friction wrench can be balanced by forces of both (Lynch and Mason 1996); else the
-object leaves one of them. The object stays upright; the push is horizontal.
+Model: quasi-static sliding, by a `SlidingLaw`. Fingers are round tips of one radius that travel
+along a straight line and do not turn; the contact rolls along the face as the object turns. A
+finger sticks while its force stays in its friction cone, else it slips. Two fingers on one face
+make a stable push as long as the friction wrench can be balanced by forces of both (Lynch and Mason
+1996); else the object leaves one of them. The object stays upright; the push is horizontal.
 
 Frame: the object's frame B at the start of the stroke; poses are (x, y, θ) of B in it.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -21,12 +21,13 @@ from numpy.typing import ArrayLike, NDArray
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.vector_arrays import (
-    cross,
+    dot,
     left_of,
     require_amount,
     require_finite,
     rotate,
 )
+from objectmodels.mechanics.sliding_law import Ellipsoid, Slide, SlidingLaw
 
 if TYPE_CHECKING:
     from objectmodels.geometry.pushed_body import PushedBody
@@ -34,8 +35,16 @@ if TYPE_CHECKING:
 STEPS = 200
 """Steps of the integration over a stroke; the pose's error is then below 1 µm for 0.2 m."""
 
-MODES = np.array(["stick", "slip", "turn", "lost"])
-"""What the fingers do: all stick; slip; the object turns away from one of two; none touches."""
+MODES = np.array(["stick", "slip left", "slip right", "turn", "lost"])
+"""What the fingers do: all stick; slip to their left or right, seen along the push; the object
+turns away from one of two; none touches."""
+
+_STICK, _LEFT, _RIGHT, _TURN, _LOST = range(len(MODES))
+_SETTLING = 3  # looks at how the first push shifts the load
+
+
+LawOf = Callable[["PushedBody", Array], SlidingLaw]
+"""The law of a model, for contacts at heights (n,) [m]."""
 
 
 @dataclass(frozen=True)
@@ -45,24 +54,44 @@ class Stroke:
     Attributes:
         pose: x, y [m], θ [rad] of B at the end, in B at the start, shape (n, 3).
         path: the same along the way, shape (STEPS + 1, n, 3).
-        slipped: how far the first finger has slipped along the face, to the left seen from
-            outside positive, shape (n,) [m].
-        mode: what the fingers do at the end, of `MODES`, shape (n,).
-        stable: whether fingers and object moved as one all the way, shape (n,).
+        slipped: how far the first finger's contact has come along the face, positive along ẑ ×
+            normal, to the right seen along the push, shape (n,) [m].
+        modes: what the fingers do in each step, of `MODES`, shape (STEPS, n).
     """
 
     pose: Array
     path: Array
     slipped: Array
-    mode: NDArray[np.str_]
-    stable: NDArray[np.bool_]
+    modes: NDArray[np.str_]
+
+    @property
+    def mode(self) -> NDArray[np.str_]:
+        """What the fingers do at the end, of `MODES`, shape (n,)."""
+        return self.modes[-1]
+
+    @property
+    def stable(self) -> NDArray[np.bool_]:
+        """Whether fingers and object moved as one all the way, shape (n,)."""
+        return np.asarray((self.modes == MODES[_STICK]).all(axis=0))
 
 
 def integrate_stroke(
-    model: PushedBody, points: ArrayLike, normals: ArrayLike, direction: ArrayLike, travel: float
+    model: PushedBody,
+    points: ArrayLike,
+    normals: ArrayLike,
+    direction: ArrayLike,
+    travel: ArrayLike,
+    tip_radius: float = 0.0,
+    law_of: LawOf = Ellipsoid.of_model,
 ) -> Stroke:
-    """See `ObjectModel.stroke`."""
-    p, n, d = _checked_stroke(points, normals, direction, travel)
+    """Motion by strokes under a law; see `ObjectModel.stroke`.
+
+    Raises:
+        ModelError: `bad_array`, `bad_value`.
+    """
+    p, heights, n, d = _checked_stroke(points, normals, direction)
+    h = _checked_travel(travel, len(p)) / STEPS
+    require_amount(tip_radius, "a tip radius of", "give a length in metres, 0 for a point")
     faces = touched_faces(model, p.mean(axis=1), n)
     if p.shape[1] == 2 and faces[:, 2].any():
         raise ModelError(
@@ -70,31 +99,31 @@ def integrate_stroke(
             "strokes of two fingers on a round side are not modelled",
             suggestions=("give one point per stroke, shape (n, 3)",),
         )
-    pushes = _Pushes(model, p, n, d, faces)
-    pose, slipped = np.zeros((len(p), 3)), np.zeros(p.shape[:2])
-    path, stable = [pose], np.ones(len(p), dtype=bool)
-    mode = np.zeros(len(p), dtype=np.intp)
-    h = travel / STEPS
+    pushes = _Pushes(law_of(model, heights), p, n, d, faces, tip_radius)
+    at = _State(np.zeros((len(p), 3)), np.zeros(p.shape[:2]), np.zeros((len(p), 2)))
+    for _ in range(_SETTLING):
+        at = _State(at.pose, at.slipped, pushes.rates(at)[0].force)
+    path, modes = [at.pose], []
     for _ in range(STEPS):
         # The midpoint rule: what the fingers do is taken anew in the middle of each step.
-        half = pushes.rates(pose, slipped)
-        rate, slip, mode = pushes.rates(pose + 0.5 * h * half[0], slipped + 0.5 * h * half[1])
-        pose, slipped = pose + h * rate, slipped + h * slip
-        stable &= mode == 0
-        path.append(pose)
-    if not np.isfinite(pose).all():
+        half, _ = pushes.rates(at)
+        rate, mode = pushes.rates(at.advanced(half, 0.5 * h))
+        at = at.advanced(rate, h)
+        path.append(at.pose)
+        modes.append(mode)
+    if not np.isfinite(at.pose).all():
         raise ModelError(
             "bad_value",
             "a stroke goes along its face and not against it",
             suggestions=("take a direction nearer to the face's inward normal",),
         )
-    return Stroke(pose, np.array(path), slipped[:, 0], np.asarray(MODES[mode]), stable)
+    return Stroke(at.pose, np.array(path), at.slipped[:, 0], np.asarray(MODES[np.array(modes)]))
 
 
 def _checked_stroke(
-    points: ArrayLike, normals: ArrayLike, direction: ArrayLike, travel: float
-) -> tuple[Array, Array, Array]:
-    """Contacts (n, k, 2), normals (n, 2) and directions (n, 2) in the table plane."""
+    points: ArrayLike, normals: ArrayLike, direction: ArrayLike
+) -> tuple[Array, Array, Array, Array]:
+    """Contacts (n, k, 2), heights (n,), normals (n, 2) and directions (n, 2) in the table plane."""
     p, n = np.asarray(points, dtype=np.float64), np.asarray(normals, dtype=np.float64)
     d = np.asarray(direction, dtype=np.float64)
     if p.ndim == 2:
@@ -126,9 +155,22 @@ def _checked_stroke(
             "a stroke must go against the face's outward normal",
             suggestions=("turn the direction round, or take the face on the other side",),
         )
-    require_amount(travel, "a travel of", "give a length in metres")
     level = n[:, :2] / np.hypot(n[:, 0], n[:, 1])[:, None]
-    return p[..., :2].copy(), level, d[:, :2].copy()
+    return p[..., :2].copy(), p[..., 2].mean(axis=1), level, d[:, :2].copy()
+
+
+def _checked_travel(travel: ArrayLike, n: int) -> Array:
+    """Travels of n strokes, shape (n, 1) [m]."""
+    way = np.asarray(travel, dtype=np.float64)
+    if way.shape not in ((), (n,)):
+        raise ModelError(
+            "bad_array",
+            f"expected one travel or {n} of them, found {way.shape}",
+            suggestions=("give a length in metres, or one for each stroke",),
+        )
+    for length in way.ravel().tolist():
+        require_amount(length, "a travel of", "give a length in metres")
+    return np.broadcast_to(way, n)[:, None]
 
 
 def touched_faces(model: PushedBody, places: Array, normals: Array) -> Array:
@@ -159,117 +201,115 @@ def touched_faces(model: PushedBody, places: Array, normals: Array) -> Array:
     return np.array(rows).reshape(len(places), 3)
 
 
-def turning_rate(r: Array, force: Array, radius: float) -> Array:
-    """Rate ω = r × F / c̄² under forces F, in units of which v = F, at contacts r (n, 2), (n,)."""
-    return cross(r, force) / radius**2
+@dataclass(frozen=True)
+class _State:
+    """Poses (n, 3), places of the contacts along the face (n, k), pushes (n, 2); or their rates."""
+
+    pose: Array
+    slipped: Array
+    force: Array
+
+    def advanced(self, rate: _State, h: Array) -> _State:
+        """The state after travels h (n, 1), under the push of that time."""
+        return _State(self.pose + h * rate.pose, self.slipped + h * rate.slipped, rate.force)
 
 
-def contact_velocity(r: Array, force: Array, radius: float) -> Array:
-    """Velocity of the contacts under forces at them: F + ω ẑ × r, shape (n, 2)."""
-    return np.asarray(force + turning_rate(r, force, radius)[:, None] * left_of(r))
-
-
-def sticking_force(r: Array, d: Array, radius: float) -> Array:
-    """Forces under which the contacts move as the fingers do: M F = d, M = I + l lᵀ/c̄², (n, 2)."""
-    left = left_of(r) / radius
-    share = np.sum(left * d, axis=1) / (1.0 + np.sum(left * left, axis=1))
-    return np.asarray(d - share[:, None] * left)
+_Motion = tuple[Slide, Array, NDArray[np.intp]]
+"""How the object moves, how its contacts move along the face (n, k), and the modes (n,)."""
 
 
 class _Pushes:
     """The equations of motion of n strokes with k fingers."""
 
-    def __init__(self, model: PushedBody, p: Array, n: Array, d: Array, face: Array) -> None:
-        self.c, self.radius = np.array(model.com[:2]), model.friction_radius
-        self.mu = model.finger_friction
+    def __init__(
+        self, law: SlidingLaw, p: Array, n: Array, d: Array, face: Array, tip_radius: float
+    ) -> None:
+        self.law, self.tip_radius = law, tip_radius
         self.p, self.inward, self.d, self.face = p, -n, d, face
-        self.tangent = np.column_stack((-n[:, 1], n[:, 0]))
+        self.tangent = left_of(n)
 
-    def rates(self, pose: Array, slipped: Array) -> tuple[Array, Array, NDArray[np.intp]]:
-        """Rates of pose (n, 3) and slip (n, k) per travel, and the modes (n,)."""
+    def rates(self, at: _State) -> tuple[_State, NDArray[np.intp]]:
+        """Rates of the state per travel, with the push there, and the modes (n,)."""
         # In B: fingers travel along d turned back, contacts have moved along the face.
-        d = rotate(self.d, -pose[:, 2])
-        at, half, curvature = self.face.T
-        here = self.carry_around(curvature * slipped[:, 0])
+        d = rotate(self.d, -at.pose[:, 2])
+        place, half, curvature = self.face.T
+        here = self.carry_around(curvature * at.slipped[:, 0])
+        here.law = self.law.loaded_by(at.force)
         flat = (curvature == 0.0)[:, None, None]
-        r = here.p + np.where(flat, slipped[..., None] * here.tangent[:, None, :], 0.0) - self.c
-        if r.shape[1] == 1:
-            v, w, slip, mode = here._one_finger(r[:, 0], d)
-            slips = slip[:, None]
-        else:
-            v, w, slips, mode = here._two_fingers(r, d)
+        moved = np.where(flat, at.slipped[..., None] * here.tangent[:, None, :], 0.0)
+        r = here.p + moved - here.law.com[:, None, :]
+        one = r.shape[1] == 1
+        slide, slips, mode = here._one_finger(r[:, 0], d) if one else here._two_fingers(r, d)
+        # As the object turns, round tips roll along it.
+        rolled = (slips - self.tip_radius * slide.turn[:, None]) / (
+            1.0 + self.tip_radius * curvature[:, None]
+        )
         # On a round side there is always more of it.
-        lost = (np.abs(at + slipped[:, 0]) > half) & (curvature == 0.0)
-        v[lost], w[lost], slips[lost], mode[lost] = 0.0, 0.0, 0.0, 3
-        # Velocity of B's origin, from that of the centre of mass.
-        origin = v - w[:, None] * left_of(self.c)
-        rate = np.column_stack((rotate(origin, pose[:, 2]), w))
-        return rate, slips, mode
+        lost = (np.abs(place + at.slipped[:, 0]) > half) & (curvature == 0.0)
+        v = slide.v - slide.turn[:, None] * left_of(here.law.com)  # of B's origin
+        rate = np.column_stack((rotate(v, at.pose[:, 2]), slide.turn))
+        rate[lost], rolled[lost], mode[lost] = 0.0, 0.0, _LOST
+        return _State(rate, rolled, slide.force), mode
 
     def carry_around(self, angle: Array) -> _Pushes:
         """With contacts and normals carried around a round side by angles (n,)."""
-        if not angle.any():
-            return self
-        centre = (
-            self.p[:, 0]
-            + self.inward / np.where(self.face[:, 2] > 0.0, self.face[:, 2], 1.0)[:, None]
-        )
-        moved = centre + rotate(self.p[:, 0] - centre, angle)
         turned = self.pick_strokes(np.arange(len(angle)))
-        turned.p, turned.inward = moved[:, None, :], rotate(self.inward, angle)
-        turned.tangent = rotate(self.tangent, angle)
+        if angle.any():
+            curvature = np.where(self.face[:, 2] > 0.0, self.face[:, 2], 1.0)[:, None]
+            centre = self.p[:, 0] + self.inward / curvature
+            turned.p = (centre + rotate(self.p[:, 0] - centre, angle))[:, None, :]
+            turned.inward = rotate(self.inward, angle)
+            turned.tangent = rotate(self.tangent, angle)
         return turned
 
-    def _one_finger(self, r: Array, d: Array) -> tuple[Array, Array, Array, NDArray[np.intp]]:
-        """One finger: velocity of the centre of mass, turning rate, slip rate, mode."""
-        force = sticking_force(r, d, self.radius)
-        pressing = np.sum(force * self.inward, axis=1)
-        aside = np.sum(force * self.tangent, axis=1)
-        slips = np.abs(aside) > self.mu * pressing
-        edge = self.inward + self.mu * np.sign(aside)[:, None] * self.tangent
-        edge *= (
-            np.sum(d * self.inward, axis=1)
-            / np.sum(contact_velocity(r, edge, self.radius) * self.inward, axis=1)
-        )[:, None]
-        force = np.where(slips[:, None], edge, force)
-        contact = contact_velocity(r, force, self.radius)
-        slip = np.where(slips, np.sum((d - contact) * self.tangent, axis=1), 0.0)
-        return force, turning_rate(r, force, self.radius), slip, slips.astype(np.intp)
+    def _one_finger(self, r: Array, d: Array) -> _Motion:
+        """One finger, sticking or at the edge of its friction cone."""
+        slide, mu = self.law.slide_with(r, d), self.law.finger_friction
+        slip, mode = np.zeros(len(d)), np.full(len(d), _STICK)
+        pressing, aside = dot(slide.force, self.inward), dot(slide.force, self.tangent)
+        (i,) = np.nonzero(~(np.abs(aside) <= mu * pressing))
+        if i.size:
+            n, t = self.inward[i], self.tangent[i]
+            edge = n + (mu[i] * np.sign(aside[i]))[:, None] * t
+            moved = self.law.chosen_strokes(i).slide_under(r[i], edge)
+            speed = dot(d[i], n) / dot(moved.contact_velocity(r[i]), n)
+            slide.v[i], slide.turn[i] = speed[:, None] * moved.v, speed * moved.turn
+            slide.force[i] = moved.force
+            slip[i] = dot(d[i] - slide.contact_velocity(r)[i], t)
+            mode[i] = np.where(slip[i] > 0.0, _RIGHT, _LEFT)
+        return slide, slip[:, None], mode
 
-    def _two_fingers(self, r: Array, d: Array) -> tuple[Array, Array, Array, NDArray[np.intp]]:
+    def _two_fingers(self, r: Array, d: Array) -> _Motion:
         """Two fingers on one face: as one body, slipping both, or turning about one of them."""
-        n, t = self.inward, self.tangent
-        zero = np.zeros(len(d))
-        speed, aside = np.sum(d * n, axis=1), np.sum(d * t, axis=1)
+        n, t, mu = self.inward, self.tangent, self.law.finger_friction
+        speed, aside = dot(d, n), dot(d, t)
         along = np.sum(r * t[:, None, :], axis=2)  # places along the face, (n, 2)
-        depth = np.sum(r[:, 0] * n, axis=1)  # of the face ahead of the centre, negative
+        depth = dot(r[:, 0], n)  # of the face ahead of the centre, negative
         # Straight: the force d through the centre must lie between the fingers, in the cone.
         at = depth / speed * aside
         between = (at >= along.min(axis=1)) & (at <= along.max(axis=1))
-        sticks = between & (np.abs(aside) <= self.mu * speed)
-        sign = np.sign(aside)
-        edge_at = depth * self.mu * sign
-        slips = (np.abs(aside) > self.mu * speed) & (edge_at >= along.min(axis=1))
+        sticks = between & (np.abs(aside) <= mu * speed)
+        edge_at = depth * mu * np.sign(aside)
+        slips = (np.abs(aside) > mu * speed) & (edge_at >= along.min(axis=1))
         slips &= edge_at <= along.max(axis=1)
-        v = np.where(slips[:, None], speed[:, None] * n + (self.mu * sign * speed)[:, None] * t, d)
-        slip = np.where(slips, aside - self.mu * sign * speed, 0.0)
-        mode = np.where(slips, 1, 0)
-        w, both = zero.copy(), np.column_stack((slip, slip))
+        edge = n + (mu * np.sign(aside))[:, None] * t
+        v = np.where(slips[:, None], speed[:, None] * edge, d)
+        slide = Slide(v, np.zeros(len(d)), v / np.sqrt(dot(v, v))[:, None])
+        both = np.tile(np.where(slips, aside - dot(v, t), 0.0)[:, None], 2)
+        mode = np.where(slips, np.where(aside > 0.0, _RIGHT, _LEFT), _STICK)
         (i,) = np.nonzero(~sticks & ~slips)
         if i.size:
             # It turns away from one finger: the one that the line of force leaves behind.
-            target = np.where(np.abs(aside) > self.mu * speed, edge_at, at)
+            target = np.where(np.abs(aside) > mu * speed, edge_at, at)
             stays = np.where(target > along.max(axis=1), along.argmax(axis=1), along.argmin(axis=1))
-            alone = self.pick_strokes(i)
-            one = alone._one_finger(r[i, stays[i]], d[i])
-            v[i], w[i], both[i], mode[i] = one[0], one[1], one[2][:, None], 2
-        return v, w, both, mode
+            one, slip, _ = self.pick_strokes(i)._one_finger(r[i, stays[i]], d[i])
+            slide.v[i], slide.turn[i], slide.force[i] = one.v, one.turn, one.force
+            both[i], mode[i] = slip, _TURN
+        return slide, both, mode
 
     def pick_strokes(self, i: NDArray[np.intp]) -> _Pushes:
         """Some of the strokes."""
-        some = object.__new__(_Pushes)
-        some.c, some.radius, some.mu = self.c, self.radius, self.mu
-        some.p, some.inward, some.d = self.p[i], self.inward[i], self.d[i]
-        some.face = self.face[i]
-        some.tangent = self.tangent[i]
-        return some
+        return _Pushes(
+            self.law.chosen_strokes(i),
+            self.p[i], -self.inward[i], self.d[i], self.face[i], self.tip_radius,
+        )  # fmt: skip

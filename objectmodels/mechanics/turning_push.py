@@ -34,7 +34,7 @@ from objectmodels.geometry.vector_arrays import (
     require_normals,
     rotate,
 )
-from objectmodels.mechanics.push_motion import contact_velocity, sticking_force, turning_rate
+from objectmodels.mechanics.sliding_law import contact_velocity, sticking_force, turning_rate
 
 if TYPE_CHECKING:
     from objectmodels.geometry.pushed_body import PushedBody

@@ -206,23 +206,15 @@ class ObjectModel(Parameters, ABC):
 
     @overload
     def thresholds(
-        self,
-        points: ArrayLike,
-        directions: ArrayLike,
-        *,
-        exact: Literal[True],
-        friction: Friction = "static",
-    ) -> ExactThresholds: ...
+        self, points: ArrayLike, directions: ArrayLike, *,
+        exact: Literal[True], friction: Friction = "static",
+    ) -> ExactThresholds: ...  # fmt: skip
 
     @overload
     def thresholds(
-        self,
-        points: ArrayLike,
-        directions: ArrayLike,
-        *,
-        exact: bool | Literal["border"] = False,
-        friction: Friction = "static",
-    ) -> Thresholds: ...
+        self, points: ArrayLike, directions: ArrayLike, *,
+        exact: bool | Literal["border"] = False, friction: Friction = "static",
+    ) -> Thresholds: ...  # fmt: skip
 
     def thresholds(
         self,
@@ -365,24 +357,27 @@ class ObjectModel(Parameters, ABC):
         return sudden_push(self, *checked_contacts(self, points, forces))
 
     def stroke(
-        self, points: ArrayLike, normals: ArrayLike, direction: ArrayLike, travel: float
-    ) -> Stroke:
+        self, points: ArrayLike, normals: ArrayLike, direction: ArrayLike, travel: ArrayLike,
+        *, exact: bool = False, tip_radius: float = 0.0,
+    ) -> Stroke:  # fmt: skip
         """Motion by slow strokes of one finger each, or of two; see `push_motion`.
 
         Args:
-            points: contact points p_BC at the start, shape (n, 3) [m], or (n, 2, 3) for two fingers
-                that keep their distance.
+            points: contacts p_BC at the start, (n, 3) [m]; (n, 2, 3) for two that keep apart.
             normals: outward unit normals of the touched faces in B, shape (n, 3).
-            direction: horizontal direction in which the fingers travel in B at the start,
-                shape (3,) or (n, 3).
-            travel: how far [m].
+            direction: horizontal unit direction of travel in B at the start, (3,) or (n, 3).
+            travel: how far, of all or of each, shape () or (n,) [m].
+            exact: take the loaded support points instead of the ellipsoidal limit surface.
+            tip_radius: of the round fingertips [m].
 
         Raises:
             ModelError: `bad_array`, `bad_value`.
         """
-        from objectmodels.mechanics.push_motion import integrate_stroke
+        from objectmodels.mechanics.exact.loaded_points import LoadedPoints
+        from objectmodels.mechanics.push_motion import Ellipsoid, integrate_stroke
 
-        return integrate_stroke(self, points, normals, direction, travel)
+        law = LoadedPoints.of_model if exact else Ellipsoid.of_model
+        return integrate_stroke(self, points, normals, direction, travel, tip_radius, law)
 
     def angle_of_no_return(self, direction: ArrayLike, *, sigmas: float = 0.0) -> float:
         """Tilt past which it falls by itself; see `tilt_limits.angle_of_no_return` [rad]."""
