@@ -67,7 +67,7 @@ class Stroke:
     @property
     def mode(self) -> NDArray[np.str_]:
         """What the fingers do at the end, of `MODES`, shape (n,)."""
-        return self.modes[-1]
+        return np.asarray(self.modes[-1])
 
     @property
     def stable(self) -> NDArray[np.bool_]:

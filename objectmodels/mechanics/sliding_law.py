@@ -45,10 +45,13 @@ class Slide:
 class SlidingLaw(Protocol):
     """What motion goes with what force, for n strokes; contacts r (n, 2) are from the centre."""
 
-    com: Array
-    """Centres of mass in B, shape (n, 2) [m]."""
-    finger_friction: Array
-    """μ at the finger, shape (n,)."""
+    @property
+    def com(self) -> Array:
+        """Centres of mass in B, shape (n, 2) [m]."""
+
+    @property
+    def finger_friction(self) -> Array:
+        """μ at the finger, shape (n,)."""
 
     def loaded_by(self, force: Array) -> Self:
         """The law while a push acts, a share (n, 2) of μ times the weight."""

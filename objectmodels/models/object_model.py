@@ -374,9 +374,10 @@ class ObjectModel(Parameters, ABC):
             ModelError: `bad_array`, `bad_value`.
         """
         from objectmodels.mechanics.exact.loaded_points import LoadedPoints
-        from objectmodels.mechanics.push_motion import Ellipsoid, integrate_stroke
+        from objectmodels.mechanics.push_motion import LawOf, integrate_stroke
+        from objectmodels.mechanics.sliding_law import Ellipsoid
 
-        law = LoadedPoints.of_model if exact else Ellipsoid.of_model
+        law: LawOf = LoadedPoints.of_model if exact else Ellipsoid.of_model
         return integrate_stroke(self, points, normals, direction, travel, tip_radius, law)
 
     def angle_of_no_return(self, direction: ArrayLike, *, sigmas: float = 0.0) -> float:

@@ -47,7 +47,7 @@ class StrokeDraws:
     def covariance(self) -> Array:
         """Covariance of x, y, θ, shape (n, 3, 3)."""
         off = self.pose - self.mean
-        return np.einsum("dni,dnj->nij", off, off) / (len(off) - 1)
+        return np.asarray(np.einsum("dni,dnj->nij", off, off) / (len(off) - 1))
 
     @property
     def lost(self) -> Array:

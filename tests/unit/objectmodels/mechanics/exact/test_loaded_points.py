@@ -9,7 +9,7 @@ import pytest
 
 from objectmodels import BoxModel, CylinderModel, ModelError
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.support_points import Support
+from objectmodels.geometry.support_points import Support, friction_radius
 from objectmodels.mechanics.exact.loaded_points import LoadedPoints
 from objectmodels.mechanics.exact.planar_wrench import twist_of_wrench, wrench_of_twist
 from objectmodels.mechanics.exact.stroke_draws import DRAWS, stroke_draws
@@ -18,9 +18,16 @@ FEET: Support = ((-0.03, -0.04), (0.035, -0.03), (0.01, 0.045))
 REAR = np.array([-1.0, 0.0, 0.0])
 
 
+BOX = BoxModel(
+    name="b", size=(0.09, 0.11, 0.2), mass=1.0, friction=0.4, finger_friction=0.6,
+    com=(0.008, -0.005, 0.05), support=FEET,
+)  # fmt: skip
+
+
 def box(support: Support = FEET, **changes: object) -> BoxModel:
-    known = {"friction": 0.4, "finger_friction": 0.6, "com": (0.008, -0.005, 0.05)} | changes
-    return BoxModel(name="b", size=(0.09, 0.11, 0.2), mass=1.0, support=support, **known)
+    """The box on other points, with their own friction radius if that is not among the changes."""
+    radius = friction_radius(support, BOX.footprint)
+    return BOX.model_copy(update={"support": support, "friction_radius": radius} | changes)
 
 
 def unit(angle: Array) -> Array:
@@ -30,11 +37,8 @@ def unit(angle: Array) -> Array:
 def parallel(a: Array, b: Array) -> Array:
     """Sine of the angle between planar twists, turning rates by 5 cm, shape (n,)."""
     a, b = (v * [1.0, 1.0, 0.05] for v in (a, b))
-    return (
-        np.linalg.norm(np.cross(a, b), axis=1)
-        / np.linalg.norm(a, axis=1)
-        / np.linalg.norm(b, axis=1)
-    )
+    size = np.linalg.norm(a, axis=1) * np.linalg.norm(b, axis=1)
+    return np.asarray(np.linalg.norm(np.cross(a, b), axis=1) / size)
 
 
 @pytest.mark.parametrize("support", [FEET, "corners", "uniform"])
