@@ -66,12 +66,12 @@ class Stroke:
 
     @property
     def mode(self) -> NDArray[np.str_]:
-        """What the fingers do at the end, of `MODES`, shape (n,)."""
+        """Modes at the end, of `MODES`, shape (n,)."""
         return np.asarray(self.modes[-1])
 
     @property
     def stable(self) -> NDArray[np.bool_]:
-        """Whether fingers and object moved as one all the way, shape (n,)."""
+        """Return True where fingers and object moved as one all the way, shape (n,)."""
         return np.asarray((self.modes == MODES[_STICK]).all(axis=0))
 
 
@@ -107,8 +107,8 @@ def integrate_stroke(
     for _ in range(STEPS):
         # The midpoint rule: what the fingers do is taken anew in the middle of each step.
         half, _ = pushes.rates(at)
-        rate, mode = pushes.rates(at.advanced(half, 0.5 * h))
-        at = at.advanced(rate, h)
+        rate, mode = pushes.rates(at.state_after(half, 0.5 * h))
+        at = at.state_after(rate, h)
         path.append(at.pose)
         modes.append(mode)
     if not np.isfinite(at.pose).all():
@@ -209,7 +209,7 @@ class _State:
     slipped: Array
     force: Array
 
-    def advanced(self, rate: _State, h: Array) -> _State:
+    def state_after(self, rate: _State, h: Array) -> _State:
         """The state after travels h (n, 1), under the push of that time."""
         return _State(self.pose + h * rate.pose, self.slipped + h * rate.slipped, rate.force)
 
@@ -234,7 +234,7 @@ class _Pushes:
         d = rotate(self.d, -at.pose[:, 2])
         place, half, curvature = self.face.T
         here = self.carry_around(curvature * at.slipped[:, 0])
-        here.law = self.law.loaded_by(at.force)
+        here.law = self.law.law_under(at.force)
         flat = (curvature == 0.0)[:, None, None]
         moved = np.where(flat, at.slipped[..., None] * here.tangent[:, None, :], 0.0)
         r = here.p + moved - here.law.com[:, None, :]

@@ -53,7 +53,7 @@ class SlidingLaw(Protocol):
     def finger_friction(self) -> Array:
         """μ at the finger, shape (n,)."""
 
-    def loaded_by(self, force: Array) -> Self:
+    def law_under(self, force: Array) -> Self:
         """The law while a push acts, a share (n, 2) of μ times the weight."""
 
     def slide_with(self, r: Array, d: Array) -> Slide:
@@ -81,7 +81,7 @@ class Ellipsoid:
         com, finger, radius = model.com[:2], model.finger_friction, model.friction_radius
         return cls(np.tile(com, (n, 1)), np.full(n, finger), np.full(n, radius))
 
-    def loaded_by(self, force: Array) -> Ellipsoid:
+    def law_under(self, force: Array) -> Ellipsoid:
         """The same: the ellipsoid does not know where the load is."""
         return self
 

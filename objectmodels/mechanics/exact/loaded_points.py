@@ -80,9 +80,9 @@ class LoadedPoints:
         law = cls(
             com, finger_friction, springs, radius / springs.radius, lever, none, none[..., None]
         )
-        return law.loaded_by(np.zeros_like(com))
+        return law.law_under(np.zeros_like(com))
 
-    def loaded_by(self, force: Array) -> LoadedPoints:
+    def law_under(self, force: Array) -> LoadedPoints:
         """The law while a push acts, a share (n, 2) of μ times the weight."""
         q = (self.com + self.lever[:, None] * force).T
         loaded = np.ones_like(self.loads, dtype=bool)

@@ -51,7 +51,7 @@ def test_a_led_contact_moves_as_under_the_force_that_the_threshold_needs(support
     law = LoadedPoints.of_model(model, p[:, 2])
     r, force = p[:, :2] - law.com, np.zeros((n, 2))
     for _ in range(12):  # the push shifts the load, which shifts the push
-        slide = law.loaded_by(force).slide_with(r, d[:, :2])
+        slide = law.law_under(force).slide_with(r, d[:, :2])
         force = slide.force
     u = np.column_stack((force / np.hypot(*force.T)[:, None], np.zeros(n)))
     t = model.thresholds(p, u, exact=True)
