@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Literal, Protocol
 
 from grammar.frames.command import Spans
 from nlcontrol.json_document import DocumentPart
+from nlcontrol.text_format import quantity
+from objectmodels.html_table import html_table
 
 if TYPE_CHECKING:
     from planner.problem.place_regions import Measure
@@ -57,6 +59,13 @@ class Check(DocumentPart):
     tolerance: float | None = None
     unit: Unit = ""
     ok: bool
+
+    def _repr_html_(self) -> str:
+        values = (self.measured, self.expected, self.tolerance or 0.0)
+        texts = [v if isinstance(v, str) else quantity(v, self.unit) for v in values]
+        row = (self.quantity, texts[0], f"{self.relation.replace('_', ' ')} {texts[1]}", texts[2])
+        header = ("quantity", "measured", "asked", "tolerance")
+        return html_table(f"{self.clause}: {'held' if self.ok else 'missed'}", header, [row])
 
 
 def compare(

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from nlcontrol.outcome_maps.map_comparison import BY, Comparison, agreement_text
 from nlcontrol.outcome_maps.outcome_map_table import legend
+from objectmodels.mechanics.outcome_map_picture import COLOURS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
     from objectmodels.geometry.side_faces import Face
     from objectmodels.mechanics.outcome_map import OutcomeMap
 
-COLOURS = {"slide": "#0072b2", "topple": "#d55e00", "undecided": "#7f7f7f", "none": "#9a9a9a"}
 MARKERS = {"slide": "o", "topple": "^", "undecided": "s", "none": "x"}
 _TITLES = {way: f"experiment by\n{words}" for way, words in BY.items()}
 _LARGEST = 190.0  # area of the circle of the largest force [points²]

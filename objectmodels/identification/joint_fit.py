@@ -27,6 +27,7 @@ from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.geometry.support_points import Support, friction_radius
+from objectmodels.html_table import html_table
 from objectmodels.identification.belief_update import belief_of
 from objectmodels.identification.identifiability import identifiable_parameters
 from objectmodels.identification.least_squares import (
@@ -105,6 +106,12 @@ class Fit:
     dropped: Mapping[str, str]
     notes: tuple[str, ...]
     _solution: Solution = field(repr=False)
+
+    def _repr_html_(self) -> str:
+        sd = self.deviations
+        rows = [(name, f"{self.values[name]:.4g}", f"{sd[name]:.2g}") for name in self.found]
+        caption = f"{self.model.name}: forces predicted within {100.0 * self.rms:.1f} %"
+        return html_table(caption, ("found", "value [SI]", "± standard deviation"), rows)
 
     def interval(self, name: str, level: float = 0.95) -> tuple[float, float]:
         """Interval in which a parameter lies with some probability.

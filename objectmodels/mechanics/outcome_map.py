@@ -101,6 +101,11 @@ class OutcomeMap:
         names = np.where(self.slide < self.topple, "slide", "topple")
         return np.select([np.isinf(self.force), close], ["none", "undecided"], names)
 
+    def _repr_html_(self) -> str:
+        from objectmodels.mechanics.outcome_map_picture import map_svg
+
+        return map_svg(self)
+
     def is_safe(self, outcome: str, probability: float) -> NDArray[np.bool_]:
         """Contacts whose outcome is as asked with a probability or more, in [0, 1], shape (n,).
 

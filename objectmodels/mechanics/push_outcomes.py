@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels.geometry.base_shapes import Array, Base
+from objectmodels.html_table import html_table
 from objectmodels.mechanics.push_thresholds import (
     centre_of_pressure,
     push_axes,
@@ -31,6 +32,8 @@ from objectmodels.mechanics.push_thresholds import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from objectmodels.geometry.pushed_body import Friction, PushedBody
 
 UNDECIDED = 1e-9
@@ -60,6 +63,12 @@ class Thresholds:
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {_told_of(self.outcome)}, onset {_range_of(self.onset)} N>"
+
+    def _repr_html_(self) -> str:
+        header = ("contact [mm]", "direction", "slides at [N]", "topples at [N]", "first")
+        forces = (_number_texts(self.slide), _number_texts(self.topple))
+        rows = zip(*_push_texts(self.push), *forces, self.outcome.tolist(), strict=True)
+        return html_table(f"Thresholds: {_told_of(self.outcome)}", header, rows)
 
     @cached_property
     def onset(self) -> Array:
@@ -156,6 +165,12 @@ class Prediction:
     def __repr__(self) -> str:
         return f"<Prediction: {_told_of(self.outcome)}, force {_range_of(self.force)} N>"
 
+    def _repr_html_(self) -> str:
+        header = ("contact [mm]", "direction", "force [N]", "outcome", "margin [N]")
+        told = (_number_texts(self.force), self.outcome.tolist(), _number_texts(self.margin))
+        rows = zip(*_push_texts(self.thresholds.push), *told, strict=True)
+        return html_table(f"Prediction: {_told_of(self.outcome)}", header, rows)
+
     @cached_property
     def moves(self) -> NDArray[np.bool_]:
         """Return True where the force reaches the onset."""
@@ -191,6 +206,19 @@ def _told_of(outcome: NDArray[np.str_]) -> str:
     names, counts = np.unique(outcome, return_counts=True)
     told = ", ".join(f"{n} {name}" for name, n in zip(names, counts, strict=True))
     return f"{len(outcome)} pushes ({told})"
+
+
+def _push_texts(push: tuple[Array, Array]) -> tuple[Iterator[str], Iterator[str]]:
+    """Contact points [mm] and directions of pushes, for people."""
+    points, directions = push
+    return (
+        (", ".join(f"{x:z.0f}" for x in point) for point in 1e3 * points),
+        (", ".join(f"{x:z.2f}" for x in direction) for direction in directions),
+    )
+
+
+def _number_texts(values: Array) -> Iterator[str]:
+    return (f"{value:.3g}" for value in values)
 
 
 def _range_of(values: Array) -> str:

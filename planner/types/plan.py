@@ -9,6 +9,7 @@ from __future__ import annotations
 from textwrap import shorten
 from typing import Literal
 
+from objectmodels.html_table import html_table
 from planner.types.actions import Action, Aim, GraspAction, Limits, PushAction, Value
 from planner.types.refusal import Refusal
 
@@ -76,6 +77,13 @@ class Plan(Value):
             f"<Plan to {self.task} the {name}: {kinds}{more}; probability {self.probability:.3g}>"
         )
 
+    def _repr_html_(self) -> str:
+        header = ("step", "contact in B [mm]", "at most [N]", "travel [mm]", "sliding from [N]",
+                  "toppling from [N]")  # fmt: skip
+        rows = [_step_texts(action) for action in self.actions]
+        caption = f"{self.task} the {self.object}, probability {self.probability:.3f}"
+        return html_table(caption, header, rows)
+
     @property
     def push(self) -> PushAction:
         """First push: of several the only one that is carried out before the robot looks again."""
@@ -113,6 +121,17 @@ class Reached(Value):
     off: float = 0.0
     turned_off: float = 0.0
     lid: float | None = None
+
+
+def _step_texts(action: Action) -> tuple[str, ...]:
+    """A row of the table of a plan; all that is no push has its kind alone."""
+    if action.kind != "push":
+        return (action.kind, "", "", "", "", "")
+    found = action.prediction
+    forces = ("never" if f is None else f"{f:.2f}" for f in (found.slide_force, found.topple_force))
+    contact = ", ".join(f"{1e3 * x:z.0f}" for x in action.p_BC)
+    step = f"push, {action.face}, {action.fingers} finger{'s'[: action.fingers - 1]}"
+    return (step, contact, f"{action.force_limit:.2f}", f"{1e3 * action.stroke:.0f}", *forces)
 
 
 PlanningResult = Plan | Reached | Refusal

@@ -22,8 +22,7 @@ GREY: Colour = (0.6, 0.6, 0.6)
 def truth_as_believed(model: ObjectModel, colour: Colour = GREY) -> Truth:
     """The truth of an object that is exactly as its model says, without contents and lid.
 
-    Raises:
-        TypeError: the model is of a kind that the simulation has no shape for.
+    Of a kind that a plug-in brings it has the hull of its base and, at its top, of its outline.
     """
     shape: dict[str, object]
     match model:
@@ -40,7 +39,9 @@ def truth_as_believed(model: ObjectModel, colour: Colour = GREY) -> Truth:
         case HullModel():
             shape = {"vertices_m": model.vertices}
         case _:
-            raise TypeError(f"{model.name} is no box, cylinder, prism or hull")
+            ends = ((model.footprint.corners, 0.0), (model.outline, model.top))
+            vertices = [(x, y, z) for corners, z in ends for x, y in corners.tolist()]
+            shape = {"vertices_m": tuple(vertices)}
     return Truth.model_validate(
         shape
         | {
@@ -57,13 +58,10 @@ def scene_with_object(scene: Scene, model: ObjectModel, pose: Pose) -> Scene:
     """The scene with one more object, which is as its model says.
 
     Raises:
-        SceneError: `bad_scene` if the simulation has no shape for the model, its name is taken, or
-            it would stand beyond the table's edge or in something else.
+        SceneError: `bad_scene` if its name is taken, or it would stand beyond the table's edge or
+            in something else.
     """
-    try:
-        truth = truth_as_believed(model)
-    except TypeError as raised:
-        raise _no_place(model, str(raised), "write its truth into a scene file") from raised
+    truth = truth_as_believed(model)
     item = SceneObject(name=model.name, model=model.name, pose=pose, truth=truth)
     covered = _covered(item)
     if room_to_edge(covered, scene.table.extent) < 0.0:

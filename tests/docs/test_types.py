@@ -1,9 +1,10 @@
 """Type checkers accept the Python of README and guides, strictly and without any plugin,
-and so they do the programs of `examples`.
+and so they do the programs of `examples` and the notebooks.
 """
 
 from __future__ import annotations
 
+import json
 import re
 import shutil
 import subprocess
@@ -33,6 +34,10 @@ def test_a_type_checker_accepts_the_python_of_the_guides(checker: str, tmp_path:
     for program in (*ROOT.glob("examples/*.py"), *ROOT.glob("examples/*/*/__init__.py")):
         name = program.parent.name if program.stem == "__init__" else program.stem
         shutil.copy(program, tmp_path / f"example_{name}.py")
+    for book in ROOT.glob("docs/notebooks/*.ipynb"):
+        cells = json.loads(book.read_text("utf-8"))["cells"]
+        code = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
+        (tmp_path / f"notebook_{book.stem}.py").write_text("\n".join(code), encoding="utf-8")
     # In a folder of its own, so that no settings of the project count.
     command = [sys.executable, *CHECKERS[checker], "."]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import base64
 import re
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
-from nlcontrol import BoxModel, Controller, Result
+from nlcontrol import BoxModel, Check, Controller, Result
+from objectmodels.html_table import MOST_ROWS
+from objectmodels.mechanics.outcome_map import outcome_map
+from objectmodels.mechanics.outcome_map_picture import COLOURS
 
 
 @pytest.fixture(scope="module")
@@ -57,3 +61,38 @@ def test_what_was_said_is_no_markup(results: dict[str, Result]) -> None:
     page = results["not_understood"]._repr_html_()
     assert "<script" not in page
     assert "&lt;script" in page
+
+
+def test_what_a_result_is_made_of_shows_itself(results: dict[str, Result]) -> None:
+    plan = results["planned"].plan
+    assert plan is not None
+    page = plan._repr_html_()
+    assert page.count("<tr>") == 1 + len(plan.actions)
+    assert f"<td>{plan.push.force_limit:.2f}</td>" in page
+    check = Check(clause="<b>", quantity="tilt", relation="at_most", expected=0.1, measured=0.05,
+                  tolerance=0.01, unit="rad", ok=True)  # fmt: skip
+    assert "&lt;b&gt;: held" in check._repr_html_()
+
+
+def test_many_predictions_show_the_first_ones() -> None:
+    box = BoxModel(name="crate", size=(0.1, 0.1, 0.2), mass=1.0, friction=0.4)
+    points = np.linspace([-0.05, 0.0, 0.02], [-0.05, 0.0, 0.2], 1000)
+    along = np.tile([1.0, 0.0, 0.0], (1000, 1))
+    for found in (box.thresholds(points, along), box.predict(points, 3.0 * along)):
+        page = found._repr_html_()
+        assert page.count("<tr>") == 1 + MOST_ROWS + 1
+        assert page.count("<td>…</td>") == 5
+    assert "<td>3.92</td>" in box.thresholds(points, along)._repr_html_()  # μ m g
+
+
+def test_a_map_has_a_square_for_each_contact() -> None:
+    box = BoxModel(name="<crate>", size=(0.1, 0.1, 0.2), mass=1.0, friction=0.4)
+    chart = outcome_map(box, box.faces()[2])
+    page = chart._repr_html_()
+    drawing = ElementTree.fromstring(page[page.index("<svg") :])
+    squares = drawing.findall("{http://www.w3.org/2000/svg}rect")
+    assert len(squares) == len(chart.force)
+    for outcome in ("slide", "topple"):
+        colours = [square.get("fill") for square in squares]
+        assert colours.count(COLOURS[outcome]) == (chart.outcome == outcome).sum() > 10
+    assert "<crate>" not in page

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numpy.typing import ArrayLike
 
-from objectmodels import CylinderModel, HullModel, ObjectModel, Registry
+from objectmodels import CylinderModel, Disc, Face, HullModel, ObjectModel, Polygon, Registry
+from objectmodels.geometry.base_shapes import Array
 from sim.errors import SceneError
 from sim.truth.object_placing import scene_with_object, truth_as_believed
 from sim.truth.object_truth import Truth
@@ -39,6 +41,33 @@ def test_truth_is_as_believed(model: ObjectModel) -> None:
     outline = np.linalg.norm(np.array(model.outline), axis=1).max()
     # The outline that a model has of a round side lies around it, by 1 / cos(π / 16).
     assert radius == pytest.approx(outline, rel=0.02 if isinstance(model, CylinderModel) else 1e-9)
+
+
+def test_a_kind_of_a_plug_in_is_put_there(kitchen: Scene) -> None:
+    class Bucket(ObjectModel):
+        """A round base, and a wider square top."""
+
+        @property
+        def footprint(self) -> Disc:
+            return Disc(0.03)
+
+        @property
+        def top(self) -> float:
+            return 0.12
+
+        @property
+        def outline(self) -> Array:
+            return Polygon.rectangle(0.1, 0.1).vertices
+
+        def faces(self, headings: ArrayLike | None = None) -> tuple[Face, ...]:
+            return ()
+
+    scene = scene_with_object(kitchen, Bucket(name="bucket", mass=0.5, friction=0.3), FREE)
+    truth = scene.objects[-1].truth
+    assert truth.height == 0.12
+    assert np.ptp(truth.outline, axis=0) == pytest.approx([0.1, 0.1])
+    base = [(x, y) for x, y, z in truth.vertices_m or () if z == 0.0]
+    assert np.hypot(*np.array(base).T) == pytest.approx(0.03)
 
 
 def test_what_is_put_there_stands_still(kitchen: Scene) -> None:
