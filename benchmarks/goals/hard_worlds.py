@@ -39,9 +39,9 @@ from planner.geometry.footprints import footprint, free_travel, gap
 from planner.types.world_state import PlanarPose, SeenObject
 from sim.cell.cell_description import Vision
 from sim.rotations import rot_x, rot_y
-from sim.truth.object_placing import truth_as_believed
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Pose, Scene, SceneObject
+from sim.truth.truth_from_model import truth_as_believed
 
 Setting = Literal["narrow", "fallen", "many", "wide"]
 SETTINGS: tuple[Setting, ...] = get_args(Setting)

@@ -18,12 +18,12 @@ from nlcontrol.batches.batch_row import DrawnScene
 from objectmodels import ObjectModel, Registry
 from planner.geometry.footprints import footprint, overlaps
 from planner.types.world_state import PlanarPose, SeenObject
-from sim.cell.cell_description import RobotMount, Vision
+from sim.cell.cell_description import Vision
 from sim.motion.robot_reach import lowest_contact
 from sim.standard_robot import HAND
-from sim.truth.object_placing import GREY, truth_as_believed
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Pose, Scene, SceneObject, built_in_scenes, load_scene
+from sim.truth.truth_from_model import GREY, truth_as_believed
 
 Generator = np.random.Generator
 
@@ -113,12 +113,7 @@ def pushable_models() -> tuple[ObjectModel, ...]:
 
 def scene_of(name: str, objects: Sequence[SceneObject], vision: Vision) -> Scene:
     """A scene with the default scene's robot."""
-    return Scene(version=1, name=name, robot=_robot_mount(), vision=vision, objects=tuple(objects))
-
-
-@cache
-def _robot_mount() -> RobotMount:
-    return load_scene("kitchen").robot
+    return Scene(version=1, name=name, vision=vision, objects=tuple(objects))
 
 
 def free_place(

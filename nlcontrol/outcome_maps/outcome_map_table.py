@@ -115,4 +115,7 @@ def key(chart: OutcomeMap) -> str:
 
 def _span(forces: NDArray[np.float64]) -> str:
     finite = forces[np.isfinite(forces)]
-    return f"{finite.min():5.2f} … {finite.max():.2f} N" if finite.size else "nothing moves it"
+    if not finite.size:
+        return "nothing moves it"
+    least, most = f"{finite.min():5.2f}", f"{finite.max():5.2f}"
+    return f"{least} N" if least == most else f"{least} … {most.strip()} N"

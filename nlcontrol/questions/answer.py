@@ -5,7 +5,8 @@ Values are SI inside; people read newtons, millimetres and chances.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import groupby
 from textwrap import shorten
 from typing import TYPE_CHECKING, Annotated
 
@@ -117,19 +118,35 @@ def likelihood(probability: float) -> str:
     return f"{probability:.2f}"
 
 
-def affordance_lines(found: Affordance) -> Iterator[str]:
-    """One thing that may be done with an object, in up to three lines."""
-    head = f"{'✓' if found.can else '✗'} {found.outcome} {found.direction}".rstrip()
+def affordance_lines(found: Sequence[Affordance]) -> Iterator[str]:
+    """The things that may be done with an object, each in up to three lines.
+
+    Those of which the same is told stand together.
+    """
+    for (can, told, *below), alike in groupby(found, _told):
+        yield f"{'✓' if can else '✗'} {_ways(alike)}: {told}"
+        yield from (f"    {line}" for line in below)
+
+
+def _ways(alike: Iterable[Affordance]) -> str:
+    """What is brought about, with its directions: "topple away, left; tilt away"."""
+    return "; ".join(
+        f"{outcome} {', '.join(each.direction for each in ways)}".rstrip()
+        for outcome, ways in groupby(alike, lambda each: each.outcome)
+    )
+
+
+def _told(found: Affordance) -> tuple[bool, str, *tuple[str, ...]]:
+    """Whether it can be done, and the lines on it."""
     if found.least_force is None or found.place is None:
-        yield f"{head}: {found.message}"
-        return
+        return found.can, found.message
     sure = "sure nowhere"
     if found.heights is not None:
         low, high = (1e3 * h for h in found.heights)
         sure = (
             f"sure from {low:.0f} to {high:.0f} mm" if high - low > 0.5 else f"sure at {low:.0f} mm"
         )
-    yield f"{head}: from the {found.face}, {found.least_force:.2f} N at least ({sure})"
-    yield f"    {found.message}"
+    below = [found.message]
     if not found.can and found.suggestions:
-        yield f"    → {'; '.join(found.suggestions)}"
+        below.append(f"→ {'; '.join(found.suggestions)}")
+    return found.can, f"from the {found.face}, {found.least_force:.2f} N at least ({sure})", *below

@@ -261,7 +261,7 @@ def _affordances(frame: g.Frame, state: WorldState, robot: Robot, defaults: Defa
     return Answer(
         query="affordances",
         text=f"{text}.",
-        lines=tuple(line for each in found for line in affordance_lines(each)),
+        lines=tuple(affordance_lines(found)),
         numbers={"can": float(len(can)), "asked": float(len(found))},
     )
 

@@ -37,7 +37,7 @@ def answer_about_scene(
 def scene_answer(state: WorldState) -> Answer:
     """The objects on the table, and where each of them stands."""
     seen = sorted(state.objects.values(), key=lambda each: each.pose.x)
-    lines = tuple(f"the {s.name} at x {s.pose.x:.3f} m, y {s.pose.y:.3f} m" for s in seen)
+    lines = tuple(f"the {s.name} at x {s.pose.x:z.3f} m, y {s.pose.y:z.3f} m" for s in seen)
     names = enumeration([f"the {each.name}" for each in seen]) or "nothing"
     held = "" if state.held is None else f" I hold the {state.held.name}."
     numbers = {"objects": float(len(seen))}
@@ -98,5 +98,5 @@ def destination_answer(
     if aim is None:
         return Answer(query="predict", text=f"The {target.name} would stand where it does now.")
     x, y = aim.x, aim.y
-    text = f"The {target.name} would be at x {x:.3f} m, y {y:.3f} m."
+    text = f"The {target.name} would be at x {x:z.3f} m, y {y:z.3f} m."
     return Answer(query="predict", text=text, numbers={"x": x, "y": y})

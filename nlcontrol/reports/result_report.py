@@ -6,6 +6,7 @@ Values are SI inside; people read millimetres, degrees and newtons.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import islice
 
 from nlcontrol.checks.verdicts import Check
 from nlcontrol.outcome_maps import outcome_map_table as maps
@@ -18,21 +19,46 @@ from planner.types.plan import DefaultUsed
 
 def report(result: Result) -> str:
     """A whole result as text."""
-    return "\n".join(_lines(result))
+    return "\n".join(report_lines(result))
 
 
-def _lines(result: Result) -> Iterator[str]:
+def report_lines(result: Result) -> Iterator[str]:
+    """The lines of a report: what was understood and planned, and what came of it."""
     if result.paraphrase:
         yield f"I understood: {result.paraphrase}"
+    yield from _lines_after_understanding(result, planned=True)
+
+
+def later_lines(result: Result) -> Iterator[str]:
+    """The lines of a report without what was understood and the plans, which were told before."""
+    return _lines_after_understanding(result, planned=False)
+
+
+def conclusion_lines(result: Result) -> Iterator[str]:
+    """What came of it, and no more: an error, an answer, a plan, or that it is done."""
+    if result.error:
+        yield from error_lines(result.error, result.text)
+    elif result.answer:
+        yield result.answer.text
+    elif result.status == "done" and result.checks:
+        yield "Done: every clause held."
+    elif result.plan:
+        yield from islice(plan_lines(result.plan), 1)
+    else:
+        yield from filter(None, _step_lines(result, *(result.steps or (result,)), planned=True))
+
+
+def _lines_after_understanding(result: Result, *, planned: bool) -> Iterator[str]:
     yield from (f"  {note}" for note in result.notes)
-    yield from dict.fromkeys(map(default_line, result.defaults))
+    if planned:
+        yield from dict.fromkeys(map(default_line, result.defaults))
     if len(result.steps) > 1:
         for step in result.steps:
             yield ""
             yield f"Step {step.frame + 1} of {len(result.frames)}: {step.status}"
-            yield from _step_lines(result, step)
+            yield from _step_lines(result, step, planned=planned)
     else:
-        yield from _step_lines(result, *(result.steps or (result,)))
+        yield from _step_lines(result, *(result.steps or (result,)), planned=planned)
     if result.error:
         if result.paraphrase:
             yield ""
@@ -41,12 +67,12 @@ def _lines(result: Result) -> Iterator[str]:
         yield "Done: every clause held."
 
 
-def _step_lines(result: Result, step: Step | Result) -> Iterator[str]:
+def _step_lines(result: Result, step: Step | Result, *, planned: bool) -> Iterator[str]:
     """The pushes for one frame: their plan, what happened and what that taught; or one answer."""
-    if step.plan:
+    if step.plan and planned:
         yield ""
         yield from plan_lines(step.plan)
-    elif _is_there(result, step):
+    elif not step.plan and _is_there(result, step):
         yield ""
         yield "It is there already: nothing is to be done."
     if step.checks:

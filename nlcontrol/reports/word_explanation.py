@@ -235,7 +235,7 @@ def _properties(told: dict[str, float]) -> Iterator[Value]:
 
 def _figure(name: str, value: float) -> str:
     if name in _UNITS:
-        return f"{value:.3f}{_UNITS[name]}"
+        return f"{value:z.3f}{_UNITS[name]}"
     return quantity(value, "rad" if name == "yaw" else "m")
 
 

@@ -1,7 +1,6 @@
 """Meaning of a clause when the sentence does not say more: the one table of defaults.
 
-Results name each default that they used. All values are SI. A scene file, the command line and the
-API may set them; `planner.types.defaults` has the names and units in which people do that.
+Results name each default that they used. Values are SI, but for people who set them (`Setting`).
 """
 
 from __future__ import annotations
@@ -11,7 +10,7 @@ import inspect
 import math
 import re
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cache
 from typing import Annotated, Any, get_type_hints
@@ -304,9 +303,6 @@ def kinds() -> dict[str, Kind]:
 DEFAULTS = Defaults()
 
 
-# -- as people set them -------------------------------------------------------------------------
-
-
 @dataclass(frozen=True)
 class Setting:
     """One default as people set it.
@@ -341,11 +337,13 @@ def settings(defaults: Defaults = DEFAULTS) -> tuple[Setting, ...]:
     )
 
 
-def table(defaults: Defaults = DEFAULTS) -> tuple[str, ...]:
-    """The defaults as the lines of a table in Markdown."""
-    rows = [("name", "value", "meaning"), ("---", "--:", "---")]
-    rows += [(f"`{s.name}`", f"{s.value:g}", s.meaning) for s in settings(defaults)]
-    return tuple(f"| {' | '.join(row)} |" for row in rows)
+def settings_beginning(names: Sequence[str], defaults: Defaults = DEFAULTS) -> tuple[Setting, ...]:
+    """The defaults whose names begin so; raises `DefaultsError` if one does not."""
+    listed = settings(defaults)
+    for said in names:
+        if not any(each.name.startswith(said) for each in listed):
+            raise _unknown_default(said, tuple(each.name for each in listed))
+    return tuple(each for each in listed if each.name.startswith(tuple(names)))
 
 
 def with_settings(defaults: Defaults, values: Mapping[str, float]) -> Defaults:

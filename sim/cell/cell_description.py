@@ -57,12 +57,13 @@ class RobotMount(Part):
     Attributes:
         base_m: position of the arm's base in W.
         base_rpy_deg: roll, pitch, yaw of the base in W; roll 180 hangs it upside down.
-        home_deg: joint angles of the arm while it waits, one of each joint.
+        home_deg: joint angles of the arm while it waits, one of each joint; those of the
+            standard arm by default.
     """
 
     base_m: Point3 = (0.55, 0.0, 1.1)
     base_rpy_deg: Angles3 = (180.0, 0.0, 0.0)
-    home_deg: tuple[Angle, ...]
+    home_deg: tuple[Angle, ...] = (41.0, -95.0, 75.0, -87.0, 110.0, -90.0, 42.0)
 
 
 class Vision(Part):
@@ -142,7 +143,7 @@ class CellParts(Part):
 
     name: Name
     objects: tuple[CellObject, ...]
-    robot: RobotMount
+    robot: RobotMount = RobotMount()
     table: Table = Table()
     vision: Vision = Vision()
     torque_sensor: TorqueSensor = TorqueSensor()

@@ -5,53 +5,14 @@ Frames: W is the world, z up, table plane z = 0; B is an object's frame at the c
 
 from __future__ import annotations
 
-from objectmodels import BoxModel, CylinderModel, HullModel, ObjectModel, PrismModel
+from objectmodels import ObjectModel
 from objectmodels.errors import printable
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.support_points import hull_polygon
 from planner.geometry.footprints import gap, room_to_edge
 from sim.errors import SceneError
-from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Pose, Scene, SceneObject
-
-Colour = tuple[float, float, float]
-
-GREY: Colour = (0.6, 0.6, 0.6)
-
-
-def truth_as_believed(model: ObjectModel, colour: Colour = GREY) -> Truth:
-    """The truth of an object that is exactly as its model says, without contents and lid.
-
-    Of a kind that a plug-in brings it has the hull of its base and, at its top, of its outline.
-    """
-    shape: dict[str, object]
-    match model:
-        case BoxModel():
-            shape = {"size_m": model.size}
-        case CylinderModel():
-            shape = {
-                "radius_m": model.radius,
-                "height_m": model.height,
-                "base_radius_m": model.base_radius,
-            }
-        case PrismModel():
-            shape = {"corners_m": model.corners, "height_m": model.height}
-        case HullModel():
-            shape = {"vertices_m": model.vertices}
-        case _:
-            ends = ((model.footprint.corners, 0.0), (model.outline, model.top))
-            vertices = [(x, y, z) for corners, z in ends for x, y in corners.tolist()]
-            shape = {"vertices_m": tuple(vertices)}
-    return Truth.model_validate(
-        shape
-        | {
-            "mass_kg": model.mass,
-            "friction_table": model.friction,
-            "friction_finger": model.finger_friction,
-            "centre_of_mass_m": tuple(model.com),
-            "colour": colour,
-        }
-    )
+from sim.truth.truth_from_model import whole_truth
 
 
 def scene_with_object(scene: Scene, model: ObjectModel, pose: Pose) -> Scene:
@@ -61,7 +22,7 @@ def scene_with_object(scene: Scene, model: ObjectModel, pose: Pose) -> Scene:
         SceneError: `bad_scene` if its name is taken, or it would stand beyond the table's edge or
             in something else.
     """
-    truth = truth_as_believed(model)
+    truth = whole_truth(model)
     item = SceneObject(name=model.name, model=model.name, pose=pose, truth=truth)
     covered = _covered(item)
     if room_to_edge(covered, scene.table.extent) < 0.0:

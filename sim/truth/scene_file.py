@@ -36,6 +36,11 @@ from sim.errors import SceneError
 from sim.random_streams import RandomStream, clipped_normal, source
 from sim.rotations import Array, rot_x, rot_y, rot_z
 from sim.truth.object_truth import Truth
+from sim.truth.scene_completion import (
+    completed_document,
+    document_beside,
+    extended_document,
+)
 
 
 class Pose(Part):
@@ -202,41 +207,77 @@ def load_scene(name_or_path: str | Path) -> Scene:
     Raises:
         SceneError: no such scene, or the file is not a valid scene.
     """
-    source = Path(name_or_path)
-    if source.suffix not in {".yaml", ".yml"}:
-        names = built_in_scenes()
-        if str(name_or_path) not in names:
-            close = difflib.get_close_matches(str(name_or_path), names, n=1)
-            raise SceneError(
-                "unknown_scene",
-                f"there is no scene '{printable(str(name_or_path))}'; built in: {', '.join(names)}",
-                tuple(f"did you mean '{c}'?" for c in close) or ("give the path of a .yaml file",),
-            )
-        text = (resources.files("sim") / "scenes" / f"{name_or_path}.yaml").read_text("utf-8")
-    else:
+    text, folder = _text_and_folder(name_or_path)
+    return parse_scene(text, source=str(name_or_path), folder=folder)
+
+
+def _text_and_folder(name_or_path: str | Path) -> tuple[str, Path]:
+    """The text of a scene, and the folder that its paths are relative to."""
+    path = Path(name_or_path)
+    if path.suffix in {".yaml", ".yml"}:
         try:
-            text = read_text(source, "scene_file")
+            return read_text(path, "scene_file"), path.absolute().parent
         except ModelError as error:
             message = f"scene file {error.path}: {error.message}"
             raise SceneError("unknown_scene", message, error.suggestions) from error
-    scene = parse_scene(text, source=str(name_or_path))
-    beside = tuple(str(source.absolute().parent / path) for path in scene.models)
-    return scene.model_copy(update={"models": beside})
+    names = built_in_scenes()
+    if str(name_or_path) not in names:
+        close = difflib.get_close_matches(str(name_or_path), names, n=1)
+        raise SceneError(
+            "unknown_scene",
+            f"there is no scene '{printable(str(name_or_path))}'; built in: {', '.join(names)}",
+            tuple(f"did you mean '{c}'?" for c in close) or ("give the path of a .yaml file",),
+        )
+    return (resources.files("sim") / "scenes" / f"{name_or_path}.yaml").read_text("utf-8"), Path()
 
 
-def parse_scene(text: str, *, source: str = "scene") -> Scene:
+def parse_scene(text: str, *, source: str = "scene", folder: Path | None = None) -> Scene:
     """Reads a scene from YAML text.
+
+    Args:
+        text: of the file.
+        source: its name, for errors.
+        folder: that the paths in it are relative to; the working folder if not given.
 
     Raises:
         SceneError: the text is not YAML or not a valid scene; names the key at fault.
     """
     try:
-        return Scene.model_validate(_tuples(parse_yaml(text)))
+        document = _whole_document(text, folder or Path(), (source,))
+        return Scene.model_validate(_tuples(document))
     except ModelError as error:
-        raise _scene_error(source, error.message, error.suggestions) from error
+        where = f"{error.path}: " if error.path else ""
+        raise _scene_error(source, f"{where}{error.message}", error.suggestions) from error
     except ValidationError as error:
         fault = first_fault(error, Scene)
         raise _scene_error(source, f"{fault.key}: {fault.message}", fault.suggestions) from error
+
+
+def _whole_document(text: str, folder: Path, sources: tuple[str, ...]) -> object:
+    """What stands in a scene file and in all that it extends, nothing of it left open."""
+    document = _extended(text, folder, sources)
+    return completed_document(document) if isinstance(document, dict) else document
+
+
+def _extended(text: str, folder: Path, sources: tuple[str, ...]) -> object:
+    document = parse_yaml(text)
+    if not isinstance(document, dict):
+        return document
+    document = document_beside(document, folder)
+    base = document.get("extends")
+    if base is None:
+        return document
+    if not isinstance(base, str):
+        raise _scene_error(sources[0], "extends: needs the name or the path of a scene", _SCENES)
+    if base not in built_in_scenes():
+        base = str(folder / base)
+    if base in sources:
+        raise _scene_error(sources[0], f"extends: {base} extends itself", _SCENES)
+    below = _extended(*_text_and_folder(base), (*sources, base))
+    return extended_document(below, document) if isinstance(below, dict) else below
+
+
+_SCENES = ("name another one; nlcontrol scenes list shows those that are built in",)
 
 
 def _scene_error(source: str, message: str, suggestions: tuple[str, ...]) -> SceneError:

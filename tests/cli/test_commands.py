@@ -340,6 +340,61 @@ def test_scenes_are_listed_and_shown(capsys: pytest.CaptureFixture[str]) -> None
     assert run(["scenes", "show", "kitschen"]) == 2
 
 
+def test_a_scene_of_ones_own_is_written_and_planned_in(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    first, second = str(tmp_path / "my.yaml"), str(tmp_path / "below" / "k.yaml")
+    (tmp_path / "below").mkdir()
+    assert _json(capsys, "scenes", "new", first)[0] == 0
+    put = ("--put", "jar@0.45,0.18,30")
+    status, document = _json(capsys, "scenes", "new", second, "--extends", first, *put)
+    assert (status, document["file"]) == (0, second)
+    _, shown = _json(capsys, "scenes", "show", second)
+    assert [item["name"] for item in shown["objects"]] == ["ice tea box", "jar"]
+    assert shown["objects"][1]["pose"] == {"x_m": 0.45, "y_m": 0.18, "yaw_deg": 30.0}
+    status, planned = _json(capsys, "plan", "push the jar away", "--scene", second)
+    assert (status, planned["plan"]["object"]) == (0, "jar")
+
+
+@pytest.mark.parametrize(
+    "args", [["my.yaml"], ["mine"], ["no/folder/x.yaml"], ["x.yaml", "--put", "jar@0,5"],
+             ["x.yaml", "--extends", "kichen.yaml"]],
+)  # fmt: skip
+def test_a_scene_that_cannot_be_written_leaves_no_file(
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    args: list[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "my.yaml").write_text("mine")
+    status, document = _json(capsys, "scenes", "new", *args)
+    assert (status, bool(document["error"]["suggestions"])) == (2, True)
+    assert [file.name for file in tmp_path.iterdir()] == ["my.yaml"]
+    assert (tmp_path / "my.yaml").read_text() == "mine"
+
+
+# A minus that belongs to no number: "-0 mm", "-0.0", but not "-0.3" or "2026-01-02".
+MINUS_ZERO = re.compile(r"(?<![\w.])-0(\.0+)?(?![\w.]*\d)")
+
+
+def test_nothing_is_minus_nought(capsys: pytest.CaptureFixture[str]) -> None:
+    """All objects, scenes and figures that are told without a plan, some 250 rows."""
+    assert MINUS_ZERO.search("y -0 mm")
+    assert not MINUS_ZERO.search("-0.03 m")
+    for model in _json(capsys, "objects", "list")[1]["objects"]:
+        assert run(["objects", "show", model["name"]]) == 0
+    for name in ("ice tea box", "mug", "jar"):
+        assert run(["map", name, "--spacing", "30"]) == 0
+    for scene in built_in_scenes():
+        assert run(["scenes", "show", scene]) == 0
+        assert run(["plan", "what is on the table?", "--scene", scene]) == 0
+    assert run(["objects", "list"]) == 0
+    told = capsys.readouterr().out.splitlines()
+    assert len(told) > 220
+    assert [line for line in told if MINUS_ZERO.search(line)] == []
+
+
 def test_doctor_fails_if_an_essential_is_missing(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

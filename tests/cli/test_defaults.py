@@ -80,3 +80,25 @@ def test_the_list(capsys: pytest.CaptureFixture[str], scene: str) -> None:
     }
     assert (listed["distance_m"], listed["turn_deg"]) == (0.07, 45.0)
     assert listed["tilt_deg"] == 10.0
+
+
+@pytest.mark.parametrize(
+    ("names", "listed"),
+    [
+        (("tilt_deg",), {"tilt_deg"}),
+        (("tilt_d", "turn_deg"), {"tilt_deg", "turn_deg"}),
+        (("pour_l",), {"pour_little_ml", "pour_lot", "pour_least"}),
+    ],
+)
+def test_defaults_by_the_beginning_of_their_names(
+    capsys: pytest.CaptureFixture[str], names: tuple[str, ...], listed: set[str]
+) -> None:
+    assert run(["defaults", *names, "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)["defaults"]
+    assert {each["name"] for each in told} == listed
+
+
+def test_a_name_of_no_default_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["defaults", "dist_m", "--json"]) == 2
+    error = json.loads(capsys.readouterr().out)["error"]
+    assert (error["code"], error["suggestions"][0]) == ("bad_default", "did you mean 'distance_m'?")

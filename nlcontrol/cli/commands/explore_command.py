@@ -14,6 +14,7 @@ from nlcontrol.cli.console.command_options import (
     Placed,
     Settings,
     keep_options,
+    object_argument,
     open_controller,
     put_option,
     world_options,
@@ -38,7 +39,7 @@ if TYPE_CHECKING:
 
 
 @click.command("explore")
-@click.argument("name", metavar="OBJECT")
+@object_argument
 @click.option(
     "--trials", default=10, show_default=True, type=click.IntRange(1, 1000),
     help="Repetitions of the experiments.",

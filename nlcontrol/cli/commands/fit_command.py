@@ -7,7 +7,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from nlcontrol.cli.console.command_options import ParameterNames, keep_options, open_registry
+from nlcontrol.cli.console.command_options import (
+    ParameterNames,
+    keep_options,
+    object_argument,
+    open_registry,
+)
 from nlcontrol.cli.console.console_output import FILE, json_option, print_answer, require_writable
 
 if TYPE_CHECKING:
@@ -15,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @click.command("fit")
-@click.argument("name", metavar="OBJECT")
+@object_argument
 @click.argument("files", metavar="DATA.csv...", nargs=-1, required=True, type=FILE)
 @click.option(
     "--parameters",

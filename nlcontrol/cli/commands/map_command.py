@@ -14,6 +14,7 @@ from nlcontrol.cli.console.command_options import (
     face_option,
     find_model_and_face,
     lying_option,
+    object_argument,
     open_registry,
     scene_option,
     seed_option,
@@ -37,7 +38,7 @@ _PICTURES = (".png", ".svg", ".pdf")
 
 
 @click.command("map")
-@click.argument("name", metavar="OBJECT")
+@object_argument
 @face_option
 @click.option(
     "--direction", type=Numbers(3), metavar="X,Y,Z", help="Of the pushes; straight in by default."

@@ -10,12 +10,15 @@ import click
 
 from nlcontrol.cli.console.command_options import open_registry
 from nlcontrol.cli.console.console_output import FILE, json_option, print_answer, print_json
+from nlcontrol.cli.console.shell_completions import complete_objects
 from nlcontrol.errors import CODES, OK, ErrorInfo, error, exception_info
 from nlcontrol.text_format import error_lines
 
 if TYPE_CHECKING:
     from objectmodels import ModelError, ObjectModel, Registry
     from objectmodels.descriptions.description_files import Format
+
+_name_argument = click.argument("name", shell_complete=complete_objects)
 
 
 @click.group("objects")
@@ -38,7 +41,7 @@ def list_models(as_json: bool) -> int:
 
 
 @group.command("show")
-@click.argument("name")
+@_name_argument
 @json_option
 def show_model(name: str, as_json: bool) -> int:
     """Show what is believed about the object NAME, and where the figures come from."""
@@ -199,7 +202,7 @@ def import_mesh_file(
 
 
 @group.command("export")
-@click.argument("name")
+@_name_argument
 @click.option(
     "--format",
     "form",
@@ -225,7 +228,7 @@ def export_model(name: str, form: Format, output: Path, as_json: bool) -> int:
 
 
 @group.command("remove")
-@click.argument("name")
+@_name_argument
 @json_option
 def remove_model(name: str, as_json: bool) -> int:
     """Remove the object NAME from your own models."""
@@ -316,11 +319,15 @@ def _base_text(model: ObjectModel) -> str:
 def _critical_heights(model: ObjectModel) -> list[tuple[str, str]]:
     """Above which height a level push in the middle of each face topples it."""
     from nlcontrol.references.object_names import face_names
+    from nlcontrol.text_format import enumeration
 
-    rows = []
+    found: dict[str, list[str]] = {}
     for name, face in face_names(model).items():
         points, normals = face.points_at([0.0], [0.5 * (face.bottom + face.top)])
         height = float(model.cone_thresholds(points, normals).critical_height[0])
         verdict = f"topples above {1e3 * height:.0f} mm" if height < face.top else "never topples"
-        rows.append((f"pushed on {name}", f"{verdict}, level in the middle"))
-    return rows
+        found.setdefault(verdict, []).append(name)
+    return [
+        ("pushed level", f"{verdict}, in the middle of {enumeration(names)}")
+        for verdict, names in found.items()
+    ]

@@ -12,6 +12,7 @@ from nlcontrol.cli.console.command_options import (
     face_option,
     find_model_and_face,
     lying_option,
+    object_argument,
     open_controller,
     world_options,
 )
@@ -19,7 +20,7 @@ from nlcontrol.cli.console.console_output import json_option, print_answer
 
 
 @click.command()
-@click.argument("name", metavar="OBJECT")
+@object_argument
 @face_option
 @click.option(
     "--at",
@@ -72,7 +73,7 @@ def predict(
 
 
 @click.command()
-@click.argument("name", metavar="OBJECT")
+@object_argument
 @world_options
 @json_option
 def affordances(name: str, scene: str, seed: int, settings: Settings, as_json: bool) -> int:
@@ -84,6 +85,5 @@ def affordances(name: str, scene: str, seed: int, settings: Settings, as_json: b
     from nlcontrol.service.documents import Affordances
 
     found = open_controller(scene, seed, settings).affordances(name)
-    lines = (line for each in found for line in affordance_lines(each))
     document = Affordances.of(name, scene, found).model_dump(mode="json")
-    return print_answer(document, lines, as_json=as_json)
+    return print_answer(document, affordance_lines(found), as_json=as_json)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -20,7 +20,7 @@ from nlcontrol.cli.console.command_options import (
 )
 from nlcontrol.cli.console.console_output import (
     FILE,
-    Narrator,
+    Detail,
     json_option,
     print_answer,
     print_error,
@@ -28,7 +28,9 @@ from nlcontrol.cli.console.console_output import (
     print_skipped_with_words,
     require_writable,
 )
+from nlcontrol.cli.console.live_answer import LiveAnswer, detail_options
 from nlcontrol.cli.console.robot_stop import exit_code_of, stop_on_signal
+from nlcontrol.cli.console.terminal_text import columns_of, print_lines
 from nlcontrol.errors import ControlError
 from objectmodels.files.file_writing import replace_file
 
@@ -51,7 +53,10 @@ _picture = click.option(
 
 
 def _sentence_options(command: Command) -> Command:
-    for option in (_picture, _explain, time_limit_option, put_option, world_options, json_option):
+    for option in (
+        _picture, _explain, time_limit_option, put_option, world_options, detail_options,
+        json_option,
+    ):  # fmt: skip
         command = option(command)
     return _said_options(command)
 
@@ -187,6 +192,7 @@ def _answer_sentence(
     put: tuple[Placed, ...],
     time_limit: float | None,
     as_json: bool,
+    detail: Detail | None,
     explain: bool,
     picture: Path | None,
     motion: Motion | None,
@@ -199,10 +205,18 @@ def _answer_sentence(
     said = _said(sentence, frames)
     controller = open_controller(scene, seed, settings, time_limit, put)
     print_skipped_with_words(controller.registry.problems)
-    with Narrator() as narrate, stop_on_signal(moves=motion != "never") as stop:
-        told: list[Event] = []
-        on_event = told.append if wanted.get("bundle") else None
-        result = controller.say(said, motion=motion, progress=narrate, on_event=on_event, stop=stop)
+    told: list[Event] = []
+    with (
+        LiveAnswer(detail, as_json=as_json) as answer,
+        stop_on_signal(moves=motion != "never") as stop,
+    ):
+
+        def take(event: Event) -> None:
+            answer.take(event)
+            if wanted.get("bundle"):
+                told.append(event)
+
+        result = controller.say(said, motion=motion, progress=answer, on_event=take, stop=stop)
     files = _write_files(controller, result, wanted, explain=explain, told=told)
     result = result.model_copy(
         update={"files": files, "explanation": result.explanation_rows() if explain else None}
@@ -210,26 +224,19 @@ def _answer_sentence(
     if as_json:
         print_json(result.model_dump(mode="json"))
     else:
-        _print_result(result, files, explain=explain)
+        answer.conclude(result)
+        print_lines(_further_lines(result, files, explain=explain))
     return exit_code_of(result)
 
 
-def _print_result(result: Result, files: dict[str, str], *, explain: bool) -> None:
-    from nlcontrol.reports.result_report import report
-    from nlcontrol.text_format import error_lines
-
-    if result.paraphrase is not None:
-        click.echo(report(result))
-    elif result.error:
-        for line in error_lines(result.error, result.text):
-            click.echo(line, err=True)
+def _further_lines(result: Result, files: Mapping[str, str], *, explain: bool) -> Iterator[str]:
+    """Lines below the answer: where its words went, and the files that were written."""
     if explain and (rows := result.explanation_rows()):
-        from nlcontrol.reports.word_explanation import table
+        from nlcontrol.reports.word_explanation import WIDTH, table
 
-        click.echo()
-        click.echo(table(rows))
-    for what, where in files.items():
-        click.echo(f"{what.capitalize()}: {where}")
+        yield ""
+        yield table(rows, width=columns_of() or WIDTH)
+    yield from (f"{what.capitalize()}: {where}" for what, where in files.items())
 
 
 def _write_files(

@@ -2,14 +2,27 @@
 
 from __future__ import annotations
 
+import os
+import shlex
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from nlcontrol.cli.console.console_output import json_option, print_answer
-from nlcontrol.errors import known_errors_raised
+from nlcontrol.cli.console.command_options import Placed, put_option, scene_with_objects
+from nlcontrol.cli.console.console_output import (
+    FILE,
+    json_option,
+    print_answer,
+    require_writable,
+)
+from nlcontrol.cli.console.shell_completions import complete_scenes
+from nlcontrol.errors import error, known_errors_raised
+from objectmodels.files.file_writing import replace_file
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
     from sim.truth.scene_file import Scene, SceneObject
 
 
@@ -31,7 +44,7 @@ def list_scenes(as_json: bool) -> int:
 
 
 @group.command("show")
-@click.argument("scene", default="kitchen")
+@click.argument("scene", default="kitchen", shell_complete=complete_scenes)
 @json_option
 def show_scene(scene: str, as_json: bool) -> int:
     """Show where things stand in SCENE, a built-in one or a scene file."""
@@ -46,6 +59,64 @@ def show_scene(scene: str, as_json: bool) -> int:
         *map(_object_line, found.objects),
     ]
     return print_answer(_document(found), lines, as_json=as_json)
+
+
+@group.command("new")
+@click.argument("file", type=FILE)
+@click.option(
+    "--extends",
+    shell_complete=complete_scenes,
+    help="A scene, built in or a file, to take everything else from.",
+)
+@put_option
+@json_option
+def write_scene(file: Path, extends: str | None, put: tuple[Placed, ...], as_json: bool) -> int:
+    """Write a scene FILE of your own, to be changed by hand."""
+    from sim.truth.scene_file import built_in_scenes, parse_scene
+
+    if file.suffix not in {".yaml", ".yml"}:
+        raise click.UsageError(f"name it {file.stem}.yaml: a scene is a YAML file")
+    require_writable(file)
+    if file.exists():
+        hints = ("choose another name, or remove it",)
+        raise error("cannot_write", f"{file} is there already", suggestions=hints)
+    if extends and extends not in built_in_scenes():
+        extends = os.path.relpath(extends, file.parent)
+    with known_errors_raised():
+        base = parse_scene(
+            _text(file, extends, ()), source=str(file), folder=file.absolute().parent
+        )
+        scene = scene_with_objects(base, put or (() if extends else _FIRST))
+    added = scene.objects[len(base.objects) :]
+    with replace_file(file) as temporary:
+        temporary.write_text(_text(file, extends, added), encoding="utf-8")
+    name = scene.objects[-1].name if scene.objects else "mug"
+    command = f"nlcontrol plan push the {name} away --scene {shlex.quote(str(file))}"
+    lines = [f"wrote {file}; now", f"  {command}"]
+    return print_answer({"file": str(file), **_document(scene)}, lines, as_json=as_json)
+
+
+_FIRST: tuple[Placed, ...] = (("ice tea box", 0.45, 0.0, 0.0),)
+
+_HEAD = """\
+# A scene of your own: `nlcontrol say … --scene {file}`.
+# An object that states no `truth` really is as its model says; docs/scenes.md tells every key.
+"""
+
+
+def _text(file: Path, extends: str | None, added: Sequence[SceneObject]) -> str:
+    """The text of a scene file with objects, beside those of a scene that it extends."""
+    import yaml
+
+    document: dict[str, Any] = {"version": 1, "name": file.stem}
+    if extends:
+        document["extends"] = extends
+    document["objects"] = [
+        {"name": item.name, "model": item.model, "pose": item.pose.model_dump()} for item in added
+    ]
+    return _HEAD.format(file=file.name) + yaml.safe_dump(
+        document, sort_keys=False, allow_unicode=True, default_flow_style=None
+    )
 
 
 def _document(scene: Scene) -> dict[str, Any]:

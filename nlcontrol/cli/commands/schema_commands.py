@@ -6,26 +6,32 @@ import click
 
 from nlcontrol.cli.console.command_options import Settings, scene_option, set_option
 from nlcontrol.cli.console.console_output import json_option, print_answer, print_json
+from nlcontrol.cli.console.shell_completions import complete_defaults
 from nlcontrol.errors import OK
 
 
 @click.command("defaults")
+@click.argument("names", metavar="[NAME]...", nargs=-1, shell_complete=complete_defaults)
 @scene_option
 @set_option
 @json_option
-def defaults(scene: str, settings: Settings, as_json: bool) -> int:
-    """List every default with its value: what --set takes, and `defaults` in a scene file."""
+def defaults(names: tuple[str, ...], scene: str, settings: Settings, as_json: bool) -> int:
+    """List every default with its value: what --set takes, and `defaults` in a scene file.
+
+    With NAME only those whose names begin so.
+    """
     from dataclasses import asdict
 
     from nlcontrol.errors import known_errors_raised
-    from planner.types.defaults import settings as listed
-    from planner.types.defaults import table, with_settings
+    from planner.types.defaults import settings_beginning, with_settings
     from sim.truth.scene_file import load_scene
 
     with known_errors_raised():
-        found = with_settings(load_scene(scene).defaults, dict(settings))
-    document = {"defaults": [asdict(setting) for setting in listed(found)]}
-    return print_answer(document, table(found), as_json=as_json)
+        found = settings_beginning(
+            names or ("",), with_settings(load_scene(scene).defaults, dict(settings))
+        )
+    lines = (f"{each.name:24} {each.value:>6g}  {each.meaning}" for each in found)
+    return print_answer({"defaults": list(map(asdict, found))}, lines, as_json=as_json)
 
 
 @click.command("schema")

@@ -25,7 +25,8 @@ from nlcontrol.cli.console.command_options import (
     time_limit_option,
     world_options,
 )
-from nlcontrol.cli.console.console_output import Narrator, print_skipped_with_words
+from nlcontrol.cli.console.console_output import Detail, print_skipped_with_words
+from nlcontrol.cli.console.live_answer import LiveAnswer, detail_options
 from nlcontrol.cli.console.prompt_lines import prompt_lines
 from nlcontrol.cli.console.robot_stop import exit_code_of, stop_on_signal
 from nlcontrol.errors import OK, exception_info
@@ -48,6 +49,7 @@ WORDS = ("help", *sorted(LEAVING), "again", "a bit more", "undo that", "why")
 @world_options
 @put_option
 @time_limit_option
+@detail_options
 @click.option("--plan-only", is_flag=True, help="Stop before anything is executed.")
 @motion_option
 def command(
@@ -57,6 +59,7 @@ def command(
     settings: Settings,
     put: tuple[Placed, ...],
     time_limit: float | None,
+    detail: Detail | None,
     plan_only: bool,
     motion: Motion | None,
 ) -> int:
@@ -78,17 +81,18 @@ def command(
             prompt_lines("nlcontrol> ", controller.cell.names, _line_beginnings())
         ) as lines:
             status = _answer_lines(
-                conversation, lines, as_json=as_json, motion=motion, at_prompt=True
+                conversation, lines, detail, as_json=as_json, motion=motion, at_prompt=True
             )
         return status if status == EXIT_CODES[signal.SIGTERM] else OK
     if isinstance(sys.stdin, io.TextIOWrapper):
         sys.stdin.reconfigure(errors="replace")  # bytes that are no text end no shell
-    return _answer_lines(conversation, sys.stdin, as_json=as_json, motion=motion)
+    return _answer_lines(conversation, sys.stdin, detail, as_json=as_json, motion=motion)
 
 
 def _answer_lines(
     conversation: Conversation,
     lines: Iterable[str],
+    detail: Detail | None,
     *,
     as_json: bool,
     motion: Motion | None,
@@ -107,33 +111,35 @@ def _answer_lines(
             # Standard output carries nothing but documents if they were asked for.
             click.echo(_help_text(conversation.controller), err=as_json)
             continue
-        result = _answer_line(conversation, text, motion)
-        _print_answer(result, as_json)
+        answer = LiveAnswer(detail, as_json=as_json)
+        result = _answer_line(conversation, text, motion, answer)
+        if as_json:
+            click.echo(result.to_json(indent=None))
+        else:
+            answer.conclude(result)
+            click.echo()
         status = exit_code_of(result) or status
         if result.status == "cancelled" and not (at_prompt and status == EXIT_CODES[signal.SIGINT]):
             break
     return status
 
 
-def _answer_line(conversation: Conversation, text: str, motion: Motion | None) -> Result:
+def _answer_line(
+    conversation: Conversation, text: str, motion: Motion | None, answer: LiveAnswer
+) -> Result:
     """Result of one sentence, or of frames as JSON, whatever goes wrong."""
     from nlcontrol.session.frame_documents import frames_of_json
     from nlcontrol.session.frame_execution import status_of
 
     try:
         said = frames_of_json(text) if text.startswith(("[", "{")) else text
-        with Narrator() as narrate, stop_on_signal() as stop:
-            return conversation.say(said, motion=motion, progress=narrate, stop=stop)
+        with answer, stop_on_signal() as stop:
+            return conversation.say(
+                said, motion=motion, progress=answer, on_event=answer.take, stop=stop
+            )
     except Exception as raised:
         begun, info = conversation.controller.empty_result(text), exception_info(raised)
         return begun.model_copy(update={"error": info, "status": status_of(info)})
-
-
-def _print_answer(result: Result, as_json: bool) -> None:
-    if as_json:
-        click.echo(result.to_json(indent=None))
-        return
-    click.echo(f"{result.report()}\n", err=result.paraphrase is None)
 
 
 def _help_text(controller: Controller) -> str:

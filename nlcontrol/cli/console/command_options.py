@@ -9,6 +9,12 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from nlcontrol.cli.console.console_output import FILE, print_skipped
+from nlcontrol.cli.console.shell_completions import (
+    complete_defaults,
+    complete_faces,
+    complete_objects,
+    complete_scenes,
+)
 
 if TYPE_CHECKING:
     from nlcontrol.session.controller import Controller
@@ -61,7 +67,11 @@ class Placement(click.ParamType["Placed"]):
 
 
 scene_option = click.option(
-    "--scene", default="kitchen", show_default=True, help="A built-in scene, or a scene file."
+    "--scene",
+    default="kitchen",
+    show_default=True,
+    shell_complete=complete_scenes,
+    help="A built-in scene, or a scene file.",
 )
 seed_option = click.option(
     "--seed", default=0, show_default=True, type=click.IntRange(0), help="Of everything random."
@@ -72,6 +82,7 @@ set_option = click.option(
     type=Assignment(),
     multiple=True,
     metavar="NAME=VALUE",
+    shell_complete=complete_defaults,
     help="Set a default, e.g. distance_m=0.15; may be repeated. `nlcontrol defaults` lists them.",
 )
 
@@ -131,11 +142,17 @@ def open_controller(
         loaded = load_scene(scene)
         defaults = with_settings(loaded.defaults, dict(settings))
         if put:
-            loaded = _scene_with_objects(loaded, put)
+            loaded = scene_with_objects(loaded, put)
     return Controller(loaded, seed=seed, defaults=defaults, time_limit=time_limit)
 
 
-def _scene_with_objects(scene: Scene, put: Sequence[Placed]) -> Scene:
+def scene_with_objects(scene: Scene, put: Sequence[Placed]) -> Scene:
+    """The scene with objects of the registry put there.
+
+    Raises:
+        ModelError: there is no such model.
+        SceneError: there is no room for one.
+    """
     from objectmodels import Registry
     from sim.truth.object_placing import scene_with_object
     from sim.truth.scene_file import Pose
@@ -149,14 +166,19 @@ def _scene_with_objects(scene: Scene, put: Sequence[Placed]) -> Scene:
     return scene
 
 
+object_argument = click.argument("name", metavar="OBJECT", shell_complete=complete_objects)
 face_option = click.option(
     "--face",
     default="front",
     show_default=True,
+    shell_complete=complete_faces,
     help="The face that is touched, as the robot would call it.",
 )
 lying_option = click.option(
-    "--lying-on", default="bottom", help="The face that the object lies on, e.g. left for a box."
+    "--lying-on",
+    default="bottom",
+    shell_complete=complete_faces,
+    help="The face that the object lies on, e.g. left for a box.",
 )
 
 

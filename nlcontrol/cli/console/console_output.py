@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterable, Mapping
+import time
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, Self
 
 import click
 
+from nlcontrol.cli.console.terminal_text import print_lines
 from nlcontrol.errors import OK, ErrorInfo, error
 from nlcontrol.interruption import SIGNALS
 from nlcontrol.json_document import document_text
@@ -31,8 +34,7 @@ def print_answer(document: Mapping[str, Any], lines: Iterable[str], *, as_json: 
     if as_json:
         print_json(document)
         return OK
-    for line in lines:
-        click.echo(line)
+    print_lines(lines)
     return OK
 
 
@@ -58,8 +60,7 @@ def print_error(info: ErrorInfo, *, as_json: bool, text: str | None = None) -> N
         return
     from nlcontrol.text_format import error_lines
 
-    for line in error_lines(info, text):
-        click.echo(line, err=True)
+    print_lines(error_lines(info, text), err=True)
 
 
 def require_writable(path: Path | None) -> None:
@@ -88,21 +89,28 @@ def require_writable(path: Path | None) -> None:
         )
 
 
+Detail = Literal["quiet", "full"]
+"""Less, or more, than is usually told of a sentence on its way."""
+
+
 class Narrator:
     """Print on standard error what the simulation does.
 
-    On a terminal one line that changes, else a short line for each phase.
+    On a terminal one line that changes, else a line for each phase; with full detail, on both a
+    line for each phase.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, detail: Detail | None = None) -> None:
+        self._detail = detail
         self._phase = ""
         self._status: Any = None
+        self._began = time.monotonic()
 
-    def __enter__(self) -> Narrator:
-        if sys.stderr.isatty():
+    def __enter__(self) -> Self:
+        if sys.stderr.isatty() and self._detail != "quiet":
             from rich.console import Console
 
-            self._status = Console(stderr=True).status("building the scene")
+            self._status = Console(stderr=True).status("")
             self._status.start()
         return self
 
@@ -110,21 +118,33 @@ class Narrator:
         if self._status is not None:
             self._status.stop()
 
-    def __call__(self, phase: str, time: float, text: str) -> None:
-        """Take one report of the simulation."""
-        line = f"{time:5.1f} s  {phase}: {text}" if text else f"{time:5.1f} s  {phase}"
+    def __call__(self, phase: str, time_: float, text: str) -> None:
+        """Take one report of the simulation: phase, its own time [s], and what happens."""
+        wall = time.monotonic() - self._began
+        line = f"{phase}: {text}" if text else phase
+        line = f"simulated {time_:5.1f} s, wall {wall:5.1f} s  {line}"
+        if phase != self._phase and (self._status is None or self._detail == "full"):
+            self.line(line)
         if self._status is not None:
-            self._status.update(line)
-        elif phase != self._phase:
-            click.echo(line, err=True)
+            self._status.update(line[: self._status.console.width - 2])  # beside the spinner
         self._phase = phase
 
     def line(self, text: str) -> None:
         """Print a line that stays."""
+        if self._detail != "quiet":
+            with self.paused():
+                print_lines([text], err=True)
+
+    @contextmanager
+    def paused(self) -> Iterator[None]:
+        """Context in which the line that changes is not there, so that others can be printed."""
         if self._status is not None:
-            self._status.console.print(text, highlight=False, markup=False)
-        else:
-            click.echo(text, err=True)
+            self._status.stop()
+        try:
+            yield
+        finally:
+            if self._status is not None:
+                self._status.start()
 
 
 class Progress:
