@@ -11,6 +11,7 @@ import click
 from nlcontrol.cli.console.command_options import open_registry
 from nlcontrol.cli.console.console_output import FILE, json_option, print_answer, print_json
 from nlcontrol.cli.console.shell_completions import complete_objects
+from nlcontrol.cli.console.terminal_text import print_lines
 from nlcontrol.errors import CODES, OK, ErrorInfo, error, exception_info
 from nlcontrol.text_format import error_lines
 
@@ -75,7 +76,8 @@ def validate_files(files: tuple[Path, ...], as_json: bool) -> int:
     else:
         for verdict in verdicts:
             mark = f"{verdict['file']}: a good model of {verdict.get('name')!r}"
-            click.echo(mark if verdict["ok"] else verdict["error"], err=not verdict["ok"])
+            line = mark if verdict["ok"] else str(verdict["error"])
+            print_lines([line], err=not verdict["ok"])
     return OK if ok else CODES["bad_model_file"].exit
 
 
@@ -117,9 +119,8 @@ def check_plugin(entry: str, as_json: bool) -> int:
         print_json({"ok": not faults, "checks": checks, **fault})
     else:
         for name, check, info in rows:
-            click.echo(f"{'✗' if info else '✓'} {name}: {check}")
-            for line in error_lines(info) if info else ():
-                click.echo(f"    {line}")
+            below = (f"    {line}" for line in error_lines(info)) if info else ()
+            print_lines([f"{'✗' if info else '✓'} {name}: {check}", *below])
     return faults[0].status.exit if faults else OK
 
 
