@@ -120,14 +120,11 @@ def _cheapest_path(
     turn_cost: float,
 ) -> list[tuple[float, float]] | None:
     """The cheapest way over the grid; the start itself need not be free."""
-
-    def remaining_way(at: tuple[int, int]) -> float:
-        return sum(abs(line[i] - line[k]) for line, i, k in zip(lines, at, there, strict=True))
-
+    to_go = [[abs(x - line[k]) for x in line] for line, k in zip(lines, there, strict=True)]
     best: dict[tuple[int, int, float], float] = {}
     # Estimate, cost, number of legs, place, heading of the last leg, legs as a linked list.
     queue: list[tuple[float, float, int, tuple[int, int], float, object]] = [
-        (remaining_way(here), 0.0, 0, here, math.inf, None)
+        (to_go[0][here[0]] + to_go[1][here[1]], 0.0, 0, here, math.inf, None)
     ]
     while queue:
         _, cost, legs, at, heading, way = heapq.heappop(queue)
@@ -144,7 +141,7 @@ def _cheapest_path(
             total = cost + length + turn_cost * turns
             if total < best.get((i, j, next_heading), math.inf) - 1e-9:
                 best[i, j, next_heading] = total
-                estimate = total + remaining_way((i, j))
+                estimate = total + (to_go[0][i] + to_go[1][j])
                 linked = (way, next_heading, length)
                 heapq.heappush(queue, (estimate, total, legs + turns, (i, j), next_heading, linked))
     return None

@@ -67,8 +67,7 @@ class ContactQueries:
 
     def __init__(self, search: ReachSearch, problem: PushProblem) -> None:
         self._search, self._problem = search, problem
-        self._asked: dict[int, set[Vector3]] = {1: set(), 2: set()}
-        self._hopeless: set[int] = set()
+        self._asked: dict[int, dict[Vector3, Push]] = {1: {}, 2: {}}
         self.denied: list[ReachAnswer] = []
 
     def are_used_up(self, fingers: int) -> bool:
@@ -85,16 +84,17 @@ class ContactQueries:
         Raises:
             NoPlanError: the budget is used up.
         """
-        problem = self._problem
+        asked = self._asked[push.fingers]
         if not self.is_open(push):
             return False
-        if problem.robot.estimate_reach(push, problem.state) == 0.0:
-            # A glance is not sure, so one such push is asked for.
-            if push.fingers in self._hopeless:
-                return False
-            self._hopeless.add(push.fingers)
-        self._asked[push.fingers].add(push.p_BC)
-        answer = self._search.reach(push, problem.state)
+        # A glance is not sure, so one push that looks hopeless is asked for.
+        if asked and self._looks_hopeless(push) and any(map(self._looks_hopeless, asked.values())):
+            return False
+        asked[push.p_BC] = push
+        answer = self._search.reach(push, self._problem.state)
         if not answer.ok:
             self.denied.append(answer)
         return answer.ok
+
+    def _looks_hopeless(self, push: Push) -> bool:
+        return self._problem.robot.estimate_reach(push, self._problem.state) == 0.0

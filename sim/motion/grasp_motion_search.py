@@ -29,6 +29,7 @@ from sim.hands.mount import Mount
 from sim.motion.hold_clearance import HoldClearance, WaySamples, in_itself
 from sim.motion.ik_search import best_solutions
 from sim.motion.roadmap import LIMIT_MARGIN, free_path, sample_configurations
+from sim.motion.transit_clearance import TransitClearance
 from sim.paths.held_object_path import (
     HeldObject,
     HeldSegment,
@@ -290,9 +291,7 @@ class GraspMotionSearch:
     ) -> tuple[Array, ...] | None:
         """Arm poses between home and a pose of the open hand."""
         open_hand = self._hold.hand_spheres(is_open=True)
-
-        def is_free(q: Array) -> NDArray[np.bool_]:
-            return self._scenery.is_free(self._mount.robot_spheres(open_hand, q), stands)
+        clearance = TransitClearance(self._mount, open_hand, self._scenery, (stands,))
 
         def spend() -> None:
             self.work += _ROAD
@@ -302,10 +301,11 @@ class GraspMotionSearch:
         raised, valid = way.joint_angles(np.broadcast_to(R_WB, (len(up), 3, 3)), p_WB + up)
         raised = raised[valid]
         places = np.vstack([raised, 0.5 * (home + q), 0.5 * (home + raised)])
-        found = free_path(arm, home, q, places, is_free, spend)
-        if found is None:
-            found = free_path(arm, home, q, sample_configurations(home, q), is_free, spend)
-        return found
+        for some in (places, sample_configurations(home, q)):
+            found = free_path(arm, home, q, some, clearance.are_free, spend)
+            if found is not None:
+                return found
+        return None
 
 
 def best_grasp_motion(

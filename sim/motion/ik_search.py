@@ -63,7 +63,7 @@ class IkSolutions:
     def __len__(self) -> int:
         return len(self.hand)
 
-    def __getitem__(self, k: NDArray[np.bool_]) -> IkSolutions:
+    def __getitem__(self, k: NDArray[np.bool_] | slice) -> IkSolutions:
         return IkSolutions(*(getattr(self, field.name)[k] for field in fields(self)))
 
 

@@ -41,6 +41,7 @@ from sim.motion.roadmap import (
     interpolate_joints,
     sample_configurations,
 )
+from sim.motion.transit_clearance import TransitClearance
 from sim.paths.fingertip_path import BACK, FingertipPath
 from sim.rotations import Array, rot_z
 
@@ -49,6 +50,7 @@ _OVER = 0.47  # height of T in places over the table [m]
 _RAISED = (0.4, 0.8, 1.2)  # how far the arm swings up halfway [rad]
 
 _AT_ONCE, _ASKED = 48, 12  # hands of a unit of work, and the arm is asked for together
+_FEW = 6  # arm poses that are looked at together first
 _MOST_AT_ONCE = 768  # hands that are looked at together
 _BEGUN, _LOOKED, _ROAD = 1, 2, 1  # units of work: to begin, of some hands, of some arm poses
 _AT_T = np.zeros((1, 3))  # where T is about itself
@@ -278,20 +280,27 @@ class PushMotionSearch:
             least: only what has more room than this to the joint limits [rad].
         """
         for solved in self._arms.solutions_along(hands, least):
-            unhindered = solved[self._are_unhindered(hands, solved)]
-            free = unhindered[self._come_off(hands, unhindered)]
-            for k, hand in enumerate(free.hand.tolist()):
-                stance = ArmConfiguration(
-                    mount=self._mount,
-                    posture=hands.posture_at(hand),
-                    R_WP=self._R_WD[0] @ hands.R_DP[hand],
-                    elbow=float(free.elbow[k]),
-                    branch=int(free.branch[k]),
-                    lift=float(free.lift[k]),
-                )
-                strength = self._push.fingers * float(hands.strength[hand])
-                self._arms.work = int(free.work[k])
-                yield _Found(stance, free.descent[k, 0], float(free.room[k]), strength)
+            # Mostly one of the first few will do.
+            for few in (slice(_FEW), slice(_FEW, None)):
+                if len(solved[few]):
+                    yield from self._free_stances(hands, solved[few])
+
+    def _free_stances(self, hands: PostureSet, solved: IkSolutions) -> Iterator[_Found]:
+        """Those of some solutions that are free at the object."""
+        unhindered = solved[self._are_unhindered(hands, solved)]
+        free = unhindered[self._come_off(hands, unhindered)]
+        for k, hand in enumerate(free.hand.tolist()):
+            stance = ArmConfiguration(
+                mount=self._mount,
+                posture=hands.posture_at(hand),
+                R_WP=self._R_WD[0] @ hands.R_DP[hand],
+                elbow=float(free.elbow[k]),
+                branch=int(free.branch[k]),
+                lift=float(free.lift[k]),
+            )
+            strength = self._push.fingers * float(hands.strength[hand])
+            self._arms.work = int(free.work[k])
+            yield _Found(stance, free.descent[k, 0], float(free.room[k]), strength)
 
     # -- whole arms -----------------------------------------------------------------------------
 
@@ -323,19 +332,17 @@ class PushMotionSearch:
 
     def _way_there(self, found: _Found, places: Array) -> tuple[Array, ...] | None:
         """Arm poses between home and above the start; None if no free way was found."""
-
-        def is_free(q: Array) -> NDArray[np.bool_]:
-            # The hand comes back the same way, when the object is where it was pushed.
-            robot = found.stance.robot_spheres(q)
-            free = self._scenery.is_free(robot)
-            if free.any():
-                free[free] = self._pushed[-1].is_clear(robot[free])
-            return free
+        stance, scenery = found.stance, self._scenery
+        hand = self._mount.hand.whole_spheres(stance.posture)
+        # The hand comes back the same way, when the object is where it was pushed.
+        standing = scenery.pushed, self._pushed[-1]
+        clearance = TransitClearance(self._mount, hand, scenery, standing)
 
         def spend() -> None:
             self._work += _ROAD
 
-        return free_path(self._mount.arm, self._mount.home, found.above, places, is_free, spend)
+        arm, home = self._mount.arm, self._mount.home
+        return free_path(arm, home, found.above, places, clearance.are_free, spend)
 
     def _come_off(self, hands: PostureSet, solved: IkSolutions) -> NDArray[np.bool_]:
         """Which hands also get off a face that they have turned, and back to the start, (k,)."""

@@ -28,7 +28,7 @@ _STEP = 0.05  # largest change of a joint between two poses looked at [rad]
 _COARSE = 8  # of these, the first looked at
 _STOPPING = 0.5  # what coming to rest at a place costs, as an angle to go [rad]
 _DRAWN, _MOST_ROADS = 80, 60  # places drawn, and roads looked at in vain
-_SINGLY = 4  # roads that are looked at one by one
+_SINGLY, _MANY = 4, 10  # roads that are looked at one by one where there are more nodes
 _BEYOND = 1.0  # how far places are drawn beyond start and goal [rad]
 
 
@@ -55,10 +55,12 @@ def free_path(
     """
     nodes = np.vstack([start, goal, places[arm.joint_room(places) >= LIMIT_MARGIN]])
     spend()
-    free = is_free(nodes)
+    # The straight road is looked at first, so at once.
+    free = is_free(np.vstack([nodes, interpolate_joints(start, goal)[::_COARSE]]))
+    free, straight = free[: len(nodes)], bool(free[len(nodes) :].all())
     if not free[:2].all():
         return None
-    return _shortest_free(_Roads(nodes[free], is_free, spend))
+    return _shortest_free(_Roads(nodes[free], is_free, spend, straight=straight))
 
 
 def sample_configurations(start: Array, goal: Array) -> Array:
@@ -74,28 +76,46 @@ def interpolate_joints(start: Array, goal: Array) -> Array:
 
 
 class _Roads:
-    """The straight roads between nodes, node 0 the start and node 1 the goal."""
+    """The straight roads between nodes, node 0 the start and node 1 the goal.
 
-    def __init__(self, nodes: Array, is_free: IsFree, spend: Callable[[], None]) -> None:
+    Whether the `straight` one between these is free, coarsely looked at, is known.
+    """
+
+    def __init__(
+        self, nodes: Array, is_free: IsFree, spend: Callable[[], None], *, straight: bool
+    ) -> None:
         self.nodes, self._is_free, self._spend = nodes, is_free, spend
-        self._coarsely: dict[tuple[int, int], bool] = {}
+        self._coarsely, self._closely = {(0, 1): straight}, dict[tuple[int, int], bool]()
+        self._singly = _SINGLY if len(nodes) > _MANY else 1
 
-    def is_free(self, road: tuple[int, int]) -> bool:
-        """True if all poses of a road are free; most that are not show it in a few."""
-        self._spend()
+    def first_blocked(self, way: list[int]) -> tuple[int, int] | None:
+        """The first road of a way that is not free; None if all are."""
+        roads = [*itertools.pairwise(way)]
+        # Most that are not free show it in a few poses.
+        for look in (self._is_free_coarsely, self._is_free_closely):
+            for road in roads:
+                if not look(road):
+                    return road
+        return None
+
+    def _is_free_coarsely(self, road: tuple[int, int]) -> bool:
         if road not in self._coarsely:
+            self._spend()
             self._look_coarsely(road)
-        if not self._coarsely[road]:
-            return False
-        self._spend()
-        return bool(self._is_free(self._poses(road)).all())
+        return self._coarsely[road]
+
+    def _is_free_closely(self, road: tuple[int, int]) -> bool:
+        if road not in self._closely:
+            self._spend()
+            self._closely[road] = bool(self._is_free(self._poses(road)).all())
+        return self._closely[road]
 
     def _poses(self, road: tuple[int, int]) -> Array:
         return interpolate_joints(self.nodes[road[0]], self.nodes[road[1]])
 
     def _look_coarsely(self, road: tuple[int, int]) -> None:
         roads = {road}
-        if len(self._coarsely) >= _SINGLY:
+        if len(self._coarsely) >= self._singly:
             roads |= {(0, k) for k in range(1, len(self.nodes))}
             roads |= {(k, 1) for k in range(2, len(self.nodes))}
         new = sorted(roads - self._coarsely.keys())
@@ -109,18 +129,14 @@ def _shortest_free(roads: _Roads) -> tuple[Array, ...] | None:
     """The shortest free way from the first node to the second."""
     nodes = roads.nodes
     length = np.linalg.norm(nodes[:, None] - nodes, axis=-1) + _STOPPING
-    known: set[tuple[int, int]] = set()
     for _ in range(_MOST_ROADS):
         way = _shortest_path(length)
         if way is None:
             return None
-        for road in itertools.pairwise(way):
-            if road not in known and not roads.is_free(road):
-                length[road] = length[road[::-1]] = np.inf
-                break
-            known.add(road)
-        else:
+        road = roads.first_blocked(way)
+        if road is None:
             return tuple(nodes[way[1:-1]])
+        length[road] = length[road[::-1]] = np.inf
     return None
 
 
