@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from contextlib import suppress
+from copy import copy
 from functools import cache, lru_cache
 
 from grammar.clauses.frame_builder import frames_of
@@ -19,6 +20,7 @@ from grammar.phrases.lalr_parser import LalrParser, Tree, UnexpectedTokenError, 
 from grammar.phrases.tree_transform import parts_of
 from grammar.syntax_diagnosis import EXAMPLE, diagnose, require_clear
 from grammar.words.asides import Asides
+from grammar.words.known_names import KnownNames
 from grammar.words.lexicon import Lexicon
 from grammar.words.lexicon_plugins import installed_lexicon
 from grammar.words.normalisation import Normalised, normalise
@@ -43,6 +45,13 @@ class Parser:
         lexer = PhraseLexer(lexicon)
         self._asides = Asides(lexicon, lexer.phrases)
         self._lalr = LalrParser(parse_table(), lexer)
+        self._names: KnownNames | None = None
+
+    def with_names(self, names: Iterable[str]) -> Parser:
+        """A parser with the same words that knows the names of some objects."""
+        parser = copy(self)
+        parser._names = KnownNames(names, self.lexicon)
+        return parser
 
     def parse(self, text: str) -> Command:
         """Reads one or several English commands, a question, or a remark on what was done.
@@ -99,6 +108,16 @@ class Parser:
         if not sentence.text:
             thanks = Frame(dialogue="thank", spans=sentence.asides)
             return Command(text=text, frames=(thanks,), paraphrase="thank you")
+        try:
+            return self._command_of(sentence)
+        except ParseError:
+            for said in self._names.readings(sentence) if self._names else ():
+                with suppress(ParseError):
+                    return self._command_of(said)
+            raise
+
+    def _command_of(self, sentence: Normalised) -> Command:
+        """The command of a sentence in plain form, without its asides."""
         require_clear(sentence, self.lexicon)
         parts = parts_of(self._parse_tree(sentence), self.lexicon, sentence)
         frames = frames_of(parts, self.lexicon, sentence)
@@ -108,7 +127,8 @@ class Parser:
             message = "these words together make no sentence"
             hints = ("say it in two sentences", "leave something out")
             raise ParseError("does_not_apply", message, None, hints) from raised
-        return Command(text=text, frames=frames, paraphrase=words, asides=sentence.asides)
+        text, asides = sentence.original, sentence.asides
+        return Command(text=text, frames=frames, paraphrase=words, asides=asides)
 
     def _parse_tree(self, sentence: Normalised) -> Tree:
         try:
@@ -131,8 +151,10 @@ def parser_for(names: Iterable[str]) -> Parser:
     """
     lexicon, _ = installed_lexicon()
     phrasing = Phrasing(lexicon)
-    unread = sorted(name for name in names if not phrasing.needs_no_article(name))
-    return _parser_with(tuple(unread)) if unread else default_parser()
+    known = frozenset(names)
+    unread = sorted(name for name in known if not phrasing.needs_no_article(name))
+    parser = _parser_with(tuple(unread)) if unread else default_parser()
+    return parser.with_names(known)
 
 
 @lru_cache(maxsize=8)

@@ -32,7 +32,7 @@ def clauses_of(parts: Sequence[ph.Part], sentence: Normalised) -> list[Parts]:
     """
     parts = _with_topic_in_place(_without_requests(parts, sentence))
     parts = _require_joints_join(parts, sentence)
-    if isinstance(parts[0], ph.Separator | ph.Next) and parts[0].word in ("and", "then"):
+    if isinstance(parts[0], ph.Separator | ph.Next) and parts[0].word in ("and", "but", "then"):
         parts[0] = ph.Filler(parts[0].span, anywhere=False, goes_on=True)
     if any(isinstance(part, ph.Ask) for part in parts):
         return [_question_parts(parts, sentence)]
@@ -123,7 +123,7 @@ def _require_joints_join(parts: Sequence[ph.Part], sentence: Normalised) -> Part
             raise ParseError(
                 "incomplete", f"the sentence ends after {last}", part.span, (suggestion,)
             )
-        if before is None and part.word not in (",", "and"):
+        if before is None and part.word not in (",", "and", "but"):
             raise _joint_error(part, sentence)
         doubled = isinstance(after, ph.Separator)
         avoids = isinstance(after, ph.Avoid | ph.FurtherNoTouch)

@@ -12,7 +12,6 @@ from grammar.clauses.clause_parts import (
     Clause,
     Parts,
     no_verb,
-    several_objects,
     unexpected_part,
 )
 from grammar.clauses.clause_subjects import (
@@ -22,7 +21,6 @@ from grammar.clauses.clause_subjects import (
     sets_lid_down,
     with_lid_as_pronoun,
 )
-from grammar.clauses.consistency import require_consistent
 from grammar.clauses.constraint_builder import complete_avoidances, constraints_of
 from grammar.clauses.counted_objects import (
     require_countable,
@@ -30,23 +28,15 @@ from grammar.clauses.counted_objects import (
     with_exception,
     with_listed_exceptions,
 )
-from grammar.clauses.goal_builder import goal_builder_for
 from grammar.clauses.object_descriptions import attach_descriptions
-from grammar.errors import ParseError
+from grammar.clauses.remark_reader import GOES_ON, RemarkReader, joint_dialogue
 from grammar.frames import command as g
 from grammar.phrases import phrase_parts as ph
 from grammar.words.lexicon import Lexicon, Verb
 from grammar.words.normalisation import Normalised
 
-_GOES_ON = (ph.Direction, ph.Heading, ph.Toward, ph.AwayFrom, ph.Place, ph.Length, ph.Angle,
-            ph.Sense, ph.Amount, ph.Share)  # fmt: skip
-"""Parts that say what should become of the object, also without a verb."""
-
 _RESTORING = ("upright", "set_down", "close")
 """Goals of which "again" says that it was so before."""
-
-_SAYS = (*_GOES_ON, ph.Constraint, ph.Avoid)
-"""These, and those that say how."""
 
 
 def frames_of(
@@ -93,7 +83,7 @@ def _complete_clause(
     things = [part for part in clause if isinstance(part, ph.Thing)]
     if head is not None and things and things == clause:
         return _with_other_things(previous, things)
-    if head is None or not any(isinstance(part, _GOES_ON) for part in clause):
+    if head is None or not any(isinstance(part, GOES_ON) for part in clause):
         raise no_verb(sentence, clause)
     particle = next((part for part in previous if isinstance(part, ph.Particle)), None)
     verb: Parts = [head]
@@ -123,7 +113,7 @@ def _with_meant_verb(parts: Sequence[ph.Part], lexicon: Lexicon, sentence: Norma
         return [meant if part is verb else part for part in rest]
     if strokes or not wishes or verb is not None:
         return [part for part in parts if not isinstance(part, ph.Wish)]
-    if any(isinstance(part, _GOES_ON) for part in rest):
+    if any(isinstance(part, GOES_ON) for part in rest):
         wish = wishes[0]
         verb = ph.Verb(wish.span, "move", passive=True, completed=wish.state)
         return [verb, *rest]
@@ -151,14 +141,14 @@ class _ClauseReader:
         ask = self._take_parts(ph.Ask)
         verbs = [part for part in self._parts if isinstance(part, ph.Verb)]
         self._require_there_is_clear(ask)
+        if ask and not verbs:
+            return [self._question_frame(ask, remarks)]
         if ask and remarks:
             raise unexpected_part(remarks[0], self._sentence)
-        if ask and not verbs:
-            return [self._question_frame(ask)]
         if ask and ask[0].query in ("value", "affordances", "seen", "did", "compare"):
             raise unexpected_part(verbs[0], self._sentence)
         if not verbs:
-            return self._remark_frames(remarks)
+            return RemarkReader(self._parts, remarks, self._lexicon, self._sentence).frames()
         excluded = self._take_parts(ph.NotThis)
         excepted = self._take_parts(ph.Except)
         things = clause_objects(self._parts, ask, remarks, self._lexicon, self._sentence)
@@ -182,7 +172,7 @@ class _ClauseReader:
         excluded: Sequence[ph.NotThis] = (),
     ) -> list[g.Frame]:
         """The frames of a clause, with what its remarks do to them."""
-        dialogue = self._joint_dialogue(remarks)
+        dialogue = joint_dialogue(remarks, self._sentence)
         if dialogue in ("undo", "stop"):
             raise unexpected_part(remarks[0], self._sentence)
         if dialogue == "do":
@@ -247,19 +237,16 @@ class _ClauseReader:
             spans=(part.span,),
         )
 
-    def _question_frame(self, asks: Sequence[ph.Ask]) -> g.Frame:
+    def _question_frame(self, asks: Sequence[ph.Ask], remarks: Sequence[ph.Remark]) -> g.Frame:
         """A question without a verb: how heavy, what can you do with, why."""
         ask = asks[0]
+        if not ask.whole:
+            return RemarkReader(self._parts, remarks, self._lexicon, self._sentence).question(ask)
+        if remarks:
+            raise unexpected_part(remarks[0], self._sentence)
         Clause(self._parts, Verb("push", "contact"), self._sentence).require_all_taken(
             "this question"
         )
-        if not ask.whole:
-            raise ParseError(
-                "incomplete",
-                "the question does not say what is done to the object",
-                ask.span,
-                ('ask, for example, "will it topple if you push it at the top?"',),
-            )
         goal: g.Goal = g.NoGoal()
         if ask.which:
             goal = g.Parameters(which=ask.which, than=ask.than, spans=(ask.span,))
@@ -269,90 +256,3 @@ class _ClauseReader:
             goal=goal,
             spans=(ask.span,),
         )
-
-    def _joint_dialogue(self, remarks: Sequence[ph.Remark]) -> g.Dialogue | None:
-        """Act of all remarks together: "no, again" corrects; "again and again" is too much."""
-        again = [remark for remark in remarks if remark.dialogue == "repeat"]
-        if len(again) > 1:
-            raise unexpected_part(again[1], self._sentence)
-        said = {remark.dialogue for remark in remarks}
-        if len(said - {"correct"}) > 1 and said - {"correct"} != {"repeat", "more"}:
-            raise unexpected_part(remarks[-1], self._sentence)
-        for dialogue in ("reverse", "stop", "undo", "correct", "do", "same", "repeat", "more"):
-            if dialogue in said:
-                return dialogue
-        return None
-
-    def _dialogue_of(
-        self, remarks: Sequence[ph.Remark], excluded: Sequence[ph.NotThis], things: Parts
-    ) -> g.Dialogue | None:
-        """Act of a clause without a verb: what its remarks say, or how little is said."""
-        dialogue = self._joint_dialogue(remarks)
-        said = [part for part in self._parts if not isinstance(part, ph.Filler)]
-        if dialogue == "undo" and any(isinstance(p, ph.Length | ph.Amount) for p in said):
-            return "reverse"  # "go back 2 cm"
-        if dialogue is not None:
-            return dialogue
-        if excluded and things:
-            return "correct"
-        if self._goes_on and (things or any(isinstance(p, _SAYS) for p in said)):
-            return "same" if things and not self._sentence.question else "repeat"
-        if things or not said or self._sentence.question:
-            return None
-        bare = all(isinstance(part, (*_GOES_ON, ph.Constraint)) for part in said)
-        return "correct" if bare else None  # "10 cm", "to the left", "with one finger"
-
-    @property
-    def _goes_on(self) -> bool:
-        return any(isinstance(part, ph.Filler) and part.goes_on for part in self._parts)
-
-    def _remark_frames(self, remarks: Sequence[ph.Remark]) -> list[g.Frame]:
-        """A remark without a verb: undo that, a bit more to the left, no, the coffee box."""
-        excluded = self._take_parts(ph.NotThis)
-        things = self._take_parts(ph.Thing)
-        dialogue = self._dialogue_of(remarks, excluded, things)
-        if dialogue is None:
-            raise no_verb(self._sentence, [*things, *self._parts])
-        alike: list[ph.Thing] = []
-        if dialogue == "same":  # of "the mug, the same" only the mug is an object
-            alike = [each for each in things if "same" in each.ref.qualities]
-            things = [each for each in things if each not in alike] or things
-            alike = [each for each in alike if each not in things]
-        elif len(things) > 1:
-            raise several_objects(things[1], self._sentence)
-        thing = things[0] if things else NOBODY
-        rest, constraints = constraints_of(self._parts, thing, self._lexicon, self._sentence)
-        rest = [p for p in rest if not (isinstance(p, ph.Particle) and p.optional)]
-        content = [part for part in rest if not isinstance(part, ph.Filler)]
-        if dialogue in ("undo", "stop") and (content or constraints):
-            raise unexpected_part((content or remarks)[0], self._sentence)
-        if dialogue == "stop" and things:
-            raise several_objects(things[0], self._sentence)
-        is_about = dialogue == "repeat" and self._goes_on
-        if dialogue in ("more", "do", "repeat", "reverse") and things and not is_about:
-            raise no_verb(self._sentence, things)
-        if dialogue == "correct" and not (content or constraints or things):
-            raise ParseError(
-                "incomplete",
-                "the sentence does not say what was meant",
-                remarks[0].span,
-                ('say, for example, "no, the coffee box" or "no, to the left"',),
-            )
-        turns = any(isinstance(part, ph.Angle | ph.Sense) for part in content)
-        goal: g.Goal = g.NoGoal()
-        clause = Clause(rest, Verb("turn" if turns else "push", ""), self._sentence)
-        if clause.has_part(*_GOES_ON):
-            kind = Verb("", "rotate") if turns else Verb("", "displace")
-            goal = goal_builder_for(kind, None, clause)(clause)
-        clause.require_all_taken("")
-        spans = [part.span for part in (*remarks, *excluded, *alike)]
-        frame = g.Frame(
-            dialogue=dialogue,
-            goal=goal,
-            constraints=constraints,
-            spans=tuple(sorted(spans)),
-        )
-        frames = [frame.model_copy(update={"object": each.ref}) for each in things] or [frame]
-        for each in frames:
-            require_consistent(each, self._sentence)
-        return frames

@@ -33,10 +33,12 @@ class Manners(q.TokenReader):
         return ph.Constraint(span, new_constraint(kind, spans=(span,)))
 
     def compared_part(self, children: Children) -> list[ph.Part]:
-        """More gently: as the last time, but so."""
-        span = self.span_of(children)
-        manner = new_constraint(self.value_of(children, "COMPARED"), spans=(span,))
-        return [ph.Remark(span, "more"), ph.Constraint(span, manner)]
+        """More gently, higher: as the last time, but so."""
+        span, said = self.span_of(children), self.value_of(children, "COMPARED")
+        more = ph.Remark(span, "more")
+        if said in ("top", "bottom"):
+            return [more, self._contact_part(children, region=said)]
+        return [more, ph.Constraint(span, new_constraint(said, spans=(span,)))]
 
     def force_part(self, children: Children) -> ph.Constraint:
         """With at most 5 N."""

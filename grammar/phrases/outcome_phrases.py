@@ -26,7 +26,7 @@ _FORBIDDEN = {"moves": "no_move"} | {
 """Event that may be avoided → constraint that forbids it."""
 
 _AVOIDED = ("AVOIDING", "AVOID", "KEEPS", "KEPT", "STAYS")
-_PROPERTIES = ("HOW", "HOW_MUCH_IN", "THE_PROPERTY", "THE_PROPERTY_OF", "THE_SIDE_OF",
+_PROPERTIES = ("HOW", "HOW_MUCH_IN", "QUALITY", "THE_PROPERTY", "THE_PROPERTY_OF", "THE_SIDE_OF",
                "ITS_PROPERTY")  # fmt: skip
 
 QUESTIONS: dict[str, dict[str, Any]] = {
@@ -213,11 +213,15 @@ class Questions(TokenReader):
         which, _, quality = (
             self.value_of(children, "COMPARATIVE") or self.value_of(children, "SUPERLATIVE")
         ).partition(" ")
-        if not things:
-            word = tokens_in(children, "SUPERLATIVE")[0]
-            at = self.span_of([word])
-            one = g.ObjectRef(text=str(word), spans=(at,), qualities=(cast(g.Quality, quality),))
+        if superlative := tokens_in(children, "SUPERLATIVE"):
+            at = self.span_of(superlative)
+            word = superlative[0].split()[0]
+            one = g.ObjectRef(text=word, spans=(at,), qualities=(cast(g.Quality, quality),))
             things = [ph.Thing(at, one)]
+        elif len(things) < 2:  # "is the mug taller?"; "taller than the mug?"
+            _, end = self.span_of(children[-1:])
+            it = ph.Thing((end, end), g.ObjectRef(text="it", pronoun=True))
+            things = [it, *things] if tokens_in(children, "THAN") else [*things, it]
         others = tuple(thing.ref for thing in things[1:])
         return ph.Ask(span, "compare", thing=things[0], which=(which,), than=others, whole=True)
 
@@ -254,6 +258,11 @@ class Questions(TokenReader):
     def undo_part(self, children: Children) -> list[ph.Part]:
         """Undo that; undo the push of the box."""
         return [ph.Remark(self.span_of(children[:1]), "undo"), *things_in(children)]
+
+    def more_part(self, children: Children) -> list[ph.Part]:
+        """More; bit more."""
+        span, amount = self.span_of(children), self.value_of(children, "MORE")
+        return [ph.Remark(span, "more"), *([ph.Amount(span, amount)] if amount else [])]
 
     def not_this_part(self, children: Children) -> ph.NotThis:
         """Not the mug."""

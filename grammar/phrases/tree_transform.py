@@ -48,7 +48,7 @@ _PLAIN: dict[str, tuple[Callable[..., ph.Part], str]] = {
     "if": (ph.If, ""),  # if, when
     **{
         dialogue: (ph.Remark, dialogue)
-        for dialogue in ("stop", "repeat", "more", "correct", "do", "reverse")
+        for dialogue in ("stop", "repeat", "correct", "do", "reverse")
     },
 }
 """Node → its part, and the terminal whose value the part has; a remark has its own name."""

@@ -35,8 +35,8 @@ _BEGIN = _LEAD | {"NUMBER", "THING", "IT"}
 _RESTATED = frozenset({"NUMBER", "THING", "DIRECTION"})
 """Kinds of groups of which a second one behind a pause can only correct the first."""
 
-_OPEN = frozenset({"A", "AT", "BETWEEN", "BY", "FILLED_WITH", "FROM", "GAP", "IN", "INTO",
-                   "NEXT", "OF", "PART_OF", "RANGE", "RELATION", "THE", "TO_DO", "TO_LEVEL",
+_OPEN = frozenset({"A", "AND_WITH", "AT", "BETWEEN", "BY", "FILLED_WITH", "FROM", "GAP", "IN",
+                   "INTO", "NEXT", "OF", "PART_OF", "RANGE", "RELATION", "THE", "TO_DO", "TO_LEVEL",
                    "TOWARD", "UNTIL", "WITH", "WITHOUT"})  # fmt: skip
 """Terminals that say nothing by themselves, so that one said twice is stammered."""
 
@@ -46,6 +46,7 @@ _SHAPES = {
     "corrections": r"(?:(?<= )[.,;] )??(?<![^ ])(?:{0})(?:(?: ,)? (?:{0}))*(?: ,)?(?= )",
     "reasons": r"(?:^(?!so (?!that ))|(?<= ))(?:{0})(?= |$)",
     "statements": r"(?<=[^ ] )(?:{0})(?: [^,.;]+)?(?= [,.;] )",
+    "restarts": r"(?:^|(?<=[.;] )|(?<=^no )(?:, )?)(?:{0})(?= )",
     "after": r"(?<![^ ])(?<!the )(?:{0})(?=$| [.;])",
     "before": r"(?:^|(?<=[.;] ))(?:{0})(?= |$)",
 }
@@ -96,6 +97,8 @@ class Asides:
         said = sentence
         spoken = sentence.text.split()
         words = set(spoken)
+        if self._courtesy.is_closing(sentence):
+            said = replace(sentence, text="", columns=())
         said = self._courtesy.without_greeting(said)
         for kind in _SHAPES:
             if kind == "before":
@@ -174,10 +177,11 @@ class Asides:
         elif kind == "fillers" and self._is_open(said.text[:start].rstrip().rpartition(" ")[2]):
             end += 2 * said.text.startswith(" ,", end)  # "to uh, the left"
         left = _joined(said, (0, start), (end, len(said.text)))
-        if kind == "after" and self._is_open(left.text.rpartition(" ")[2]):
-            return None  # "to the right now"
+        if self._says_too_little(kind, left):
+            return None
         polite = kind in ("before", "after") and re.search(r"\b(?:you|we|please)\b", match[0])
         tagged = kind in ("after", "fillers") and start > 0 and end == len(said.text)
+        tagged = tagged and match[0] != "then"
         return replace(left, question=said.question and not (polite or tagged))
 
     def _without_reason(self, said: Normalised, start: int, opened: int) -> Normalised | None:
@@ -197,6 +201,16 @@ class Asides:
         found = self._phrases.phrases_at(words, 0) if words else []
         kinds = [kinds for phrase, kinds in found if phrase == words]
         return bool(kinds) and all(map(_OPEN.issuperset, kinds))
+
+    def _says_too_little(self, kind: str, left: Normalised) -> bool:
+        """Check for a rest that needs what is left out: "to the right now", "no, right"."""
+        if kind == "restarts":
+            return self._courtesy.is_closing(left)  # "hold on, thanks"
+        if kind != "after" or not left.text:
+            return kind == "after" and left.question  # "can you?"
+        marks = {*self._lexicon.terminals["NO"], *self._lexicon.terminals["I_MEANT"], ",", "not"}
+        words = left.text.split()
+        return self._is_open(words[-1]) or marks.issuperset(words)
 
     def _goes_on(self, text: str, doubled: re.Match[str]) -> bool:
         """Check for words that say more the second time: "at the top at the top face"."""

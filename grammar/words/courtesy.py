@@ -22,9 +22,13 @@ _ASKS = frozenset({"CAN_YOU", "HOW_HARD", "IF", "POSSIBLE", "THINK", "WHAT_CAN",
 """Terminals that begin a question or a condition, which is no courtesy."""
 
 _COMMAND = frozenset({"VERB", "MANNER", "MIND"})
+_REMARKS = frozenset({"DO", "I_MEANT", "MORE", "NO", "REPEAT", "REVERSE", "SEEN", "STOP", "UNDO",
+                      "VERB", "WHAT_DID", "WHY"})  # fmt: skip
+"""Terminals that ask for something even beside thanks."""
+
 _THING = frozenset({"THE", "THAT", "IT"})
 _BEHIND_TOPIC = re.compile(r" (?:[,.;?!]|and)(?: (?:and|then|please|now))* ")
-_READ = frozenset({"FILLER", "NEXT", "VOCATIVE"})
+_READ = frozenset({"DO", "FILLER", "NEXT", "VOCATIVE"})
 _SAYS = frozenset({"AMOUNT", "DIRECTION", "FACE", "FROM_SIDE", "MANNER", "REGION",
                    "REGION_OF_TABLE", "SENSE", "WAY"})  # fmt: skip
 _PAUSES = frozenset(",.;!?")
@@ -39,6 +43,16 @@ class Courtesy:
         self._topics = re.compile(rf"(?:{lexicon.courtesy['topics']}) ")
         self._opening = self._words["both"] | self._words["before"]
         self._closing = self._words["both"] | self._words["after"]
+
+    def is_closing(self, said: Normalised) -> bool:
+        """Check for words of courtesy alone, with which somebody thanks or leaves."""
+        words = said.text.replace(" ,", "").replace(" .", "").split()
+        known = self._opening | self._closing | self._words["beside_thanks"]
+        known -= self._words["greeting"]
+        if said.question or self._words["closing"].isdisjoint(words) or not known.issuperset(words):
+            return False
+        starts = (word.start() for word in WORD.finditer(said.text))
+        return not any(self._has_kind(_REMARKS, said.text, start) for start in starts)
 
     def put_plainly(self, said: Normalised) -> Normalised:
         """The sentence without the courtesy before its command and behind it."""

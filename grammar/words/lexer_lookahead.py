@@ -121,12 +121,16 @@ class Lookahead:
                 phrase != "its" or not self._any("SIDE_OF_OBJECT", text, end + 1)
             ),
             "UPON": self._onto_what_is_pushed,
+            "DO": lambda phrase, text, end, _last: phrase != "go" or end == len(text),
             "EXCEPT": self._behind_several,
             "FILLER": lambda phrase, text, end, _last: (
                 any(self._any(kind, text, end + 1) for kind in _ASKED)
                 if phrase == "so"
-                else phrase != "go" or end == len(text) or self._any("VERB", text, end + 1)
+                else phrase != "go" or self._any("VERB", text, end + 1)
             ),
+            "AND_WITH": self._and_with_another_thing,
+            "QUALITY": lambda _phrase, text, end, _last: text[end + 1 : end + 2] in ",.;",
+            "STOP": lambda phrase, text, end, _last: not phrase.endswith("not") or end == len(text),
             "FILLED": self._behind_fill,
             "FILLED_WITH": self._behind_fill,
             "ON_TABLE": self._put_there,
@@ -158,7 +162,7 @@ class Lookahead:
                 last not in ("TOUCH", "TOUCHING")
                 and self._last_goal(text, end - len(phrase)) not in ("pour", "fill")
             ),
-            "SAME": self._not_to_a_direction,
+            "SAME": self._to_another_thing,
             "SOME_OF": self._some_of_a_liquid,
             "BE": lambda phrase, text, end, _last: (
                 phrase not in _IS or self._any("VERB_ED", text, end + 1)
@@ -180,7 +184,7 @@ class Lookahead:
                 last in _BEFORE_COMMANDS and not self._follows(("TOOL", *_AMOUNTS), text, end)
             ),
             "UNDO": self._not_back_on,
-            "WHY_DID": lambda _phrase, text, end, _last: end < len(text),
+            **dict.fromkeys(("NOT", "WHY_DID"), lambda _phrase, text, end, _last: end < len(text)),
         }
 
     def can_be(self, kind: str, phrase: str, text: str, end: int, last: str) -> bool:
@@ -315,8 +319,15 @@ class Lookahead:
         purpose = self._any("TO_MAKE", text, start) or self._any("EVENT_INFINITIVE", text, end + 1)
         return not (phrase.endswith(" to") and purpose)
 
-    def _not_to_a_direction(self, phrase: str, text: str, end: int, _last: str) -> bool:
-        """The same to the mug, but not the same, to the left."""
+    def _and_with_another_thing(self, _phrase: str, text: str, end: int, last: str) -> bool:
+        """And with the mug? But not "and with the hand", nor behind anything else."""
+        named = self._names_begin(text, end) and not self._follows(("TOOL", *_AMOUNTS), text, end)
+        return not last and named
+
+    def _to_another_thing(self, phrase: str, text: str, end: int, _last: str) -> bool:
+        """The same to the mug, but not the same, to the left; nor do it with one finger."""
+        if phrase.endswith("with") and self._follows(("TOOL", *_AMOUNTS), text, end):
+            return False
         start = end - len("to")
         ways = ("DIRECTION", "REGION_OF_TABLE")
         return not (phrase.endswith(" to") and any(self._any(way, text, start) for way in ways))

@@ -241,8 +241,8 @@ class Lexicon:
 
     @cached_property
     def first_words(self) -> frozenset[str]:
-        """Words that phrases of the language begin with, but for those behind numbers only."""
-        kinds = (known for name, known in self.terminals.items() if name != "CUPS")
+        """Words that phrases of the language begin with wherever they stand."""
+        kinds = (k for name, k in self.terminals.items() if name not in ("CUPS", "QUALITY"))
         return frozenset(p.partition(" ")[0] for known in kinds for p in known)
 
     @cached_property
@@ -280,7 +280,9 @@ class Lexicon:
     def reserved_words(self) -> frozenset[str]:
         """Words that mean something by themselves; they end a name."""
         fillers = [phrase for said in self.asides["fillers"] for phrase in expand_template(said)]
-        phrases = (*self.terminals.values(), fillers)
+        # "Heavy" has its own meaning behind "is it" alone.
+        known = (phrases for name, phrases in self.terminals.items() if name != "QUALITY")
+        phrases = (*known, fillers)
         single = {p for known in phrases for p in known if " " not in p}
         return frozenset(
             single | self.later_words | self.vague.keys() | self.numbers.first_words

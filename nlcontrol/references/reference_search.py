@@ -44,7 +44,8 @@ class Spoken:
         last: what "the other one" may be the other of.
         latest: what the rest is the rest of.
         moved: what was moved, in that order.
-        group: of what "the taller one" and "the other one" are one, if they are several.
+        group: of what "the taller one" and "the other one" are one, if they are several; else
+            these are one of the two that were ever spoken of.
     """
 
     it: tuple[str, ...] = ()
@@ -156,6 +157,8 @@ def matching_objects(ref: ObjectRef, around: Surroundings, spoken: Spoken) -> li
     found, qualities = _objects_named(ref, around), _looked_for(ref, around)
     if _is_one_of_group(ref):
         together = [c for c in found if c.name in spoken.group]
+        if len(together) < 2 and len(spoken.it) == 2:
+            together = [c for c in found if c.name in spoken.it]
         found = together if len(together) > 1 else found
         if len(found) > 2 and _compares_two(ref):
             return found
@@ -178,9 +181,10 @@ def matching_objects(ref: ObjectRef, around: Surroundings, spoken: Spoken) -> li
 
 
 def _is_one_of_group(ref: ObjectRef) -> bool:
-    """Check for "the taller one" or "the other one"; "the tallest one" is one of all."""
+    """Check for "the taller one", "the other one" or both; "the tallest one" is one of all."""
     superlative = any(word.endswith("est") for word in ref.text.split())
-    return bool(ref.qualities) and reference_noun(ref) in GENERIC and not superlative
+    told = bool(ref.qualities) or ref.quantifier == "both"
+    return told and reference_noun(ref) in GENERIC and not superlative
 
 
 def _compares_two(ref: ObjectRef) -> bool:

@@ -2,9 +2,8 @@
 
 A conversation remembers what was spoken of, what was asked last and what came of it, and where
 things stood before each push. A remark becomes frames as any sentence has them
-(`nlcontrol.session.follow_up_frames`, `nlcontrol.session.undo_frames`), and these go the way of
-every sentence: resolved, planned, executed, checked. So a remark may be refused as any sentence
-may, with its numbers.
+(`nlcontrol.session.remarks`), and these go the way of every sentence: resolved, planned, executed,
+checked. So a remark may be refused as any sentence may, with its numbers.
 """
 
 from __future__ import annotations
@@ -25,16 +24,16 @@ from nlcontrol.references.reference_resolution import (
 )
 from nlcontrol.reports.why_answers import deed_answer, why_answer
 from nlcontrol.results.result import result_with
-from nlcontrol.session import follow_up_frames as follow_up
 from nlcontrol.session.corrected_sentences import result_with_corrections
 from nlcontrol.session.events import FORCE_RATE, Supervisor
-from nlcontrol.session.follow_up_frames import nothing_before
 from nlcontrol.session.frame_documents import text_of
 from nlcontrol.session.frame_execution import status_of
 from nlcontrol.session.proposals import Approval, Intention, Proposal
 from nlcontrol.session.recipe import Deed
+from nlcontrol.session.remarks import follow_up_frames as follow_up
+from nlcontrol.session.remarks.follow_up_frames import nothing_before
+from nlcontrol.session.remarks.undo_frames import PastPush, WayBack, undo_frames, undo_text
 from nlcontrol.session.turns import in_turn
-from nlcontrol.session.undo_frames import PastPush, WayBack, undo_frames, undo_text
 
 if TYPE_CHECKING:
     from typing import Unpack
@@ -83,6 +82,7 @@ class Conversation:
         self._last: Result | None = None  # what "why" is about
         self._said: Result | None = None  # what "no, …" is about; None if it was not understood
         self._done: Result | None = None  # the last command, what "a bit more" is about
+        self._lost = False  # whether what was not understood since was about another object
 
     @in_turn
     def say(
@@ -205,8 +205,7 @@ class Conversation:
             begun = self.controller.empty_result(text, command)
             self._last = result_with(begun, status=status_of(raised.info), error=raised.info)
             if command is None:
-                self._said = None
-                self._recall_names(text)
+                self._note_lost(text, raised.info.code)
             return self._last, None
 
     def _intention(self, command: g.Command) -> Intention | Result:
@@ -224,9 +223,10 @@ class Conversation:
             return self._plain_result(command, self._explain_last(command), "answered")
         if remark == "undo":
             return self._way_back(command)
-        return Intention(
-            follow_up.meant_command(command, self._said, self._done), self._notes(command)
-        )
+        if self._lost and follow_up.leaves_object_open(command):
+            nothing_before("what was said last was not understood, so this may be about that")
+        meant = follow_up.meant_command(command, self._said, self._done)
+        return Intention(meant, self._notes(command), joins=follow_up.joins_last(command))
 
     def _do(
         self,
@@ -251,7 +251,7 @@ class Conversation:
         if meant.back is not None:
             return self._remember_undoing(meant.undone, meant.back, result)
         result = result_with(result, notes=meant.notes + result.notes)
-        self._remember(result, proposed=proposed)
+        self._remember(result, proposed=proposed, joins=meant.joins)
         return result
 
     def _plain_result(
@@ -262,12 +262,13 @@ class Conversation:
 
     # --- memory ------------------------------------------------------------------------------
 
-    def _remember(self, result: Result, *, proposed: bool) -> None:
+    def _remember(self, result: Result, *, proposed: bool, joins: bool) -> None:
         # Remarks are about what was said and what came of it; a trace is megabytes.
         self._last = self._said = kept = result_with(result, trace=None)
+        self._lost = False
         if not proposed and any(frame.query is None for frame in kept.frames):
             self._done = kept
-        self._speak_of(kept.frames)
+        self._speak_of(kept.frames, joins=joins)
         for step in kept.steps:
             if step.execution and step.plan and step.before:
                 done, before = step.plan, step.before
@@ -275,22 +276,38 @@ class Conversation:
         del self.past[:-REMEMBERED]
         self.context = replace(self.context, moved=tuple(push.object for push in self.past))
 
-    def _speak_of(self, frames: Sequence[g.Frame]) -> None:
+    def _speak_of(self, frames: Sequence[g.Frame], *, joins: bool = False) -> None:
         parts = (part for frame in reversed(frames) for part in parts_within(frame))
         names = [ref.id for ref in parts if isinstance(ref, g.ObjectRef) and ref.id is not None]
         last = tuple(dict.fromkeys((*names, *self.context.last)))
         group = tuple(dict.fromkeys(name for frame in frames for name in names_together(frame)))
-        if set(group) <= set(self.context.group):
+        if joins:
+            group = tuple(dict.fromkeys((*self.context.group, *group)))
+        elif set(group) <= set(self.context.group):
             group = self.context.group
         self.context = replace(self.context, last=last, latest=tuple(names), group=group)
 
-    def _recall_names(self, text: str) -> None:
-        """Remembers the objects that are named where nothing else was understood."""
+    def _note_lost(self, text: str, code: str) -> None:
+        """Remembers what was named where nothing else was understood.
+
+        It is what a correction would be about, if it may have been a command: it has a verb, or
+        tells of another object. In the latter case so is any remark that names none.
+        """
+        spoken = self.context.latest
+        named = self._recall_names(text)
+        other = not text.rstrip().endswith("?") and not set(named) <= set(spoken)
+        self._lost = self._lost or other
+        if other or code == "unknown_verb" or follow_up.has_verb(text):
+            self._said = None
+
+    def _recall_names(self, text: str) -> list[str]:
+        """The objects that are named, which are remembered."""
         words = " ".join(name_words(text))
         found = {words.find(n.casefold()): n for n in self.controller.cell.names}
         named = [name for place, name in sorted(found.items(), reverse=True) if place >= 0]
         last = tuple(dict.fromkeys((*named, *self.context.last)))
         self.context = replace(self.context, last=last)
+        return named
 
     # --- corrections ----------------------------------------------------------------------------
 

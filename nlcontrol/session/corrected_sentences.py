@@ -25,7 +25,8 @@ from grammar.frames.vocabulary import Direction
 from nlcontrol.errors import ControlError, ErrorInfo, refusal_error
 from nlcontrol.results.result import result_with
 from nlcontrol.session.executor import Explorer
-from nlcontrol.session.follow_up_frames import correct_frame, without_spans
+from nlcontrol.session.remarks.follow_up_frames import correct_frame
+from nlcontrol.session.remarks.merged_frames import without_spans
 from nlcontrol.session.stoppable_robot import StoppableRobot
 from planner import plan
 from planner.feasible_amounts import frame_with_less

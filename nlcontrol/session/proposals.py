@@ -10,7 +10,7 @@ from planner.types.plan import Plan, Reached
 if TYPE_CHECKING:
     from grammar.frames.command import Command
     from nlcontrol.results.result import Result
-    from nlcontrol.session.undo_frames import PastPush, WayBack
+    from nlcontrol.session.remarks.undo_frames import PastPush, WayBack
 
 
 @dataclass(frozen=True)
@@ -34,12 +34,14 @@ class Intention:
     Attributes:
         command: with each remark replaced by the frames that it means.
         notes: on how a remark was taken.
+        joins: whether its objects join those of the sentence before ("and the mug too").
         undone: what was pushed, if that is undone.
         back: the way back then.
     """
 
     command: Command
     notes: tuple[str, ...] = ()
+    joins: bool = False
     undone: tuple[PastPush, ...] = ()
     back: WayBack | None = None
 

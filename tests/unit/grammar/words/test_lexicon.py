@@ -35,10 +35,13 @@ TERMINALS = (*NAME_TERMINALS, *LEXICON.terminals)
 # What the lexer looks for behind a phrase before it takes it; "box" stands for any name.
 FOLLOWERS = {
     **dict.fromkeys(("BY", "BOUND", "RANGE", "FROM"), "10"),
+    "AND_WITH": "the box",
     "BE": "pushed",
     "CUPS": "tea",
+    "FILLER": "push",
     "IS_AT": "10",
     "NEEDS": "pushing",
+    "NOT": "topple",
     "OF": "the box",
     "OR": "topple",
     "PORTION": "the",
@@ -166,7 +169,9 @@ def test_vague_words_name_what_is_read() -> None:
     for instead in LEXICON.vague.values():
         for phrase in instead:
             goal = parse(f"push it {phrase}").frames[0].goal.model_dump()
-            assert goal.get("direction") or goal["reference"]
+            assert {"direction", "reference", "distance", "amount"} & {
+                k for k, v in goal.items() if v
+            }
 
 
 FORMS = {

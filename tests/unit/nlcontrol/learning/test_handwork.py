@@ -13,7 +13,7 @@ from nlcontrol.learning.lessons import (
     weight_from_grasp,
 )
 from nlcontrol.plan_text import plan_reasons
-from nlcontrol.session.undo_frames import PastPush, undo_frames, undo_text
+from nlcontrol.session.remarks.undo_frames import PastPush, undo_frames, undo_text
 from objectmodels import ObjectModel
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from planner.types.actions import (

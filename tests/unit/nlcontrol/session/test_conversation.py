@@ -13,13 +13,13 @@ import pytest
 from grammar.frames import command as g
 from nlcontrol import Controller, Conversation
 from nlcontrol.results.result import Result
-from nlcontrol.session.follow_up_frames import (
+from nlcontrol.session.remarks.follow_up_frames import (
     continue_frame,
     correct_frame,
-    merge_frames,
     repeat_frames,
 )
-from nlcontrol.session.undo_frames import PastPush, undo_frames
+from nlcontrol.session.remarks.merged_frames import merge_frames
+from nlcontrol.session.remarks.undo_frames import PastPush, undo_frames
 from objectmodels import Registry
 from planner.geometry.directions import angle_between
 from planner.types.defaults import DEFAULTS

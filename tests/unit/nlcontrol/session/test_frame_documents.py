@@ -16,7 +16,7 @@ from grammar.frames.goals import GOALS
 from nlcontrol import Controller, Conversation, Result
 from nlcontrol.cli import run
 from nlcontrol.session.frame_documents import Frames
-from nlcontrol.session.undo_frames import PastPush
+from nlcontrol.session.remarks.undo_frames import PastPush
 
 BOX: dict[str, Any] = {"text": "ice tea box"}
 SHOVE: dict[str, Any] = {"action": "push", "object": BOX, "goal": {"kind": "displace"}}

@@ -1,35 +1,34 @@
 """Frames that a remark makes of those before it: again, a bit more, no, I meant the other one.
 
-What is done with them is `nlcontrol.session.conversation`'s matter. What is kept of an earlier
-sentence loses its spans, which point into that sentence, and calls each object by its name in the
-scene, since "it" may mean another one by now.
+What is done with them is `nlcontrol.session.conversation`'s matter.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, NoReturn, TypeVar, cast
-
-from pydantic import BaseModel
+from typing import TYPE_CHECKING, NoReturn
 
 from grammar import paraphrase
 from grammar.frames import command as g
-from grammar.frames.conflicts import FORBIDS, FORBIDS_BELOW, HOW_FAR, SAME_MATTER
+from grammar.frames.conflicts import HOW_FAR
+from grammar.words.lexicon_plugins import installed_lexicon
 from nlcontrol.errors import error, whole_span
-from nlcontrol.session.undo_frames import reversed_goal
+from nlcontrol.session.remarks.merged_frames import (
+    FAR_FIELDS,
+    Rename,
+    by_name,
+    merge_frames,
+    stated_fields,
+    without_fields,
+    without_spans,
+)
+from nlcontrol.session.remarks.undo_frames import reversed_goal
 
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result
 
-Part = TypeVar("Part", bound=BaseModel)
-Rename = Callable[[g.ObjectRef], g.ObjectRef]
-
-_WHERE = ("direction", "heading", "toward", "away_from")
-_FAR = ("distance", "angle", "height", "bound", "fraction", "amount")
 _ABOUT_DEEDS = ("why", "did", "seen")
 """Questions with which nothing else can be asked the same."""
-
-_TURNS = {"left": "ccw", "right": "cw"}
 
 
 def meant_command(command: g.Command, said: Result | None, done: Result | None) -> g.Command:
@@ -63,7 +62,10 @@ def meant_command(command: g.Command, said: Result | None, done: Result | None) 
 
 
 def _continued_frame(said: g.Frame, frames: Sequence[g.Frame], done: Result | None) -> g.Frame:
-    before = frames or _frames(done) or nothing_before("nothing was done that could go on")
+    before = frames or _frames(done)
+    if not before and said.action and said.object and stated_fields(said.goal):
+        return said.model_copy(update={"dialogue": None})  # "further to the left"
+    before = before or nothing_before("nothing was done that could go on")
     last, heading = latest_matching(before, said), None
     if not frames and done and done.plan:
         heading = done.steps[-1].heading
@@ -93,20 +95,31 @@ def _frames(result: Result | None) -> list[g.Frame]:
 
 def repeat_frames(before: Sequence[g.Frame], said: g.Frame) -> tuple[g.Frame, ...]:
     """The frames before once more, or one of them with what is said besides ("push it again")."""
-    besides = said.object or said.constraints or said.action or said.goal.kind != "none"
-    if not besides:
+    if not (said.query or says_something(said)):
         return tuple(map(without_spans, before))
     last = latest_matching(before, said)
-    return (merge_frames(without_spans(last, _names_for_kept(last, said)), said),)
+    merged = merge_frames(without_spans(last, _names_for_kept(last, said)), said)
+    if said.query is None:
+        return (merged,)
+    asked = {"query": said.query, "event": said.event, "negated": said.negated}
+    return (merged.model_copy(update=asked),)
+
+
+def says_something(said: g.Frame) -> bool:
+    """Check for a remark that names an object, a goal, a way of doing it, or an action."""
+    return bool(said.object or said.constraints or said.action) or said.goal.kind != "none"
 
 
 def followed_frames(
     said: g.Frame, asked: Sequence[g.Frame], done: Sequence[g.Frame]
 ) -> Sequence[g.Frame]:
     """The frames that a remark is about, given those said last and those of the last command."""
+    told = [frame for frame in asked if frame.action]
     if said.dialogue == "do":
-        told = [frame for frame in asked if frame.action]
-        return [frame for frame in told if frame.query] or told
+        told = [frame for frame in told if frame.query] or told
+        return told or (done if says_something(said) else [])
+    if said.query is not None:
+        return told or done
     if said.dialogue == "correct":
         if not asked:  # what was not understood may have been about another object
             return done if said.object and not said.object.pronoun else asked
@@ -132,9 +145,10 @@ def reversed_frames(before: Sequence[g.Frame], said: g.Frame) -> tuple[g.Frame, 
 
 
 def asked_as_commands(asked: Sequence[g.Frame], said: g.Frame) -> tuple[g.Frame, ...]:
-    """What was asked about, to be done."""
-    plain = {"query": None, "event": None, "negated": False, "spans": said.spans}
-    return tuple(without_spans(frame).model_copy(update=plain) for frame in asked)
+    """What was asked about, to be done as far as is said besides ("do it slowly")."""
+    plain = {"query": None, "event": None, "negated": False}
+    told = (merge_frames(without_spans(frame), said) for frame in asked)
+    return tuple(frame.model_copy(update=plain) for frame in told)
 
 
 _FOLLOW_UPS: dict[str, Callable[[Sequence[g.Frame], g.Frame], tuple[g.Frame, ...]]] = {
@@ -180,13 +194,16 @@ def continue_frame(before: g.Frame, said: g.Frame, heading: float | None) -> g.F
         heading: in which the object was pushed, for a goal that is a place and reached by now.
     """
     last = without_spans(before)
+    goal = last.goal
+    if isinstance(goal, g.Lift):  # "higher" is no place to touch it at
+        how = tuple(clause for clause in said.constraints if clause.kind != "contact")
+        said = said.model_copy(update={"constraints": how})
     if said.goal.kind == "none" and said.constraints:
         return merge_frames(last, said)  # "more gently" is about the manner
-    goal = last.goal
     if isinstance(goal, g.Place) and heading is not None:
         goal = g.Displace(heading=heading)
     kept = tuple(c for c in last.constraints if c.kind not in HOW_FAR)
-    last = last.model_copy(update={"goal": _without_fields(goal, _FAR), "constraints": kept})
+    last = last.model_copy(update={"goal": without_fields(goal, FAR_FIELDS), "constraints": kept})
     return merge_frames(last, said)
 
 
@@ -235,123 +252,22 @@ def _names_for_kept(frame: g.Frame, said: g.Frame) -> Rename:
     return rename
 
 
-# --- what is kept ----------------------------------------------------------------------------
+def leaves_object_open(command: g.Command) -> bool:
+    """Check for a remark that takes its object from a sentence before, whichever that is."""
+    remarks = (f for f in command.frames if f.dialogue not in (None, "undo", "stop", "thank"))
+    return any(f.action is None and (f.object is None or f.object.pronoun) for f in remarks)
 
 
-def by_name(ref: g.ObjectRef) -> g.ObjectRef:
-    """A resolved object by its name in the scene; any other as it is."""
-    return ref if ref.id is None else g.ObjectRef(text=ref.id, noun=ref.id, id=ref.id)
+def has_verb(text: str) -> bool:
+    """Check for a word that may be a verb of a command."""
+    lexicon, _ = installed_lexicon()
+    return not lexicon.verb_words["VERB"].keys().isdisjoint(text.casefold().split())
 
 
-def without_spans(part: Part, rename: Rename = by_name) -> Part:
-    """A copy of a part of an earlier sentence: no spans, and each object renamed.
-
-    What `rename` puts in is of the new sentence and stays as it is.
-    """
-    if isinstance(part, g.ObjectRef):
-        other = rename(part)
-        if other is not part:
-            return cast("Part", other)
-    changed: dict[str, object] = {}
-    for key in type(part).model_fields:
-        value = getattr(part, key)
-        if key == "spans":
-            changed[key] = ()
-        elif isinstance(value, BaseModel):
-            changed[key] = without_spans(value, rename)
-        elif isinstance(value, tuple) and any(isinstance(v, BaseModel) for v in value):
-            changed[key] = tuple(without_spans(v, rename) for v in value)
-    return part.model_copy(update=changed)
-
-
-def _without_fields(goal: Any, fields: Sequence[str]) -> Any:
-    there = type(goal).model_fields
-    return goal.model_copy(update={k: there[k].get_default() for k in fields if k in there})
-
-
-# --- what is put in its place ----------------------------------------------------------------
-
-
-def merge_frames(last: g.Frame, said: g.Frame) -> g.Frame:
-    """A frame with everything that a remark says put in the place of what was."""
-    goal = _merged_goal(last.goal, said)
-    fresh = set(_stated_fields(said.goal))
-    new = {c.kind for c in said.constraints if c.kind != "no_touch"}
-    dropped = new.union(*(matter for matter in SAME_MATTER if matter & new))
-    if fresh & set(_FAR):
-        dropped |= HOW_FAR
-    if goal.kind != last.goal.kind:
-        dropped |= _dropped_by(goal)
-    kept = [c for c in last.constraints if c.kind not in dropped]
-    if fresh & set(_WHERE):
-        kept = [c for c in map(_without_face, kept) if c is not None]
-    return last.model_copy(
-        update={
-            "action": said.action or last.action,
-            "object": said.object or last.object,
-            "goal": goal,
-            "constraints": (*kept, *said.constraints),
-            "event": said.event or last.event,
-            "spans": said.spans,
-        }
-    )
-
-
-def _dropped_by(goal: g.Goal) -> frozenset[str]:
-    """Constraints that a new goal of another kind cannot keep, those of the distance left out."""
-    _, limit = FORBIDS_BELOW.get(goal.kind, ("", ""))
-    return FORBIDS.get(goal.kind, frozenset()) | {limit} - HOW_FAR
-
-
-def _without_face(clause: g.Constraint) -> g.Constraint | None:
-    """A contact without its face, which belongs to the direction that was said with it."""
-    if not isinstance(clause, g.ContactRegion) or clause.face is None:
-        return clause
-    if clause.region is None and clause.height is None:
-        return None
-    return clause.model_copy(update={"face": None})
-
-
-def _merged_goal(last: g.Goal, said: g.Frame) -> g.Goal:
-    new = said.goal
-    if new.kind == "none":
-        return last
-    if new.kind != last.kind and said.action is None:
-        new = _as_kind_of(last, new)
-    if new.kind != last.kind or isinstance(new, g.Place):
-        return new
-    fresh = set(_stated_fields(new))
-    update: dict[str, object] = {"spans": new.spans}
-    for group in (_WHERE, _FAR, *((key,) for key in type(new).model_fields)):
-        if fresh & set(group):
-            update |= {key: getattr(new, key) for key in group if key in type(new).model_fields}
-    return last.model_copy(update=update)
-
-
-def _stated_fields(goal: g.Goal) -> dict[str, Any]:
-    """The fields of a goal that are not left open."""
-    fields = type(goal).model_fields
-    return {
-        key: getattr(goal, key)
-        for key, field in fields.items()
-        if key not in ("kind", "spans") and getattr(goal, key) != field.get_default()
-    }
-
-
-def _as_kind_of(last: g.Goal, new: g.Goal) -> g.Goal:
-    """Bare words ("to the left", "30 degrees") taken as they are meant for the last goal's kind."""
-    values = _stated_fields(new)
-    if isinstance(last, g.Rotate) and "direction" in values:
-        values["sense"] = _TURNS.get(str(values.pop("direction")))
-    if isinstance(last, g.Lift) and "distance" in values:
-        values["height"] = values.pop("distance")
-    if isinstance(values.get("direction"), tuple) or None in values.values():
-        return new
-    if not set(values) <= set(type(last).model_fields):
-        return new
-    if isinstance(last, g.Place):
-        return last.model_copy(update=values)
-    return type(last)(**values, spans=new.spans)
+def joins_last(command: g.Command) -> bool:
+    """Check for a remark about one more object: "and the mug too"."""
+    first = command.frames[0]
+    return first.dialogue in ("same", "repeat") and first.object is not None
 
 
 def sole_remark(command: g.Command) -> str | None:
