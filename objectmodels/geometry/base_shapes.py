@@ -201,11 +201,17 @@ class Polygon(Base):
         assert least is not None
         return least
 
+    @cached_property
+    def _plain_edges(self) -> list[tuple[float, float, float]]:
+        """Normal and offset of each edge."""
+        normals = self.normals.tolist()
+        return [(x, y, d) for (x, y), d in zip(normals, self.offsets.tolist(), strict=True)]
+
     def _edges(self, shift: ArrayLike) -> Iterator[tuple[float, float, float, float]]:
         """Normal and offset of each edge, and by how much a shift brings it nearer [m]."""
-        moved = np.broadcast_to(shift, 2)
-        for n, d in zip(self.normals, self.offsets.tolist(), strict=True):
-            yield *n.tolist(), d, float(np.abs(n) @ moved)
+        x, y = np.broadcast_to(shift, 2).tolist()
+        for n_x, n_y, d in self._plain_edges:
+            yield n_x, n_y, d, abs(n_x) * x + abs(n_y) * y
 
     def nearest_edge(self, q: Array) -> tuple[Array, NDArray[np.int64]]:
         """See `Base`."""

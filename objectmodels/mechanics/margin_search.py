@@ -30,14 +30,15 @@ def circle_corners(k: int) -> Array:
     return np.column_stack((np.cos(phi), np.sin(phi)))
 
 
-def refine_directions(value: Callable[[Array], Array], shares: Array, limit: float) -> Array:
+def refine_directions(
+    value: Callable[[Array], Array], shares: Array, best: Array, limit: float
+) -> Array:
     """Smallest value near given directions, by a compass search with shrinking steps, (n,).
 
     `value` maps shares (n, j, 2) to what is to be small (n, j); the search begins at shares (n, 2),
-    which stay in the disc of radius `limit`.
+    where it is `best`, (n,), and which stay in the disc of radius `limit`.
     """
     compass, rows = circle_corners(8), np.arange(len(shares))
-    best = value(shares[:, None, :])[:, 0]
     for step in STEPS:
         tries = shares[:, None, :] + step * compass
         length = np.hypot(tries[..., :1], tries[..., 1:])
@@ -60,6 +61,7 @@ class MarginSearch:
     Attributes:
         least: over fixed directions, shape (n,) [N].
         starts: shares to search from, a quadrant each, shape (4, n, 2).
+        at_starts: margins there, shape (4, n) [N].
         near: which of them come near enough, shape (4, n).
         margin: maps contacts (m,) and shares (m, j, 2) to margins (m, j) [N].
         radius: of the disc that shares must stay in.
@@ -67,6 +69,7 @@ class MarginSearch:
 
     least: Array
     starts: Array
+    at_starts: Array
     near: NDArray[np.bool_]
     margin: Callable[[Index, Array], Array]
     radius: float
@@ -93,15 +96,17 @@ class MarginSearch:
         quadrant = 2 * (shares[..., 0] > 0.0) + (shares[..., 1] > 0.0)
         inside = np.where(quadrant == np.arange(4)[:, None, None], margins, np.inf)
         j = inside.argmin(axis=2)
-        starts = inside[np.arange(4)[:, None], rows, j] <= least + near
-        return cls(least, shares[rows, j], starts, margin, radius)
+        at_starts = inside[np.arange(4)[:, None], rows, j]
+        return cls(least, shares[rows, j], at_starts, at_starts <= least + near, margin, radius)
 
     def least_margin(self) -> Array:
         """Least margin of each contact, refined where it is positive, shape (n,) [N]."""
         least = self.least.copy()
         q, i = np.nonzero(self.near & (least > 0.0))
         found = np.full(self.near.shape, np.inf)
-        found[q, i] = refine_directions(partial(self.margin, i), self.starts[q, i], self.radius)
+        found[q, i] = refine_directions(
+            partial(self.margin, i), self.starts[q, i], self.at_starts[q, i], self.radius
+        )
         for each in found:
             least = np.where(least > 0.0, np.minimum(least, each), least)
         return least

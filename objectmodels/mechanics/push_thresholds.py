@@ -33,7 +33,9 @@ _MAX_ITERATIONS = 100
 
 def push_moment(p: Array, u: Array) -> Array:
     """Moment p_z u_xy − u_z p_xy that a unit push adds to load times place, shape (..., 2) [m]."""
-    return np.asarray(p[..., 2:] * u[..., :2] - u[..., 2:] * p[..., :2])
+    # One component after the other: numpy is much faster on arrays that lie in a row.
+    parts = [p[..., 2] * u[..., k] - u[..., 2] * p[..., k] for k in (0, 1)]
+    return np.moveaxis(np.stack(parts), 0, -1)
 
 
 def push_axes(u: Array) -> tuple[Array, Array, Array]:
@@ -113,7 +115,7 @@ def _load_ratio(h: Array, w: Array, a: Array, mu: Array) -> Array:
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         flat = mu / np.sqrt(h2 + a2)  # exact for a horizontal force, else near by
         r = flat.copy()
-        for _ in range(_QUICK_STEPS):
+        for _ in range(_QUICK_STEPS if a.any() else 0):
             y = 1.0 + r * w
             part = h2 + y * y * a2
             r = r - (r * r * part - mu * mu) / (2.0 * r * (part + r * y * w * a2))

@@ -88,11 +88,8 @@ class Approach:
     def _are_clear(self, hands: PostureSet, part: NDArray[np.intp]) -> NDArray[np.bool_]:
         """Which of some hands do not hit the object with a part of their spheres, shape (n,)."""
         robot = hands.spheres_along(rot_z([self.heading]), np.zeros((1, 3)), part)[:, 0]
-        clear = np.ones(len(hands), dtype=bool)
-        # Most of those that hit it do so at the face.
-        for point in np.reshape(self.points, (2, 1, 3))[::-1]:
-            clear[clear] = self._object.is_clear_along(robot[clear], point, FACE_CLEARANCE)
-        return clear
+        points = np.reshape(self.points, (2, 3))
+        return self._object.is_clear_along(robot, points, FACE_CLEARANCE)
 
     @property
     def _room_ahead(self) -> float:
