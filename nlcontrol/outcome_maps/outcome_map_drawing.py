@@ -185,7 +185,7 @@ def _explain(
     ]  # fmt: skip
     handles += [
         axes.scatter([], [], s=_LARGEST * share, c="none", edgecolors="#555555",
-                     label=f"{share * largest:.2g} N")
+                     label=f"needs {share * largest:.2g} N")
         for share in (1.0, 0.5)
     ]  # fmt: skip
     if crossed:

@@ -78,7 +78,7 @@ def belief_values(target: SeenObject) -> tuple[Value, ...]:
     model = target.model
     sizes = " × ".join(f"{1e3 * side:.0f}" for side in model.extents)
     return (
-        Value("weight", f"{_with_sd(model.mass, model.mass_sd)} kg"),
+        Value("mass", f"{_with_sd(model.mass, model.mass_sd)} kg"),
         Value("friction on the table", _with_sd(model.friction, model.friction_sd)),
         Value("friction at the finger", _with_sd(model.finger_friction, model.finger_friction_sd)),
         Value("size", f"{sizes} mm"),

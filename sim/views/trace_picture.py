@@ -23,6 +23,7 @@ FRAME_RATE = 10.0
 """Frames per second of a moving picture."""
 
 _SIZE = (640, 480)
+_LETTERS = 20  # height of those below a frame [pixels]
 _LOOK_AT, _FROM = np.array([0.45, 0.0, 0.20]), np.array([-0.80, -1.15, 0.42])
 _CHARACTER = ("pour", "lid", "carry", "lift", "push")  # of phases, the most telling first
 _WELL_INTO = 0.55  # share of it that has gone by
@@ -43,8 +44,16 @@ def missing_libraries() -> tuple[str, ...]:
     return tuple(missing)
 
 
-def save_picture(trace: Trace, scene: Scene, path: Path | str) -> None:
+def save_picture(trace: Trace, scene: Scene, path: Path | str, *, title: str = "") -> None:
     """Writes a picture of a trace: `.png` of four moments side by side, or a moving `.gif`.
+
+    Below each frame stands its time and the phase.
+
+    Args:
+        trace: that is shown.
+        scene: in which it was recorded.
+        path: of the picture.
+        title: to stand above it, as the sentence that was said.
 
     Raises:
         PictureError: another kind, or the machine cannot draw.
@@ -63,36 +72,79 @@ def save_picture(trace: Trace, scene: Scene, path: Path | str) -> None:
         )
     camera = _Camera(scene, *view(trace, _LOOK_AT, _FROM))
     if kind == ".png":
-        frames = [camera.frame(trace, sample) for sample in _moments(trace)]
-        _side_by_side(frames).save(path, format="PNG")
+        frames = [
+            _captioned(camera.frame(trace, sample), f"{_told(trace, sample)}: {words}")
+            for words, sample in _moments(trace).items()
+        ]
+        _side_by_side(frames, title).save(path, format="PNG")
         return
-    first, *rest = [camera.frame(trace, sample) for sample in samples(trace, FRAME_RATE)]
+    first, *rest = [
+        _captioned(camera.frame(trace, sample), _told(trace, sample))
+        for sample in samples(trace, FRAME_RATE)
+    ]
     duration = round(1e3 / FRAME_RATE)
     first.save(path, format="GIF", save_all=True, append_images=rest, duration=duration, loop=0)
 
 
-def _moments(trace: Trace) -> list[int]:
-    """Before, at the start of what it is about, well into that, and at the end."""
+def _moments(trace: Trace) -> dict[str, int]:
+    """Samples before, at the start of what it is about, well into that, and at the end."""
     about = next((phase for phase in _CHARACTER if phase in trace.phase), None)
     during = np.flatnonzero(trace.phase == about)
     if not len(during):
         during = np.arange(len(trace.time))
-    return [
-        0,
-        int(during[0]),
-        int(during[round(_WELL_INTO * (len(during) - 1))]),
-        len(trace.time) - 1,
-    ]
+    return {
+        "before": 0,
+        "it begins": int(during[0]),
+        "in the midst of it": int(during[round(_WELL_INTO * (len(during) - 1))]),
+        "at the end": len(trace.time) - 1,
+    }
 
 
-def _side_by_side(frames: list[Image]) -> Image:
+def _told(trace: Trace, sample: int) -> str:
+    """Time and phase of a sample."""
+    return f"{trace.time[sample] - trace.time[0]:.1f} s, {trace.phase[sample]}"
+
+
+def _captioned(frame: Image, text: str) -> Image:
+    """The frame with a line of text below it."""
+    return _below(_line(text, frame.width, _LETTERS), frame)
+
+
+def _side_by_side(frames: list[Image], title: str) -> Image:
     from PIL import Image
 
     width, height = frames[0].size
     sheet = Image.new("RGB", (2 * width, 2 * height))
     for i, frame in enumerate(frames):
         sheet.paste(frame, (width * (i % 2), height * (i // 2)))
+    if not title:
+        return sheet
+    return _below(sheet, _line(f"“{title}”", sheet.width, 1.4 * _LETTERS))
+
+
+def _below(lower: Image, upper: Image) -> Image:
+    from PIL import Image
+
+    sheet = Image.new("RGB", (upper.width, upper.height + lower.height))
+    sheet.paste(upper, (0, 0))
+    sheet.paste(lower, (0, upper.height))
     return sheet
+
+
+def _line(text: str, width: int, size: float) -> Image:
+    """A line of dark text on white; letters get smaller where they would not fit [pixels]."""
+    import matplotlib
+    from PIL import Image, ImageDraw, ImageFont
+
+    file = Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf"
+    font = ImageFont.truetype(file, size)
+    room = (width - 2 * _LETTERS) / max(font.getlength(text), 1.0)
+    line = Image.new("RGB", (width, round(1.7 * size)), "white")
+    ImageDraw.Draw(line).text(
+        (_LETTERS, line.height / 2), text, "#222222", font.font_variant(size=size * min(room, 1.0)),
+        anchor="lm",
+    )  # fmt: skip
+    return line
 
 
 class _Camera:

@@ -225,7 +225,6 @@ def test_a_hand_that_this_robot_lacks(capsys: pytest.CaptureFixture[str]) -> Non
         ["nonsense"],
         ["plan", SENTENCE, "--nonsense"],
         ["plan", SENTENCE, "--seed", "-1"],
-        ["plan", SENTENCE, "--picture", "x.png"],
         ["say", SENTENCE, "--plan-only", "--replay", "x.html"],
         ["say", SENTENCE, "--replay", "no/such/folder/x.html"],
         ["plan", SENTENCE, "--scene", "kichen"],

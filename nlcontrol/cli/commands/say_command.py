@@ -47,8 +47,8 @@ _explain = click.option("--explain", is_flag=True, help="Show which words became
 _picture = click.option(
     "--picture",
     type=FILE,
-    help="Write a picture of the run; with --explain, of the explanation; of a question about "
-    "places, of the outcome map (PNG, SVG or PDF).",
+    help="Write a picture of the run (PNG or GIF) or of the plan; with --explain, of the "
+    "explanation; of a question about places, of the outcome map (PNG, SVG or PDF).",
 )
 
 
@@ -284,11 +284,14 @@ def _writer(
         scene = simulation(controller.executor).scene
         if what == "replay":
             return partial(save_replay, result.trace, scene, story=replay_story(result))
-        return partial(save_picture, result.trace, scene)
+        return partial(save_picture, result.trace, scene, title=result.text)
     if what == "picture" and answer and answer.chart and answer.map:
         from nlcontrol.outcome_maps.outcome_map_drawing import save_map
 
         return partial(save_map, answer.map, answer.chart.face)
-    if what == "picture" and result.plan:
-        raise click.UsageError("--picture of a plan needs --explain")
+    state = controller.last_look.state
+    if what == "picture" and result.plan and state is not None:
+        from nlcontrol.reports.plan_drawing import save_plan
+
+        return partial(save_plan, result, state)
     return None

@@ -119,7 +119,7 @@ def test_a_question_of_force(kitchen: Controller) -> None:
     values = _values(result)
     assert values["force"] == "3.7 N ± 0.7 N"  # μ m g
     assert (values["face"], values["direction"]) == ("the front face", "away")
-    assert values["weight"].startswith("0.995")
+    assert values["mass"].startswith("0.995")
     assert _row(result, "how hard do I have to push … to make it slide").part == "question"
 
 

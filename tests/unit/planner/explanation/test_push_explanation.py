@@ -33,9 +33,9 @@ def _of(rows: tuple[Row, ...], parameter: str, part: str | None = None) -> Row:
 def test_the_paper_s_sentence() -> None:
     rows = _rows("push the ice tea box away without toppling it")
     assert _of(rows, "controller").part == "push controller"
-    weight = _of(rows, "weight")
-    assert (weight.words, weight.part) == ("ice tea box", "object model")
-    assert weight.value == "0.995 ± 0.038 kg"  # 0.0375 in the model's file
+    mass = _of(rows, "mass")
+    assert (mass.words, mass.part) == ("ice tea box", "object model")
+    assert mass.value == "0.995 ± 0.038 kg"  # 0.0375 in the model's file
     assert _of(rows, "friction on the table").value == "0.378 ± 0.069"
     assert _of(rows, "size").value == "90 × 90 × 230 mm"
     assert _of(rows, "tips if pushed above").value == "119 mm"  # b / μ = 45 mm / 0.378

@@ -129,10 +129,15 @@ def test_replay_is_one_file_without_links(still: DrakeWorld, trace: Trace, tmp_p
 def test_picture_and_moving_picture(still: DrakeWorld, trace: Trace, tmp_path: Path) -> None:
     from PIL import Image
 
-    save_picture(trace, still.scene, tmp_path / "run.png")
+    save_picture(trace, still.scene, tmp_path / "run.png", title="push the mug away")
     save_picture(trace, still.scene, tmp_path / "run.gif")
     with Image.open(tmp_path / "run.png") as picture:
-        assert picture.size == (1280, 960)
+        # Four frames of 640 × 480, a line of 34 below each, and the title of 48 above them.
+        assert picture.size == (1280, 960 + 2 * 34 + 48)
+        for line in (picture.crop((0, 0, 1280, 48)), picture.crop((0, 528, 640, 562))):
+            darkest, lightest = np.array(line.convert("L")).min(), np.array(line).max()
+            assert darkest < 80  # the letters
+            assert lightest > 250
         # More than a flat background: table, boxes and arm have colours of their own.
         assert len(picture.convert("RGB").quantize(64).getcolors() or []) > 20
     with Image.open(tmp_path / "run.gif") as moving:
