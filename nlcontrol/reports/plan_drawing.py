@@ -152,7 +152,7 @@ def _draw_way(axes: Axes, plan: Plan, target: SeenObject, state: WorldState) -> 
 
 def _arrow(axes: Axes, start: Array, end: Array, label: str, **style: Any) -> None:
     axes.annotate(
-        "", end[::-1], start[::-1], zorder=4,
+        "", (end[1], end[0]), (start[1], start[0]), zorder=4,
         arrowprops={"arrowstyle": "-|>", "shrinkA": 0.0, "shrinkB": 0.0, **style},
     )  # fmt: skip
     axes.plot([], [], label=label, **style)
@@ -185,7 +185,7 @@ def _frame(axes: Axes, points: Array, state: WorldState) -> None:
     axes.set_title("the table from above, as the robot sees it", fontsize=9)
 
 
-def _millimetres(value: float, _position: int) -> str:
+def _millimetres(value: float, _position: float) -> str:
     return f"{1e3 * value:z.0f}"
 
 

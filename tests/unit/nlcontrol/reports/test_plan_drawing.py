@@ -51,7 +51,8 @@ def test_contacts_end_and_distances_stand_where_the_plan_says() -> None:
     mug = footprint(state.objects["mug"])
     (around,) = [each for each in kept if abs(each.mean(axis=0) - mug.mean(axis=0)).max() < 0.01]
     assert np.ptp(around, axis=0) - np.ptp(mug, axis=0) == pytest.approx(0.02, abs=1e-4)
-    heights = {line.get_ydata()[0] for line in face.get_lines() if line.get_linestyle() != "-"}
+    levels = [line for line in face.get_lines() if line.get_linestyle() in ("--", ":")]
+    heights = {float(np.array(line.get_ydata(), dtype=float)[0]) for line in levels}
     prediction = plan.push.prediction
     assert {prediction.critical_height, prediction.critical_height_worst} <= heights
 

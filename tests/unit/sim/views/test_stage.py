@@ -59,8 +59,8 @@ def test_the_work_of_a_hand_is_seen_from_nearer() -> None:
 
 
 def test_moments_show_what_it_is_about() -> None:
-    first, start, during, last = _moments(_trace("look", "lift", "pour", "settle"))
+    first, start, during, last = _moments(_trace("look", "lift", "pour", "settle")).values()
     assert (first, start, last) == (0, N // 2, N - 1)
     assert N // 2 < during < 3 * N // 4
     # A look at which nothing happens is shown from end to end.
-    assert _moments(_trace("look"))[1] == 0
+    assert _moments(_trace("look"))["it begins"] == 0
