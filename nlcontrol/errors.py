@@ -76,6 +76,10 @@ CODES: dict[str, Status] = {
     "bad_push": _CALLER,
     "bad_model_file": _CALLER,
     "not_yours": _CALLER,
+    # Descriptions of objects for other simulators.
+    "bad_description": _CALLER,
+    "not_one_body": _CALLER,
+    "unsupported_shape": _CALLER,
     # Tests of a plug-in's models.
     "unknown_plugin": _CALLER,
     "no_models": _CALLER,

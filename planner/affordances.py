@@ -84,15 +84,13 @@ def affordances(
 def _hand_affordances(
     target: SeenObject, state: WorldState, robot: Robot, defaults: Defaults
 ) -> Iterator[Affordance]:
-    """Affordances for a whole hand; none of which the model does not speak."""
+    """Affordances for a whole hand; those of a lid and of contents if there are any."""
     model, ref = target.model, g.ObjectRef(text=target.name, id=target.name)
-    frames: list[g.Frame] = []
-    if model.grasp is not None:
-        frames.append(g.Frame(action="lift", object=ref, goal=g.Lift()))
+    frames = [g.Frame(action="lift", object=ref, goal=g.Lift())]
     if model.lid is not None:
         frames.append(g.Frame(action="open", object=ref, goal=g.Open()))
         frames.append(g.Frame(action="close", object=ref, goal=g.Close()))
-    if model.grasp is not None and model.container is not None and model.container.contents > 0.0:
+    if model.container is not None and model.container.contents > 0.0:
         frames += [
             g.Frame(action="pour", object=ref, goal=g.Pour(into=g.ObjectRef(text=name, id=name)))
             for name, seen in state.objects.items()

@@ -1,7 +1,8 @@
 """From a frame to actions whose predicted outcome satisfies it, or to a refusal with numbers.
 
 What takes a whole hand (lifting, pouring, opening) is planned in `planner.grasping`, if the robot
-has one; what is to be placed is lifted where it can be, and pushed where not. All else is pushed.
+has one. What is to be placed is lifted if its file says how, or else pushed; where that does not
+do, it is the other way round. All else is pushed.
 
 The frame becomes a problem (`planner.problem`). Pushes for it are planned by strategies
 (`planner.pushing.strategies`): a fall or a tilt (`planner.pushing.topple_planner`), or an aim on
@@ -63,21 +64,39 @@ def plan(
     """
     budget = SearchBudget(defaults.most_work) if budget is None else budget
     only_pushes = robot.limits.grasp_widths is None or previous is not None
-    try:
-        require_other_objects(frame)
-        if not only_pushes and is_handled(frame) and not _is_placed(frame, state, defaults):
-            grasps = Alternatives()
-            with grasps:
-                return _plan_with_hand(frame, state, robot, defaults, budget)
-            if frame.goal.kind != "place" or state.held is not None:
-                raise grasps.first
+
+    def by_hand() -> PlanningResult:
+        return _plan_with_hand(frame, state, robot, defaults, budget)
+
+    def by_pushes() -> PlanningResult:
         problem = interpret_frame(frame, state, defaults, robot, previous=previous, failed=failed)
         if state.held is not None:
             raise no_plan("hand_not_free", object=state.held.name)
         require_upright(problem.target)
         return plan_pushes(replace(problem, budget=budget), notify)
+
+    try:
+        require_other_objects(frame)
+        if only_pushes or not is_handled(frame) or _is_placed(frame, state, defaults):
+            return by_pushes()
+        if frame.goal.kind != "place" or state.held is not None:
+            return by_hand()
+        ways = (by_hand, by_pushes)
+        if not _is_said_how_to_hold(frame, state):
+            ways = (by_pushes, by_hand)
+        dead_ends = Alternatives()
+        for way in ways:
+            with dead_ends:
+                return way()
+        raise dead_ends.last if ways[-1] is by_pushes else dead_ends.first
     except NoPlanError as error:
         return error.refusal
+
+
+def _is_said_how_to_hold(frame: g.Frame, state: WorldState) -> bool:
+    """Return True if the model of what is to be placed states a grasp, so that it is lifted."""
+    assert frame.object is not None
+    return state.objects[frame.object.id or ""].model.grasp is not None
 
 
 def _is_placed(frame: g.Frame, state: WorldState, defaults: Defaults) -> bool:

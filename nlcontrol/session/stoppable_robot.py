@@ -59,10 +59,10 @@ class StoppableRobot:
         self._check()
         return self._robot.estimate_reach(push, state)
 
-    def grasp(self, width: float, *, pinch: bool = False) -> Grip | None:
+    def grasp(self, width: float, *, pinch: bool = False, depth: float = 0.0) -> Grip | None:
         """Grip of the robot about a width [m]; see `planner.types.robot.Robot`."""
         self._check()
-        return self._robot.grasp(width, pinch=pinch)
+        return self._robot.grasp(width, pinch=pinch, depth=depth)
 
     def reach_plan(self, plan: Plan, state: WorldState) -> ReachAnswer:
         """Answer of the robot; see `planner.types.robot.Robot`."""

@@ -13,7 +13,7 @@ def obj_text(vertices: Array) -> str:
 
     hull = ConvexHull(vertices)
     number = {int(vertex): k for k, vertex in enumerate(hull.vertices, start=1)}
-    lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in vertices[hull.vertices]]
+    lines = [f"v {x:.15g} {y:.15g} {z:.15g}" for x, y, z in vertices[hull.vertices]]
     for (a, b, c), equation in zip(hull.simplices, hull.equations, strict=True):
         normal = np.cross(vertices[b] - vertices[a], vertices[c] - vertices[a])
         corners = (a, b, c) if normal @ equation[:3] > 0.0 else (a, c, b)

@@ -31,7 +31,7 @@ def mjcf_text(body: RigidBody) -> str:
     stiffness, damping = share * _FREQUENCY**2, 2.0 * share * _FREQUENCY
     feet = "\n".join(
         f'      <geom class="foot" pos="{numbers_text(place)}"'
-        f' solref="{-stiffness * weight:.9g} {-damping * weight:.9g}"/>'
+        f' solref="{-stiffness * weight:.15g} {-damping * weight:.15g}"/>'
         for place, weight in zip(body.feet, body.weights, strict=True)
     )
     asset, solid = _solid(body)
@@ -40,15 +40,16 @@ def mjcf_text(body: RigidBody) -> str:
   <option timestep="0.001" gravity="0 0 {-GRAVITY}" cone="elliptic" impratio="1000"/>
   <default>
     <default class="foot">
-      <geom type="sphere" size="{FOOT}" friction="{body.friction:.9g} 0 0" condim="3" priority="1"
+      <geom type="sphere" size="{FOOT}" friction="{body.friction:.15g} 0 0" condim="3" priority="1"
         solimp="{_IMPEDANCE} {_IMPEDANCE} 0.001" group="3"/>
     </default>
   </default>{asset}
   <worldbody>
     <body name={quoteattr(body.name)}>
       <freejoint/>
-      <inertial pos="{com}" mass="{body.mass:.9g}" diaginertia="{inertia}"/>
-      <geom name="solid" {solid} friction="{body.finger_friction:.9g} 0 0" condim="3" priority="1"/>
+      <inertial pos="{com}" mass="{body.mass:.15g}" diaginertia="{inertia}"/>
+      <geom name="solid" {solid} condim="3" priority="1"
+        friction="{body.finger_friction:.15g} 0 0"/>
 {feet}
     </body>
   </worldbody>
@@ -61,9 +62,9 @@ def _solid(body: RigidBody) -> tuple[str, str]:
     x, y, z = (body.size / 2.0).tolist()
     place = f'pos="{numbers_text(body.middle)}"'
     if body.shape == "box":
-        return "", f'type="box" size="{x:.9g} {y:.9g} {z:.9g}" {place}'
+        return "", f'type="box" size="{x:.15g} {y:.15g} {z:.15g}" {place}'
     if body.shape == "cylinder":
-        return "", f'type="cylinder" size="{x:.9g} {z:.9g}" {place}'
+        return "", f'type="cylinder" size="{x:.15g} {z:.15g}" {place}'
     corners = "  ".join(numbers_text(vertex) for vertex in body.vertices)
     asset = f'\n  <asset>\n    <mesh name="hull" vertex="{corners}"/>\n  </asset>'
     return asset, 'type="mesh" mesh="hull"'

@@ -83,8 +83,8 @@ class RigidBody:
 
 
 def numbers_text(values: Array) -> str:
-    """Numbers with nine digits, as attributes of these files have them."""
-    return " ".join(f"{value:.9g}" for value in values.tolist())
+    """Numbers with fifteen digits, as attributes of these files have them."""
+    return " ".join(f"{value:.15g}" for value in values.tolist())
 
 
 def rigid_body(model: ObjectModel) -> RigidBody:

@@ -27,9 +27,9 @@ def sdf_text(body: RigidBody, mesh: str) -> str:
     <link name={quoteattr(body.name)}>
       <inertial>
         <pose>{numbers_text(body.com)} 0 0 0</pose>
-        <mass>{body.mass:.9g}</mass>
+        <mass>{body.mass:.15g}</mass>
         <inertia>
-          <ixx>{xx:.9g}</ixx><iyy>{yy:.9g}</iyy><izz>{zz:.9g}</izz>
+          <ixx>{xx:.15g}</ixx><iyy>{yy:.15g}</iyy><izz>{zz:.15g}</izz>
           <ixy>0</ixy><ixz>0</ixz><iyz>0</iyz>
         </inertia>
       </inertial>
@@ -53,13 +53,13 @@ def _collision(name: str, place: Array, shape: str, body: RigidBody, weight: flo
         stiffness = weight * body.stiffness
         spring = f"""
         <drake:proximity_properties>
-          <drake:point_contact_stiffness>{stiffness:.9g}</drake:point_contact_stiffness>
+          <drake:point_contact_stiffness>{stiffness:.15g}</drake:point_contact_stiffness>
           <drake:relaxation_time>{RELAXATION}</drake:relaxation_time>
         </drake:proximity_properties>"""
     return f"""      <collision name="{name}">
         <pose>{numbers_text(place)} 0 0 0</pose>
         <geometry>{shape}</geometry>
-        <surface><friction><ode><mu>{mu:.9g}</mu><mu2>{mu:.9g}</mu2></ode></friction></surface>{spring}
+        <surface><friction><ode><mu>{mu:.15g}</mu><mu2>{mu:.15g}</mu2></ode></friction></surface>{spring}
       </collision>"""
 
 
@@ -69,7 +69,7 @@ def _shape(body: RigidBody, mesh: str) -> tuple[str, Array]:
     if body.shape == "box":
         return f"<box><size>{numbers_text(body.size)}</size></box>", body.middle
     if body.shape == "cylinder":
-        size = f"<radius>{x / 2.0:.9g}</radius><length>{z:.9g}</length>"
+        size = f"<radius>{x / 2.0:.15g}</radius><length>{z:.15g}</length>"
         return f"<cylinder>{size}</cylinder>", body.middle
     uri = f"<uri>{mesh}</uri><drake:declare_convex/>"
     return f"<mesh>{uri}</mesh>", 0.0 * body.middle

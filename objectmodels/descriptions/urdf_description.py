@@ -26,8 +26,8 @@ def urdf_text(body: RigidBody, mesh: str) -> str:
   <link name={quoteattr(body.name)}>
     <inertial>
       <origin xyz="{numbers_text(body.com)}"/>
-      <mass value="{body.mass:.9g}"/>
-      <inertia ixx="{xx:.9g}" iyy="{yy:.9g}" izz="{zz:.9g}" ixy="0" ixz="0" iyz="0"/>
+      <mass value="{body.mass:.15g}"/>
+      <inertia ixx="{xx:.15g}" iyy="{yy:.15g}" izz="{zz:.15g}" ixy="0" ixz="0" iyz="0"/>
     </inertial>
     <visual>
       <origin xyz="{numbers_text(place)}"/>
@@ -37,8 +37,8 @@ def urdf_text(body: RigidBody, mesh: str) -> str:
 {feet}
   </link>
   <gazebo reference={quoteattr(body.name)}>
-    <mu1>{body.friction:.9g}</mu1>
-    <mu2>{body.friction:.9g}</mu2>
+    <mu1>{body.friction:.15g}</mu1>
+    <mu2>{body.friction:.15g}</mu2>
   </gazebo>
 </robot>
 """
@@ -51,14 +51,14 @@ def _collision(place: Array, shape: str, body: RigidBody, weight: float | None) 
     if weight is not None:
         stiffness = weight * body.stiffness
         spring = f"""
-        <drake:point_contact_stiffness value="{stiffness:.9g}"/>
+        <drake:point_contact_stiffness value="{stiffness:.15g}"/>
         <drake:relaxation_time value="{RELAXATION}"/>"""
     return f"""    <collision>
       <origin xyz="{numbers_text(place)}"/>
       <geometry>{shape}</geometry>
       <drake:proximity_properties>
-        <drake:mu_static value="{mu:.9g}"/>
-        <drake:mu_dynamic value="{mu:.9g}"/>{spring}
+        <drake:mu_static value="{mu:.15g}"/>
+        <drake:mu_dynamic value="{mu:.15g}"/>{spring}
       </drake:proximity_properties>
     </collision>"""
 
@@ -69,5 +69,5 @@ def _shape(body: RigidBody, mesh: str) -> tuple[str, Array]:
     if body.shape == "box":
         return f'<box size="{numbers_text(body.size)}"/>', body.middle
     if body.shape == "cylinder":
-        return f'<cylinder radius="{x / 2.0:.9g}" length="{z:.9g}"/>', body.middle
+        return f'<cylinder radius="{x / 2.0:.15g}" length="{z:.15g}"/>', body.middle
     return f'<mesh filename="{mesh}"><drake:declare_convex/></mesh>', 0.0 * body.middle

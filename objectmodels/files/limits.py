@@ -32,6 +32,7 @@ LIMITS: Mapping[str, Limit] = MappingProxyType(
         "scene_file": Limit("scene file", 0, 1_000_000, "bytes"),
         "data_file": Limit("data file (CSV)", 0, 50_000_000, "bytes"),
         "mesh_file": Limit("mesh file, also unpacked", 0, 60_000_000, "bytes"),
+        "description_file": Limit("description (URDF, SDF, MJCF)", 0, 10_000_000, "bytes"),
         "record_file": Limit("record of experiments", 0, 200_000_000, "bytes"),
         "trace_file": Limit("file of a trace, also unpacked", 0, 500_000_000, "bytes"),
         "bundle_file": Limit("bundle of a run", 0, 200_000_000, "bytes"),

@@ -43,6 +43,9 @@ LARGEST, SMALLEST = 2.0, 0.005
 FRICTION, FRICTION_SD = 0.35, 0.105
 """Friction at the table if nothing is stated: an estimate with a deviation of 30 %."""
 
+FINGER, FINGER_SHARE_SD = 0.6, 0.2
+"""Friction at the fingertip, which no file of a shape tells, and its deviation as a share of it."""
+
 COM_SHARE_SD = 0.08
 """Standard deviation of a centre of mass at uniform density, as a share of the extents."""
 
@@ -99,9 +102,7 @@ def read_mesh(path: Path, *, unit: str = "m", up: str = "+z") -> Solid:
             found = f"found {value!r}, expected one of: {', '.join(known)}"
             raise ModelError("bad_value", found, suggestions=(f"take {known[0]!r}",))
     mesh = _load_mesh(path)
-    points = np.asarray(mesh.vertices, dtype=np.float64) * UNITS[unit]
-    if points.shape[1:] != (3,) or len(points) < 4 or not np.isfinite(points).all():
-        raise _mesh_error(path, f"holds {len(points)} usable vertices", "export it once more")
+    points = _usable_points(mesh, path) * UNITS[unit]
     extents = np.ptp(points, axis=0)
     if not (extents.max() <= LARGEST and extents.min() >= SMALLEST):
         size = " × ".join(f"{x:.4g}" for x in extents)
@@ -122,13 +123,30 @@ def _standing_solid(mesh: Any, points: Array, scale: float, up: Array) -> Solid:
     # The file's upward direction becomes z first, then the face it stands on looks down.
     R = turning_down(-up)
     points, com = points @ R.T, R @ com
-    normal, stood = _standing_face(points, com)
+    normal, stood = standing_face(points, com)
     R = turning_down(normal)
     points, com = points @ R.T, R @ com
     low = points[:, 2].min()
     on_table = points[points[:, 2] <= low + _FLAT * np.ptp(points[:, 2]), :2]
     origin = np.append(hull_polygon(on_table).centroid, low)
-    return Solid(_thin_vertices(points - origin), com - origin, volume, closed, stood)
+    vertices = np.round(thin_vertices(points - origin), 6)
+    return Solid(vertices, com - origin, volume, closed, stood)
+
+
+def mesh_points(path: Path) -> Array:
+    """Points of the mesh in a file, as many as its hull needs, shape (k, 3), in its unit.
+
+    Raises:
+        ModelError: as `read_mesh`.
+    """
+    return _outermost(_usable_points(_load_mesh(path), path))
+
+
+def _usable_points(mesh: Any, path: Path) -> Array:
+    points = np.asarray(mesh.vertices, dtype=np.float64)
+    if points.shape[1:] != (3,) or len(points) < 4 or not np.isfinite(points).all():
+        raise _mesh_error(path, f"holds {len(points)} usable vertices", "export it once more")
+    return points
 
 
 def _load_mesh(path: Path) -> Any:
@@ -196,8 +214,12 @@ def _directions(count: int) -> Array:
     return np.stack((r * np.cos(phi), r * np.sin(phi), z), axis=-1)
 
 
-def _standing_face(points: Array, com: Array) -> tuple[Array, str]:
-    """Outward normal of the face that it stands on, and how that was found."""
+def standing_face(points: Array, com: Array) -> tuple[Array, str]:
+    """Outward normal of the face that it stands on, and how that was found.
+
+    Raises:
+        ModelError: `bad_mesh` if there is none.
+    """
     faces = [face for face in hull_facets(points) if _rests_on(face, com)]
     if not faces:
         raise ModelError(
@@ -219,21 +241,21 @@ def _rests_on(face: tuple[Array, Array], com: Array) -> bool:
     return is_within(base, (R @ com)[None, :2], -0.02 * base.size)
 
 
-def _thin_vertices(points: Array) -> Array:
+def thin_vertices(points: Array) -> Array:
     """The vertices of the hull, or those extreme in many directions if they are very many."""
     from scipy.spatial import ConvexHull
 
     solid = points[ConvexHull(points).vertices]
     solid[np.abs(solid[:, 2]) < _FLAT * np.ptp(solid[:, 2]), 2] = 0.0
     if len(solid) <= _MOST_VERTICES:
-        return np.round(solid, 6)
+        return np.asarray(solid)
     kept = set(np.argmax(solid @ _directions(_MOST_VERTICES // 2).T, axis=0).tolist())
     # What it stands on is kept with more care.
     (base,) = np.nonzero(solid[:, 2] == 0.0)
     turn = 4.0 * np.pi * np.arange(_MOST_VERTICES // 2) / _MOST_VERTICES
     around = np.argmax(solid[base, :2] @ np.stack((np.cos(turn), np.sin(turn))), axis=0)
     kept |= set(base[around].tolist())
-    return np.round(solid[sorted(kept)], 6)
+    return np.asarray(solid[sorted(kept)])
 
 
 def import_mesh(
@@ -289,8 +311,8 @@ def import_mesh(
         "mass_sd": round((0.02 if density is None else 0.1) * heavy, 6),
         "friction": mu,
         "friction_sd": round(FRICTION_SD / FRICTION * mu, 6),
-        "finger_friction": 0.6,
-        "finger_friction_sd": 0.12,
+        "finger_friction": FINGER,
+        "finger_friction_sd": FINGER_SHARE_SD * FINGER,
         "com": tuple(np.round(shape.in_own_frame(solid.com), 6).tolist()),
         "com_sd": tuple(np.round(COM_SHARE_SD * shape.extents, 6).tolist()),
         "provenance": Provenance(
@@ -299,7 +321,8 @@ def import_mesh(
         ),
     }
     try:
-        return shape.kind(**fields, **shape.shape)
+        rounded = {key: np.round(value, 6).tolist() for key, value in shape.shape.items()}
+        return shape.kind(**fields, **rounded)
     except ValidationError as error:
         fault = first_fault(error, shape.kind)
         raise ModelError(

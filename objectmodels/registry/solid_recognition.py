@@ -88,15 +88,13 @@ def _candidates(vertices: Array, most: float) -> Iterator[PlainSolid]:
     outline = hull_polygon(vertices[:, :2]).vertices
     height = float(vertices[:, 2].max())
     box = _box(outline, height)
-    if min(box.shape["size"][:2]) >= WIDE:
+    if round(min(box.shape["size"][:2]), 6) >= WIDE:
         yield box
     yield _cylinder(vertices, outline, height, most)
     if len(outline) <= _MOST_CORNERS and _has_wide_sides(outline):
-        origin = hull_polygon(outline).centroid
-        shape = {
-            "corners": tuple(map(tuple, np.round(outline - origin, 6).tolist())),
-            "height": height,
-        }
+        outer = hull_polygon(outline)
+        origin = outer.centroid if (outer.offsets <= 0.0).any() else np.zeros(2)
+        shape = {"corners": (outline - origin).tolist(), "height": height}
         yield PlainSolid(PrismModel, shape, _ends(outline, 0.0, height), origin)
 
 
@@ -118,7 +116,7 @@ def _box(outline: Array, height: float) -> PlainSolid:
         boxes.append((float(np.prod(high - low)), yaw, low, high))
     _, yaw, low, high = min(boxes, key=lambda box: box[0])
     corners = np.array([low, [high[0], low[1]], high, [low[0], high[1]]]) @ _turn(yaw).T
-    size = tuple(np.round(np.append(high - low, height), 6).tolist())
+    size = (*(high - low).tolist(), height)
     origin = (low + high) / 2.0 @ _turn(yaw).T
     return PlainSolid(BoxModel, {"size": size}, _ends(corners, 0.0, height), origin, yaw)
 
@@ -132,12 +130,12 @@ def _cylinder(vertices: Array, outline: Array, height: float, most: float) -> Pl
     origin = np.array([x, y])
     phi = 2.0 * np.pi * np.arange(_ROUND) / _ROUND
     rim = origin + radius * np.column_stack((np.cos(phi), np.sin(phi)))
-    shape: dict[str, Any] = {"radius": round(radius, 6), "height": height}
+    shape: dict[str, Any] = {"radius": radius, "height": height}
     foot = np.hypot(*(hull_polygon(lowest_places(vertices)[1]).vertices - origin).T)
     begins = vertices[np.hypot(*(vertices[:, :2] - origin).T) >= radius - most, 2].min()
     if np.ptp(foot) > most or foot.max() > radius - most or begins > _FOOT * height:
         return PlainSolid(CylinderModel, shape, _ends(rim, 0.0, height), origin)
-    shape["base_radius"] = round(float(foot.max()), 6)
+    shape["base_radius"] = float(foot.max())
     base = origin + foot.max() / radius * (rim - origin)
     solid = np.concatenate((_ends(base, 0.0), _ends(rim, begins, height)))
     return PlainSolid(CylinderModel, shape, solid, origin)

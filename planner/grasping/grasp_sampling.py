@@ -2,10 +2,12 @@
 
 Model: the thumb touches one side, the other fingers the opposite one, on a line across. The
 straight fingers come along the sides, level or from above, or askew where that does not do. A grip
-is a pattern of contacts about its middle (`planner.types.robot.Grip`); all of them must lie on
-the sides and between the heights at which the model may be touched. Along the sides the middle is
-where the centre of mass is, so that the weight does not turn the object about the line across. A
-knob or a cap is held from above, with the fingers around it.
+is a pattern of contacts about its middle (`planner.types.robot.Grip`); all of them must lie on the
+sides, between the heights that the model's file prefers, or anywhere where that does not do or the
+file says none. Sides may lean a little, as those of a hull do: such a wedge takes a part of the
+friction. Along the sides the middle is where the centre of mass is, so that the weight does not
+turn the object about the line across. A knob or a cap is held from above, with the fingers around
+it.
 
 Frame: B of the object.
 """
@@ -39,6 +41,12 @@ _OVER = 0.0015  # between fingertips and what a knob stands on [m]
 _SQUARE = np.array([0.0, math.pi / 2.0])  # pitches at which the fingers come: level, from above
 _ASKEW = np.radians([30.0, 45.0, 60.0])
 _HEIGHTS = 3  # at which each side is tried
+_LEANING = math.sin(math.radians(10.0))  # a side leans no more if it is to be held
+_OPPOSITE = math.cos(math.radians(20.0))  # sides that look away from each other at least so
+_UPRIGHT = 1e-6  # of normals that differ by rounding alone
+_WIDTH_CHANGE = 0.002  # half of what the width between leaning sides may change by [m]
+_OFF_BALANCE = (0.0, 0.01, 0.02)  # before the centre of mass, where it is too deep there [m]
+_DEPTHS = 0.005  # between those for which room is made [m]
 _UP = np.array([0.0, 0.0, 1.0])
 _DOWN = -_UP
 _LEVEL = np.array([1.0, 1.0, 0.0])
@@ -56,6 +64,7 @@ class Candidate:
         width: between the sides [m].
         grip: how the hand closes about that width.
         press: of the outer fingertips on the sides.
+        depth: as of `planner.types.actions.Grasp` [m].
     """
 
     part: Literal["body", "lid"]
@@ -65,6 +74,7 @@ class Candidate:
     width: float
     grip: Grip
     press: SidePress = FLAT
+    depth: float = 0.0
 
     def is_crowded(self, target: SeenObject, state: WorldState) -> bool:
         """Return True if something stands where the knuckles would be, as seen from above."""
@@ -91,60 +101,86 @@ class Candidate:
 
 @dataclass(frozen=True, eq=False)
 class _Sides:
-    """Two upright sides that look away from each other.
+    """Two sides that look away from each other, nearly upright.
 
     Attributes:
-        normal: outward unit normal of one of them, horizontal, shape (3,).
+        normal: unit direction across, outward of one of them, horizontal, shape (3,).
         along: ẑ × normal, shape (3,).
         middle: of the line across, shape (3,) at height 0 [m].
         width: between them [m].
-        face: one of them.
+        faces: the two; of a round side one.
         extent: between which they may be touched along `along`, from the middle [m].
+        heights: between which they are so wide [m].
+        wedge: largest angle between a side's normal and the direction across [rad].
     """
 
     normal: Array
     along: Array
     middle: Array
     width: float
-    face: Face
+    faces: tuple[Face, ...]
     extent: tuple[float, float]
+    heights: tuple[float, float]
+    wedge: float = 0.0
+
+    def press(self, closing: Array, approach: Array, contacts: Array, tip: float) -> SidePress:
+        """Press of the fingertips, as `SidePress.on_face` has it."""
+        if self.wedge > _UPRIGHT:
+            return SidePress(0.0, 0.0, math.cos(self.wedge), 0.0, math.sin(self.wedge))
+        return SidePress.on_face(self.faces[0], closing, approach, contacts, tip)
+
+    def carry(self, places: Array) -> bool:
+        """Return True if places, shape (k, 3) [m], lie on both sides, whatever their outline."""
+        return all(
+            bool(face.contains((places - face.centre) @ face.tangent, places[:, 2], _BORDER).all())
+            for face in self.faces
+            if face.outline is not None
+        )
 
 
-def body_candidates(problem: GraspProblem) -> list[Candidate]:
-    """All ways to hold an object by its body.
+def body_candidates(problem: GraspProblem) -> Iterator[list[Candidate]]:
+    """Ways to hold an object by its body, in groups: one is looked at if those before do not do.
+
+    First come those where its file prefers it, then those anywhere on its sides; each square, then
+    askew; at last those by a hand that makes room for something deep.
 
     Raises:
         NoPlanError: there is none.
     """
-    target, robot, asked = problem.target, problem.robot, problem.contact
-    graspable = target.model.grasp
-    if graspable is None:
-        raise no_plan("not_graspable", object=target.name)
-    low, high = max(graspable.lowest, asked.low), min(graspable.highest, asked.high)
-    if low > high:
-        numbers = {"lowest": graspable.lowest, "highest": graspable.highest}
-        raise no_plan(
-            "no_such_height", numbers, spans=asked.spans, object=target.name, region=asked.region
-        )
+    target, asked = problem.target, problem.contact
+    sides = _sides_within(problem)
+    stated, tip = target.model.grasp, problem.robot.limits.fingertip_radius
+    anywhere = (tip, target.model.top - tip)
+    ranges = [anywhere] if stated is None else [(stated.lowest, stated.highest), anywhere]
+    ways = [(limits, how, False) for limits, how in product(ranges, (_SQUARE, _ASKEW))]
+    none = True
+    for (low, high), pitches, deep in [*ways, (anywhere, _SQUARE, True)]:
+        limits = (max(low, asked.low), min(high, asked.high))
+        about = (_candidates_about(problem, pair, limits, pitches, deep=deep) for pair in sides)
+        found = [candidate for each in about for candidate in each]
+        if found:
+            none = False
+            yield found
+    if none:
+        code = "no_room_there" if asked.region else "no_room"
+        numbers = {"lowest": max(anywhere[0], asked.low), "highest": min(anywhere[1], asked.high)}
+        raise no_plan(code, numbers, spans=asked.spans, object=target.name)
+
+
+def _sides_within(problem: GraspProblem) -> list[_Sides]:
+    """Pairs of opposite sides about which the hand closes.
+
+    Raises:
+        NoPlanError: there is none.
+    """
+    target, robot = problem.target, problem.robot
     sides = list(_opposite_sides(target))
-    grips = [(pair, robot.grasp(pair.width)) for pair in sides if _fits(pair.width, robot)]
-    closing = [(pair, grip) for pair, grip in grips if grip is not None]
+    closing = [pair for pair in sides if _fits(pair.width, robot) and robot.grasp(pair.width)]
     if not closing:
         slimmest = sorted(sides, key=lambda pair: pair.width)[:1]
-        marks = tuple(_width_mark(target, pair, 0.5 * (low + high), robot) for pair in slimmest)
+        marks = tuple(_width_mark(target, pair, robot) for pair in slimmest)
         raise _not_that_wide(f"the {target.name}", [pair.width for pair in sides], robot, marks)
-    found: list[Candidate] = []
-    # Where neither level nor upright fingers find room, those that come down askew may.
-    for pitches in (_SQUARE, _ASKEW):
-        for pair, grip in closing:
-            found += _candidates_about(target, pair, grip, (low, high), robot, pitches)
-        if found:
-            break
-    else:
-        code = "no_room_there" if asked.region else "no_room"
-        numbers = {"lowest": low, "highest": high}
-        raise no_plan(code, numbers, spans=asked.spans, object=target.name)
-    return found
+    return closing
 
 
 def lid_candidates(
@@ -216,8 +252,10 @@ def _not_that_wide(
     return no_plan("too_wide" if wide else "too_narrow", numbers, marks=marks, part=part)
 
 
-def _width_mark(target: SeenObject, pair: _Sides, height: float, robot: Robot) -> LengthMark:
-    """The mark of the width between two sides, above the object's base [m]."""
+def _width_mark(target: SeenObject, pair: _Sides, robot: Robot) -> LengthMark:
+    """The mark of the width between two sides, half-way up where it may be held [m]."""
+    stated = target.model.grasp
+    height = 0.5 * (target.model.top if stated is None else stated.lowest + stated.highest)
     across = target.pose.R_WB @ pair.normal
     middle = target.pose.p_WB + target.pose.R_WB @ pair.middle + [0.0, 0.0, height]
     least, most = (1e3 * width for width in _grasp_widths(robot))
@@ -226,68 +264,119 @@ def _width_mark(target: SeenObject, pair: _Sides, height: float, robot: Robot) -
 
 
 def _opposite_sides(target: SeenObject) -> Iterator[_Sides]:
-    """Pairs of opposite sides; a round side is held across some directions."""
-    faces = target.model.faces(_HEADINGS - target.pose.yaw)
-    upright = [face for face in faces if abs(face.normal[2]) < 1e-9]
-    for number, face in enumerate(upright):
-        if face.curvature > 0.0:
-            n = np.array(face.normal)
+    """Pairs of opposite sides, each once; a round side is held across some directions."""
+    model = target.model
+    headings = np.concatenate((_HEADINGS, _HEADINGS + math.pi)) - target.pose.yaw
+    faces = [face for face in model.faces(headings) if abs(face.normal[2]) <= _LEANING]
+    round_ones: list[Array] = []
+    for number, face in enumerate(faces):
+        n = np.array(face.normal)
+        if face.curvature == 0.0:
+            pairs = (_pair_of_sides(face, other) for other in faces[number + 1 :])
+            yield from (pair for pair in pairs if pair is not None)
+        elif not any(n @ other < _UPRIGHT - 1.0 for other in round_ones):
+            round_ones.append(n)
             axis = np.array(face.centre) - n / face.curvature
             half = 0.5 * face.width
             yield _Sides(
-                n, np.array(face.tangent), axis * _LEVEL, 2 / face.curvature, face, (-half, half)
-            )
-            continue
-        for other in upright[number + 1 :]:
-            pair = _pair_of_sides(face, other)
-            if pair is not None:
-                yield pair
+                n, np.array(face.tangent), axis * _LEVEL, 2 / face.curvature, (face,),
+                (-half, half), (face.bottom, face.top),
+            )  # fmt: skip
 
 
 def _pair_of_sides(one: Face, other: Face) -> _Sides | None:
     """Two flat sides as a pair, if they look away from each other and face one another."""
-    n, along = np.array(one.normal), np.array(one.tangent)
-    if other.curvature or n @ np.array(other.normal) > -1.0 + 1e-6:
+    n, m = np.array(one.normal), np.array(other.normal)
+    if other.curvature or n @ m > -_OPPOSITE:
         return None
-    a, b = np.array(one.centre), np.array(other.centre)
-    low = max(face @ along - 0.5 * width for face, width in ((a, one.width), (b, other.width)))
-    high = min(face @ along + 0.5 * width for face, width in ((a, one.width), (b, other.width)))
-    if high <= low:
+    across = (n - m) * _LEVEL
+    across /= np.linalg.norm(across)
+    along = np.cross(_UP, across)
+    low, high = max(one.bottom, other.bottom), min(one.top, other.top)
+    steep = math.hypot(n[2], m[2])
+    if steep > _UPRIGHT:
+        # Leaning sides are so wide in the middle between their ends, and nearly so around it.
+        around = _WIDTH_CHANGE / steep
+        low, high = max(low, 0.5 * (low + high) - around), min(high, 0.5 * (low + high) + around)
+    spans = [(each.centre @ along, 0.5 * each.width) for each in (one, other)]
+    left, right = max(at - half for at, half in spans), min(at + half for at, half in spans)
+    if right <= left or high <= low:
         return None
-    across = 0.5 * (a @ n + b @ n)
-    middle = across * n + 0.5 * (low + high) * along
-    half = 0.5 * float(high - low) - _BORDER
-    return _Sides(n, along, middle * _LEVEL, float((a - b) @ n), one, (-half, half))
+    a, b = (face.points_at(0.0, 0.5 * (low + high))[0] for face in (one, other))
+    middle = 0.5 * float(a @ across + b @ across) * across + 0.5 * (left + right) * along
+    half = 0.5 * float(right - left) - _BORDER
+    width = float((a - b) @ across)
+    wedge = float(np.arccos(np.clip(min(n @ across, -(m @ across)), -1.0, 1.0)))
+    return _Sides(
+        across, along, middle * _LEVEL, width, (one, other), (-half, half), (low, high), wedge
+    )
 
 
 def _candidates_about(
-    target: SeenObject,
-    pair: _Sides,
-    grip: Grip,
-    limits: tuple[float, float],
-    robot: Robot,
-    pitches: Array,
+    problem: GraspProblem, pair: _Sides, limits: tuple[float, float], pitches: Array, *, deep: bool
 ) -> Iterator[Candidate]:
-    """All ways to hold a pair of sides between two heights, from beside not too low."""
+    """All ways to hold a pair of sides between two heights.
+
+    A deep object is held where the hand makes room for it, nearer to the palm than where it is in
+    balance if it must.
+    """
+    target, robot = problem.target, problem.robot
+    usual = robot.grasp(pair.width)
+    assert usual is not None, "the hand closes about it"
     for closing, approach in product(
         (pair.normal, -pair.normal), _approach_directions(pair, pitches)
     ):
-        offsets = grip.contacts @ np.array([approach, np.cross(approach, closing)])
-        heights = _range_within(limits, offsets @ _UP)
-        laterals = _range_within(pair.extent, offsets @ pair.along)
-        if heights is None or laterals is None:
-            continue
-        if approach[2] == 0.0:
-            heights = (max(heights[0], robot.limits.lowest_grasp), heights[1])
-            if heights[0] > heights[1]:
-                continue
-        balanced = (np.array(target.model.com) - pair.middle) @ pair.along
-        tip_radius = robot.limits.fingertip_radius
-        press = SidePress.on_face(pair.face, closing, approach, grip.contacts, tip_radius)
-        at = pair.middle + float(np.clip(balanced, *laterals)) * pair.along
-        for height in np.unique(np.linspace(*heights, _HEIGHTS)):
-            middle = at + height * _UP
-            yield Candidate("body", middle, closing, approach, pair.width, grip, press)
+        for off in _OFF_BALANCE if deep else _OFF_BALANCE[:1]:
+            for middle in _middles(problem, pair, usual, (closing, approach), limits, off):
+                depth = _depth_before(target, middle, approach) if deep else 0.0
+                grip = robot.grasp(pair.width, depth=depth) if deep else usual
+                if grip is None:
+                    continue
+                press = pair.press(closing, approach, grip.contacts, robot.limits.fingertip_radius)
+                yield Candidate("body", middle, closing, approach, pair.width, grip, press, depth)
+
+
+def _middles(
+    problem: GraspProblem,
+    pair: _Sides,
+    grip: Grip,
+    ways: tuple[Array, Array],
+    limits: tuple[float, float],
+    off: float,
+) -> Iterator[Array]:
+    """Middles of grasps whose contacts lie on both sides, from beside not too low.
+
+    Args:
+        problem: whose object it is.
+        pair: sides between which it is held.
+        grip: of the hand.
+        ways: closing and approach.
+        limits: heights between which it may be touched [m].
+        off: how far before the balance they are, as the fingers come [m].
+    """
+    closing, approach = ways
+    low, high = max(limits[0], pair.heights[0]), min(limits[1], pair.heights[1])
+    offsets = grip.contacts @ np.array([approach, np.cross(approach, closing)])
+    heights = _range_within((low, high), offsets @ _UP)
+    laterals = _range_within(pair.extent, offsets @ pair.along)
+    if heights is None or laterals is None:
+        return
+    if approach[2] == 0.0:
+        heights = (max(heights[0], problem.robot.limits.lowest_grasp), heights[1])
+        if heights[0] > heights[1]:
+            return
+    balanced = (np.array(problem.target.model.com) - pair.middle - off * approach) @ pair.along
+    at = pair.middle + float(np.clip(balanced, *laterals)) * pair.along
+    for height in np.unique(np.linspace(*heights, _HEIGHTS)):
+        if pair.carry(at + height * _UP + offsets):
+            yield at + height * _UP
+
+
+def _depth_before(target: SeenObject, middle: Array, approach: Array) -> float:
+    """How far the object reaches towards the palm from the middle of a grasp, rounded up [m]."""
+    corners = [(x, y, z) for z in (0.0, target.model.top) for x, y in target.model.outline]
+    before = float(((middle - corners) @ approach).max())
+    return math.ceil(before / _DEPTHS) * _DEPTHS
 
 
 def _approach_directions(pair: _Sides, pitches: Array) -> list[Array]:

@@ -1,8 +1,8 @@
-"""Which grasp holds, and which of those that hold the hand gets to.
+"""Grasps that hold, the best first.
 
 Model: the hand squeezes harder than what just holds by a reserve, and as hard as the worst case of
-what is believed takes, if it can; that must be likely enough to hold. Of several grasps the one
-with most squeeze to spare is asked for first.
+what is believed takes, if it can; that must be likely enough to hold, and the object to hang
+upright in it. Of several grasps the one with most squeeze to spare comes first.
 
 Frames: W is the world, B the object.
 """
@@ -13,7 +13,6 @@ import math
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -22,14 +21,12 @@ from objectmodels.geometry.base_shapes import Array
 from objectmodels.mechanics.grasp_stability import Contacts, Lifted, least_squeezes
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.models.object_model import ObjectModel
+from planner.grasping.grasp_lean import Lean
 from planner.grasping.grasp_sampling import Candidate
 from planner.problem.planning_problem import GraspProblem
-from planner.refusals.reach_refusals import no_grasp_reached
 from planner.refusals.refusal_builder import no_plan
-from planner.types.actions import Action, Aim, Grasp, GraspAction, GraspPrediction, Limits, Vector3
-from planner.types.plan import DefaultUsed, Plan, PlanTask
+from planner.types.actions import Grasp, Vector3
 from planner.types.refusal import NoPlanError
-from planner.types.robot import ReachAnswer
 
 _PATCH = np.array([[0.0, 0.0], [0.0, 0.004], [0.0, -0.004]])  # contacts at a knob [m]
 _TILTS = 8  # at which a motion is looked at
@@ -97,35 +94,15 @@ class StableGrasp:
 
     Attributes:
         grasp: as a plan states it.
-        probability: that it holds.
+        probability: that it holds, and hangs upright.
         lean: direction in B in which it holds while it is tilted [rad]; None if any will do.
+        hangs: how the object leans in it; None if it is held already, or is a lid.
     """
 
     grasp: Grasp
     probability: float
     lean: float | None = None
-
-
-@dataclass(frozen=True)
-class MotionDraft:
-    """Steps of a hand once it holds something.
-
-    Attributes:
-        steps: one after the other.
-        probability: that it comes so if the hold holds.
-        aim: where the object should stand at the end.
-        defaults: values that the sentence left open.
-        notes: how it was chosen.
-    """
-
-    steps: tuple[Action, ...]
-    probability: float = 1.0
-    aim: Aim | None = None
-    defaults: tuple[DefaultUsed, ...] = ()
-    notes: tuple[str, ...] = ()
-
-
-Way = tuple[StableGrasp | None, MotionDraft]
+    hangs: Lean | None = None
 
 
 def held_already(problem: GraspProblem) -> list[StableGrasp]:
@@ -160,7 +137,13 @@ def stable_grasps(problem: GraspProblem, bearings: Sequence[GraspLoad]) -> list[
     squeeze[unsure] = limit[unsure]
     for i in np.flatnonzero(unsure & (spare >= 1.0)).tolist():
         probability[i] = known.probability(bearings[i], squeeze[i])
-    good = (spare >= 1.0) & (probability >= d.probability)
+    leans = [_lean(problem, each.candidate) for each in bearings]
+    upright = np.array([1.0 if u is None else u.probability_within(d.upright) for u in leans])
+    holds = (spare >= 1.0) & (probability >= d.probability)
+    probability = np.maximum(probability + upright - 1.0, 0.0)
+    good = holds & (probability >= d.probability)
+    if holds.any() and not good.any():
+        raise _hangs_askew(problem, [leans[i] for i in np.flatnonzero(holds)])
     if not good.any():
         best = int(np.where(spare >= 1.0, probability, -1.0).argmax())
         if free := _free_squeeze(problem, bearings):
@@ -185,16 +168,42 @@ def stable_grasps(problem: GraspProblem, bearings: Sequence[GraspLoad]) -> list[
     low = np.where(askew, heights.max() - heights, 0.0)
     order = sorted(
         np.flatnonzero(good).tolist(),
-        key=lambda i: (crowded[i], low[i], -round(float(spare[i]), 2), off[i]),
+        key=lambda i: (
+            crowded[i],
+            low[i],
+            -round(float(upright[i]), 3),
+            -round(float(spare[i]), 2),
+            off[i],
+        ),
     )
     return [
         StableGrasp(
             _grasp_value(problem, bearings[i].candidate, float(squeeze[i]), float(just[i])),
             float(probability[i]),
             bearings[i].lean if bearings[i].angle else None,
+            leans[i],
         )
         for i in order
     ]
+
+
+def _lean(problem: GraspProblem, candidate: Candidate) -> Lean | None:
+    """How an object leans in a grasp; None of a lid."""
+    return Lean.of_grasp(problem.target.model, candidate) if candidate.part == "body" else None
+
+
+def _hangs_askew(problem: GraspProblem, leans: Sequence[Lean | None]) -> NoPlanError:
+    """Dead end since the object would lean in every grasp that holds it."""
+    most = problem.defaults.upright
+    known = [lean for lean in leans if lean is not None]
+    best = max(known, key=lambda lean: lean.probability_within(most))
+    numbers = {
+        "lean": abs(best.angle),
+        "lean_sd": best.sd,
+        "upright": most,
+        "probability": best.probability_within(most),
+    }
+    return no_plan("hangs_askew", numbers, doing=problem.goal.doing, object=problem.target.name)
 
 
 def _free_squeeze(problem: GraspProblem, bearings: Sequence[GraspLoad]) -> float | None:
@@ -297,6 +306,7 @@ def _grasp_value(
         squeeze=squeeze,
         needed=needed,
         strongest=candidate.grip.strongest,
+        depth=candidate.depth,
     )
 
 
@@ -321,64 +331,3 @@ def _best_experiment(
         then[name] = bearing.lifted_object(known).hold_probability(squeeze)
     best = max(then, key=lambda name: then[name])
     return words[best], then[best]
-
-
-# -- what the hand gets to ----------------------------------------------------------------------
-
-
-def each_with_each(ways: Sequence[StableGrasp], drafts: Sequence[MotionDraft]) -> list[Way]:
-    """All grasps with all that may be done, the best with the best first."""
-    places = product(range(len(ways)), range(len(drafts)))
-    return [(ways[i], drafts[j]) for i, j in sorted(places, key=sum)]
-
-
-def first_reachable_plan(problem: GraspProblem, action: PlanTask, ways: Sequence[Way]) -> Plan:
-    """The first plan that hand and arm can carry out, of some ways, the best first; not empty.
-
-    Raises:
-        NoPlanError: there is none.
-    """
-    answers: list[ReachAnswer] = []
-    unlikely: Plan | None = None
-    for number, (hold, draft) in enumerate(ways):
-        made = _plan_with_grasp(problem, action, hold, draft)
-        made = made.model_copy(update={"considered": len(ways), "satisfying": len(ways)})
-        if made.probability < problem.effort.probability:
-            unlikely = unlikely or made
-            continue
-        if len(answers) == problem.defaults.most_grasps:
-            break
-        problem.budget.require_rest(problem.target.name, len(ways) - number)
-        answers.append(problem.robot.reach_plan(made, problem.state))
-        problem.budget.spend(answers[-1].work)
-        if answers[-1].ok:
-            return made
-    doing, name = problem.goal.doing, problem.target.name
-    if not answers and unlikely is not None:
-        asked = problem.effort.probability
-        numbers = {"probability": unlikely.probability, "asked_probability": asked}
-        raise no_plan("unlikely_grasp", numbers, doing=doing, object=name)
-    raise no_grasp_reached(doing, name, answers, held=problem.state.held is not None)
-
-
-def _plan_with_grasp(
-    problem: GraspProblem, action: PlanTask, hold: StableGrasp | None, draft: MotionDraft
-) -> Plan:
-    actions, sure = draft.steps, 1.0
-    if hold is not None:
-        sure, held = hold.probability, problem.state.held is not None
-        sureness = {"held": held, "prediction": GraspPrediction(holds=sure)}
-        actions = (GraspAction.model_validate({**dict(hold.grasp), **sureness}), *actions)
-    return Plan(
-        object=problem.target.name,
-        task=action,
-        actions=actions,
-        committed=len(actions),
-        # Whatever hangs together, it is at least so likely.
-        probability=max(draft.probability + sure - 1.0, 0.0),
-        aim=draft.aim,
-        speed=problem.motion.speed,
-        limits=Limits(clear_of=problem.motion.clear_of),
-        defaults=draft.defaults + problem.defaults_used,
-        notes=draft.notes,
-    )

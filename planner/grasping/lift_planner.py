@@ -9,6 +9,7 @@ Frames: W is the world, B the object.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -16,16 +17,14 @@ import numpy as np
 from grammar.frames import command as g
 from objectmodels.geometry.support_points import hull_polygon
 from planner.geometry.footprints import footprint, gap, room_to_edge
-from planner.grasping.grasp_sampling import body_candidates
-from planner.grasping.grasp_selection import (
-    GraspLoad,
+from planner.grasping.grasp_plans import (
     MotionDraft,
-    StableGrasp,
     each_with_each,
+    first_plan_of_groups,
     first_reachable_plan,
-    held_already,
-    stable_grasps,
 )
+from planner.grasping.grasp_sampling import Candidate, body_candidates
+from planner.grasping.grasp_selection import GraspLoad, StableGrasp, held_already, stable_grasps
 from planner.problem.goal_poses import GoalPoses, find_goal_poses, pose_as_aim
 from planner.problem.place_regions import object_at
 from planner.problem.planning_problem import GraspProblem, value_in_bound
@@ -50,8 +49,12 @@ def lift(problem: GraspProblem, goal: g.Lift) -> Plan:
     require_liftable(problem)
     height, used = _lift_height(problem, goal)
     draft = MotionDraft((LiftUp(height=height),), defaults=used)
-    ways = sorted(body_grasps(problem), key=partial(_pours_beside, problem))
-    return first_reachable_plan(problem, "lift", each_with_each(ways, [draft]))
+
+    def lifted(grasps: list[StableGrasp]) -> Plan:
+        ways = sorted(grasps, key=partial(_pours_beside, problem))
+        return first_reachable_plan(problem, "lift", each_with_each(ways, [draft]))
+
+    return _plan_with_grasps(problem, lifted)
 
 
 def set_down(problem: GraspProblem) -> Plan:
@@ -75,14 +78,16 @@ def place(problem: GraspProblem) -> Plan:
     """
     require_liftable(problem)
     found = find_goal_poses(problem)
-    grasps = body_grasps(problem)
     drafts, places = [], Alternatives()
     for aim in found.goal.aims:
         with places:
             drafts.append(_draft_to(problem, aim, found))
     if not drafts:
         raise places.first
-    return first_reachable_plan(problem, "place", each_with_each(grasps, drafts))
+    return _plan_with_grasps(
+        problem,
+        lambda grasps: first_reachable_plan(problem, "place", each_with_each(grasps, drafts)),
+    )
 
 
 def _pours_beside(problem: GraspProblem, hold: StableGrasp) -> bool:
@@ -95,11 +100,17 @@ def _pours_beside(problem: GraspProblem, hold: StableGrasp) -> bool:
     return bool(abs(closing @ opening) < TO_THE_SIDE * np.linalg.norm(opening))
 
 
-def body_grasps(problem: GraspProblem) -> list[StableGrasp]:
-    """The grasp that holds an object, or those that would."""
-    return held_already(problem) or stable_grasps(
-        problem, [GraspLoad(each) for each in body_candidates(problem)]
-    )
+def _plan_with_grasps(
+    problem: GraspProblem, plan_with: Callable[[list[StableGrasp]], Plan]
+) -> Plan:
+    """The plan with the grasp that holds an object, or with one of those that would."""
+    if held := held_already(problem):
+        return plan_with(held)
+
+    def with_group(group: list[Candidate]) -> Plan:
+        return plan_with(stable_grasps(problem, [GraspLoad(each) for each in group]))
+
+    return first_plan_of_groups(body_candidates(problem), with_group)
 
 
 def require_liftable(problem: GraspProblem) -> None:

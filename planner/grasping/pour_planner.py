@@ -23,15 +23,9 @@ from objectmodels.geometry.base_shapes import Array
 from objectmodels.models.vessel import Vessel
 from planner.geometry.directions import heading_of, unit
 from planner.grasping import lift_planner
+from planner.grasping.grasp_plans import MotionDraft, first_plan_of_groups, first_reachable_plan
 from planner.grasping.grasp_sampling import Candidate, body_candidates
-from planner.grasping.grasp_selection import (
-    GraspLoad,
-    MotionDraft,
-    StableGrasp,
-    first_reachable_plan,
-    held_already,
-    stable_grasps,
-)
+from planner.grasping.grasp_selection import GraspLoad, StableGrasp, held_already, stable_grasps
 from planner.grasping.pour_amounts import Amount, Hollow, poured_amount
 from planner.problem.planning_problem import GraspProblem
 from planner.refusals.refusal_builder import no_plan
@@ -97,16 +91,21 @@ class _Pouring:
     def best(self) -> Plan:
         """The first way that hand and arm can go."""
         problem, held = self._problem, held_already(self._problem)
-        if held:
-            closing = [np.array(held[0].grasp.closing_W) @ problem.target.pose.R_WB]
-            motions = self._likely_motions(closing)
-            ways = [replace(held[0], lean=motion.lean) for motion in motions.values()]
-        else:
-            each = body_candidates(problem)
-            motions = self._likely_motions([candidate.closing for candidate in each])
-            ways = sorted(
-                stable_grasps(problem, self._grasp_loads(each, motions)), key=_comes_from_above
-            )
+        if not held:
+            return first_plan_of_groups(body_candidates(problem), self._best_with)
+        closing = [np.array(held[0].grasp.closing_W) @ problem.target.pose.R_WB]
+        motions = self._likely_motions(closing)
+        ways = [replace(held[0], lean=motion.lean) for motion in motions.values()]
+        return self._first_way(ways, motions)
+
+    def _best_with(self, each: list[Candidate]) -> Plan:
+        """The first way with one of some grasps."""
+        motions = self._likely_motions([candidate.closing for candidate in each])
+        ways = stable_grasps(self._problem, self._grasp_loads(each, motions))
+        return self._first_way(sorted(ways, key=_comes_from_above), motions)
+
+    def _first_way(self, ways: list[StableGrasp], motions: dict[int, Motion]) -> Plan:
+        """The first of some grasps with some motions that hand and arm can go."""
         drafts = {k: [self._motion_draft(m, turn) for turn in _TURNS] for k, m in motions.items()}
         ranked = [
             (rank + times, (hold, draft))
@@ -114,7 +113,7 @@ class _Pouring:
             for times, draft in enumerate(drafts[_lean_key(hold.lean)])
         ]
         found = [way for _, way in sorted(ranked, key=lambda each: each[0])]
-        return first_reachable_plan(problem, "pour", found)
+        return first_reachable_plan(self._problem, "pour", found)
 
     # -- how it is tilted -----------------------------------------------------------------------
 

@@ -21,11 +21,6 @@ _WEIGH = "find out the weight of the {object} first"
 _PUT_DOWN = "put the {object} down, then it may be held otherwise"
 
 _GRASPS = {
-    "not_graspable": unsupported(
-        "the model of the {object} does not say where a hand may hold it",
-        ("push it", "add a `grasp` block to its model"),
-        "holding the {object}",
-    ),
     "no_two_sides": impossible("{part} has no two sides that a hand could hold", ("push it",)),
     "too_wide": impossible(
         "{part} is {width:mm} wide, the hand opens to {widest:mm}", ("push it",)
@@ -37,11 +32,6 @@ _GRASPS = {
         "the {object}'s lid can be held over {height:mm} of its height, the fingers need "
         "{needed:mm}",
         ("open the {object} yourself",),
-    ),
-    "no_such_height": impossible(
-        "the {object} may be held between {lowest:mm} and {highest:mm} above its base, not "
-        "{region}",
-        ("leave out where to hold it",),
     ),
     "no_room": impossible(_NO_ROOM, ("push it",)),
     "no_room_there": impossible(_NO_ROOM, ("leave out where to hold it",)),
@@ -56,6 +46,11 @@ _GRASPS = {
         "squeezed with {squeeze:N} the {object} holds with a probability of {probability:share}, "
         "and {asked_probability:share} is asked",
         ("{learn}",),
+    ),
+    "hangs_askew": too_uncertain(
+        "the {object} would lean by {lean:deg} in the hand, give or take {lean_sd:deg}, and "
+        "{upright:deg} are allowed",
+        ("push it",),
     ),
     "unlikely_grasp": too_uncertain(
         "{doing} the {object} succeeds with a probability of {probability:share}, and "

@@ -195,6 +195,7 @@ class Grasp(Value):
         squeeze: force of the thumb, and of the other fingers together [N].
         needed: squeeze that just holds it through all steps, with everything as believed [N].
         strongest: largest squeeze that the hand has there [N].
+        depth: room that the grip leaves free before the palm [m]; 0 of the usual one.
     """
 
     kind: Literal["grasp"] = "grasp"
@@ -206,6 +207,7 @@ class Grasp(Value):
     squeeze: float
     needed: float
     strongest: float
+    depth: float = 0.0
 
     @property
     def approach_text(self) -> str:
@@ -217,9 +219,11 @@ class Grasp(Value):
 
 
 class GraspPrediction(Value):
-    """Prediction of a grasp: the probability that it holds through all steps."""
+    """Prediction of a grasp: that it holds through all steps, and how the object leans in it."""
 
     holds: float = Field(description="probability that it holds through all steps")
+    lean: float = Field(default=0.0, description="turn about the closing direction [rad]")
+    lean_sd: float = Field(default=0.0, description="its standard deviation [rad]")
 
 
 class GraspAction(Grasp):

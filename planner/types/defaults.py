@@ -161,7 +161,7 @@ class Defaults:
         lid_speed: of the fingertip that moves a lid [m/s].
         lid_reserve: factor by which a standing object must resist what opens its lid.
         lid_press: force with which a lid is put on [N].
-        most_grasps: ways with a whole hand for which one plan asks whether it gets there.
+        most_grasps: grasps of each kind for which one plan asks whether the hand gets there.
         most_tries: times that a whole hand tries what failed, before it is given up.
         lift_tolerance: of the height to which something is lifted [m].
         stays_put: what stands by itself while a hand works on it, or pours into it, moves by less

@@ -6,6 +6,7 @@ its own. The planner only asks.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Literal, Protocol
 
@@ -62,6 +63,8 @@ class Grip:
         room: free length beyond the fingers' side that the knuckles need, and beyond the thumb's,
             along the closing direction [m].
         ahead: how far the fingers reach beyond the middle, along the approach [m].
+        stiffness: moment that turns what is held about the closing direction, per angle [N·m/rad];
+            infinite of a hand that does not know it.
     """
 
     contacts: NDArray[np.float64]
@@ -69,6 +72,7 @@ class Grip:
     strongest: float
     room: tuple[float, float]
     ahead: float = 0.0
+    stiffness: float = math.inf
 
 
 @dataclass(frozen=True)
@@ -123,8 +127,12 @@ class Robot(Protocol):
     def estimate_reach(self, push: Push, state: WorldState) -> float:
         """Room to the joint limits at a glance [rad]; a push without any may still be possible."""
 
-    def grasp(self, width: float, *, pinch: bool = False) -> Grip | None:
-        """Grip of the hand about a width [m], or about a knob or a cap; None if there is none."""
+    def grasp(self, width: float, *, pinch: bool = False, depth: float = 0.0) -> Grip | None:
+        """Grip of the hand about a width [m], or about a knob or a cap; None if there is none.
+
+        It leaves free so much room between the middle of the grasp and the palm [m]; of 0 it is
+        the best one, however much room that leaves.
+        """
 
     def reach_plan(self, plan: Plan, state: WorldState) -> ReachAnswer:
         """Answer whether arm and hand can carry out a plan, all of its way free."""
@@ -143,7 +151,7 @@ class NoRobot:
         """No room [rad]."""
         return 0.0
 
-    def grasp(self, width: float, *, pinch: bool = False) -> Grip | None:
+    def grasp(self, width: float, *, pinch: bool = False, depth: float = 0.0) -> Grip | None:
         """No grip."""
         return None
 

@@ -315,8 +315,13 @@ class Hand(Protocol):
             fine: the palm may lean by small angles and large ones.
         """
 
-    def grasp_posture(self, width: float, *, pinch: bool = False) -> GraspPosture | None:
-        """The grasp about a width [m], or about a knob of it; None if there is none."""
+    def grasp_posture(
+        self, width: float, *, pinch: bool = False, depth: float = 0.0
+    ) -> GraspPosture | None:
+        """The grasp about a width [m], or about a knob of it; None if there is none.
+
+        It leaves free so much room between its middle and the palm [m], as `Robot.grasp` has it.
+        """
 
     def flip_postures(self, lid: LidShape) -> FlipPostureSet:
         """Postures in which one finger flips a lid."""

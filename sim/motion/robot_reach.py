@@ -174,9 +174,9 @@ class ArmHandReach:
         """The same, which looks at more hands and lets them pass nearer."""
         return ArmHandReach(self._cell, self.mount.arm, self.mount.hand, THOROUGH)
 
-    def grasp(self, width: float, *, pinch: bool = False) -> Grip | None:
+    def grasp(self, width: float, *, pinch: bool = False, depth: float = 0.0) -> Grip | None:
         """Grip of the hand about a width [m], or about a knob or a cap; None if there is none."""
-        found = self.mount.hand.grasp_posture(width, pinch=pinch)
+        found = self.mount.hand.grasp_posture(width, pinch=pinch, depth=depth)
         return None if found is None else found.grip
 
     def reach_plan(self, plan: Plan, state: WorldState) -> ReachAnswer:
@@ -208,7 +208,7 @@ class ArmHandReach:
         if plan.grasp is None:
             return ReachAnswer(False, "kinematics", "nothing is held")
         hand, grasp = self.mount.hand, plan.grasp
-        grip = hand.grasp_posture(grasp.width, pinch=grasp.part != "body")
+        grip = hand.grasp_posture(grasp.width, pinch=grasp.part != "body", depth=grasp.depth)
         if grip is None:
             least, most = hand.grasp_widths
             return ReachAnswer(

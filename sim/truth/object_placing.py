@@ -5,6 +5,8 @@ Frames: W is the world, z up, table plane z = 0; B is an object's frame at the c
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 from objectmodels import ObjectModel
 from objectmodels.errors import printable
 from objectmodels.geometry.base_shapes import Array
@@ -13,6 +15,9 @@ from planner.geometry.footprints import gap, room_to_edge
 from sim.errors import SceneError
 from sim.truth.scene_file import Pose, Scene, SceneObject
 from sim.truth.truth_from_model import whole_truth
+
+PLACES = ((0.45, 0.18), (0.45, -0.18), (0.4, 0.25), (0.4, -0.3), (0.5, 0.5))
+"""Places within reach, from which a push away stays so, x and y in W [m]."""
 
 
 def scene_with_object(scene: Scene, model: ObjectModel, pose: Pose) -> Scene:
@@ -38,6 +43,16 @@ def scene_with_object(scene: Scene, model: ObjectModel, pose: Pose) -> Scene:
             hint = f"put it {max(1.0, -1e2 * apart):.0f} cm or more away from there"
             raise _no_place(model, f"the {other.name} stands there", hint)
     return scene.model_copy(update={"objects": (*scene.objects, item)})
+
+
+def free_place(scene: Scene, model: ObjectModel) -> Pose | None:
+    """A place near the robot where there is room for an object; None if there is none."""
+    for x, y in PLACES:
+        place = Pose(x_m=x, y_m=y)
+        with suppress(SceneError):
+            scene_with_object(scene, model, place)
+            return place
+    return None
 
 
 def _covered(item: SceneObject) -> Array:

@@ -6,6 +6,7 @@ import csv
 import json
 import math
 import re
+import shlex
 from pathlib import Path
 from typing import Any
 
@@ -289,6 +290,31 @@ def test_export_a_model_for_another_simulator(
     assert "<mass>0.118</mass>" in Path(told["files"][0]).read_text("utf-8")
     status, told = answer(capsys, "objects", "export", "unicorn", *options, "mjcf")
     assert (status, told["error"]["code"]) == (3, "unknown_object")
+
+
+@pytest.mark.parametrize("form", ["mjcf", "urdf"])
+def test_what_was_exported_is_added_and_its_next_command_works(
+    form: str, capsys: pytest.CaptureFixture[str], tmp_path: Path, objects_folder: Path
+) -> None:
+    export = ["objects", "export", "soup can", "--format", form, "--output", str(tmp_path)]
+    (file,) = answer(capsys, *export)[1]["files"]
+    status, told = answer(capsys, "objects", "add", file, "--name", "old can", "--friction", "0.3")
+    assert (status, told["name"]) == (0, "old can")
+    _, shown = answer(capsys, "objects", "show", "old can")
+    assert (shown["radius"], shown["friction"], shown["support"]) == (0.033, 0.3, "corners")
+    program, command, *said = shlex.split(told["next"])
+    assert (program, command) == ("nlcontrol", "say")
+    status, planned = answer(capsys, "plan", *said)
+    assert (status, planned["status"]) == (0, "planned")
+
+
+def test_options_of_a_description_are_not_those_of_a_model_file(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, objects_folder: Path
+) -> None:
+    (tmp_path / "crate.yaml").write_text(CRATE, encoding="utf-8")
+    status, told = answer(capsys, "objects", "add", str(tmp_path / "crate.yaml"), "--mass", "2")
+    assert (status, told["error"]["code"]) == (2, "usage")
+    assert list(objects_folder.iterdir()) == []
 
 
 @pytest.mark.slow

@@ -126,12 +126,27 @@ def check_plugin(entry: str, as_json: bool) -> int:
 
 @group.command("add")
 @click.argument("file", type=FILE)
+@click.option("--name", help="Name of what a URDF, SDF or MJCF file describes, if not the file's.")
+@click.option("--mass", type=float, help="Its mass [kg], if the file has none.")
+@click.option("--friction", type=float, help="Its friction at the table, if known.")
 @json_option
-def add_model(file: Path, as_json: bool) -> int:
-    """Add the model FILE to your own models."""
+def add_model(
+    file: Path, name: str | None, mass: float | None, friction: float | None, as_json: bool
+) -> int:
+    """Add the model FILE to your own models.
+
+    A model file, or a file of URDF, SDF or MJCF that describes one rigid object.
+    """
+    from objectmodels.descriptions.description_reading import FILE_ENDINGS
+    from objectmodels.registry.description_import import import_description
     from objectmodels.registry.model_files import load_model
 
     registry = open_registry()
+    if file.suffix.lower() in FILE_ENDINGS:
+        model = import_description(file, name=name, mass=mass, friction=friction)
+        return _keep_model(registry, model, as_json)
+    if (name, mass, friction) != (None, None, None):
+        raise click.UsageError("a model file states name, mass and friction itself")
     return _keep_model(registry, load_model(file, registry.kinds), as_json)
 
 
@@ -254,7 +269,7 @@ def _keep_model(registry: Registry, model: ObjectModel, as_json: bool) -> int:
     from objectmodels.registry.user_models import store_model
 
     path, _ = store_model(registry, model)
-    return _print_written(model, path, as_json)
+    return _print_written(model, path, as_json, _next_command(model))
 
 
 def _document(registry: Registry, model: ObjectModel) -> dict[str, Any]:
@@ -271,9 +286,23 @@ def _origin_text(registry: Registry, name: str) -> str:
     return registry.place(name) + (f", instead of: {replaced}" if replaced else "")
 
 
-def _print_written(model: ObjectModel, path: Path, as_json: bool) -> int:
-    document = {"ok": True, "name": model.name, "file": str(path)}
+def _next_command(model: ObjectModel) -> str:
+    """A command that pushes an object of the user's own, on a table with room for it."""
+    from sim.truth.object_placing import free_place
+    from sim.truth.scene_file import load_scene
+
+    place = free_place(load_scene("kitchen"), model)
+    put = "NAME@X,Y" if place is None else f"{model.name}@{place.x_m:g},{place.y_m:g}"
+    return f'nlcontrol say "push the {model.name} away" --put "{put}"'
+
+
+def _print_written(
+    model: ObjectModel, path: Path, as_json: bool, next_command: str | None = None
+) -> int:
+    document = {"ok": True, "name": model.name, "file": str(path), "next": next_command}
     lines = [f"wrote {path}", *_model_lines(model, str(path))]
+    if next_command:
+        lines.append(f"next: {next_command}")
     return print_answer(document, lines, as_json=as_json)
 
 

@@ -73,11 +73,13 @@ class FourFingerHand:
         """Postures whose fingers bear and feel the push."""
         return pushing_postures(fingers, spread, fine=fine, wrist=self.wrist)
 
-    def grasp_posture(self, width: float, *, pinch: bool = False) -> FourFingerGrasp | None:
+    def grasp_posture(
+        self, width: float, *, pinch: bool = False, depth: float = 0.0
+    ) -> FourFingerGrasp | None:
         """The grasp about a width; by thumb and middle finger alone about a knob."""
         if not NARROWEST <= width <= WIDEST:
             return None
-        return best_grasp(round(width, 4), pinch=pinch, wrist=self.wrist)
+        return best_grasp(round(width, 4), pinch=pinch, wrist=self.wrist, depth=depth)
 
     def flip_postures(self, lid: LidShape) -> FlipPostureSet:
         """Postures whose finger bears and feels the lid."""

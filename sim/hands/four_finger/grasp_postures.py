@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import functools
 import itertools
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -30,10 +31,11 @@ from sim.hands.four_finger.hand_kinematics import (
     angles_reaching,
     finger_jacobian,
     finger_points,
+    tip_stiffness,
 )
 from sim.hands.four_finger.hand_posture import CURLED, hand_spheres, touching_posture
 from sim.hands.hand_model import Angles, GraspPosture, Posture
-from sim.rotations import Array
+from sim.rotations import Array, cross
 
 HOLDING: tuple[str, ...] = ("thumb", "index", "middle", "ring")
 """The fingers that hold, in the order of `Grip.contacts`."""
@@ -53,6 +55,8 @@ OPENING = 0.020
 """How far the fingertips stand off each side before they close; less of what is wide [m]."""
 
 _LEAST_OPENING = 0.003  # less does not get around what is seen a little wrongly [m]
+_DEEP_OPENING = 0.006  # the least about something deep, which the palm is close to [m]
+_FACE_ROOM = 0.003  # between the hand and a side that it does not touch [m]
 _ACROSS = np.arange(0.030, 0.0901, 0.005)  # middle of the grasp along the closing direction [m]
 _ALONG = np.arange(0.165, 0.2051, 0.005)  # along the straight fingers [m]
 _DEPTH_WORTH = 100.0  # squeeze that room before the palm is worth [N/m]
@@ -115,6 +119,27 @@ class FourFingerGrasp(GraspPosture):
         )
         return np.asarray(self._finger_jacobians[finger].T @ load)
 
+    def depth_at(self, opening: float, wrist: float) -> float:
+        """Room between its middle and what of the hand is beside or before the width [m]."""
+        spheres = hand_spheres(self.posture_at(opening), wrist)
+        beside = np.abs(spheres[:, 0] - self.middle[0]) - spheres[:, 3]
+        inside = spheres[beside < self.width / 2.0 + _FACE_ROOM]
+        return float(self.middle[2] - (inside[:, 2] + inside[:, 3]).max())
+
+    @functools.cached_property
+    def stiffness(self) -> float:
+        """Moment about the closing direction per angle, the fingertips sticking [N·m/rad]."""
+        if len(self.touching_fingers) < 3:
+            return 0.0  # it turns about two fingertips
+        whole = np.zeros((6, 6))
+        angles = self.posture_at().angles
+        for finger in self.touching_fingers:
+            arm = self.touch_point(finger) - self.middle
+            motion = np.hstack([np.eye(3), cross(np.eye(3), arm[None, :]).T])
+            held = tip_stiffness(finger, angles[finger], self.touch_point(finger))
+            whole += motion.T @ held @ motion
+        return float(1.0 / np.linalg.inv(whole)[3, 3])
+
     @functools.cached_property
     def largest_squeeze(self) -> float:
         """Largest squeeze, with a tangential load as large beside it [N]."""
@@ -128,12 +153,17 @@ def closing_direction(finger: str) -> Array:
 
 
 @functools.lru_cache(maxsize=256)
-def best_grasp(width: float, *, pinch: bool, wrist: float) -> FourFingerGrasp | None:
+def best_grasp(
+    width: float, *, pinch: bool, wrist: float, depth: float = 0.0
+) -> FourFingerGrasp | None:
     """See `Hand.grasp_posture`; thumb and middle finger pinch a knob or a cap."""
     shares = PINCH if pinch else SHARES
     found = [_grasp_at(width, x, z, shares) for x, z in itertools.product(_ACROSS, _ALONG)]
     worth = _pinch_worth if pinch else _grasp_worth
-    best = max((each for each in found if each is not None), key=worth, default=None)
+    closing = [each for each in found if each is not None]
+    if depth > 0.0:
+        closing = [each for grip in closing for each in _opened_about(grip, depth, wrist)]
+    best = max(closing, key=worth, default=None)
     return None if best is None else replace(best, grip=_planner_grip(best, wrist))
 
 
@@ -171,6 +201,14 @@ def _grasp_at(width: float, x: float, z: float, shares: Array) -> FourFingerGras
     return FourFingerGrasp(width, np.array([x, 0.0, z]), float(opening), _UNKNOWN, shares=shares)
 
 
+def _opened_about(grip: FourFingerGrasp, depth: float, wrist: float) -> Iterator[FourFingerGrasp]:
+    """The same, as wide open as leaves room before the palm; none if it never does."""
+    if grip.depth_at(0.0, wrist) >= depth:
+        openings = np.arange(grip.opening, _DEEP_OPENING - 1e-9, -0.002).tolist()
+        deep = (each for each in openings if grip.depth_at(each, wrist) >= depth)
+        yield from (replace(grip, opening=each) for each in itertools.islice(deep, 1))
+
+
 def _planner_grip(found: FourFingerGrasp, wrist: float) -> Grip:
     """The grip as the planner knows it."""
     x, _, z = found.middle
@@ -182,7 +220,8 @@ def _planner_grip(found: FourFingerGrasp, wrist: float) -> Grip:
     low, high = (around[:, 0] - around[:, 3]).min(), (around[:, 0] + around[:, 3]).max()
     room = (float(x - found.width / 2.0 - low), float(high - x - found.width / 2.0))
     ahead = float((around[:, 2] + around[:, 3]).max() - z)
-    return Grip(contacts, found.shares[found.shares > 0.0], found.largest_squeeze, room, ahead)
+    shares = found.shares[found.shares > 0.0]
+    return Grip(contacts, shares, found.largest_squeeze, room, ahead, found.stiffness)
 
 
 @functools.lru_cache(maxsize=4096)

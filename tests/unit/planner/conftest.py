@@ -54,7 +54,7 @@ class RuledReach:
     def estimate_reach(self, push: Push, state: WorldState) -> float:
         return 0.5
 
-    def grasp(self, width: float, *, pinch: bool = False) -> Grip | None:
+    def grasp(self, width: float, *, pinch: bool = False, depth: float = 0.0) -> Grip | None:
         return None
 
     def reach_plan(self, plan: Plan, state: WorldState) -> ReachAnswer:

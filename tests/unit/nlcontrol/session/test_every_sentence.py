@@ -44,7 +44,6 @@ def test_every_sentence_comes_to_an_end_that_is_told(kitchen: Controller, seed: 
 @pytest.mark.parametrize(
     ("text", "capability"),
     [
-        ("lift the coffee box by 5 cm", "holding the coffee box"),
         ("hand me the coffee box", "handing objects over"),
         ("stand the coffee box upright", "standing objects up"),
         ("put the coffee box on the cereal box", "putting objects on others"),

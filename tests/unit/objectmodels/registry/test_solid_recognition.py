@@ -80,7 +80,9 @@ def test_a_narrower_foot_is_kept() -> None:
 def test_a_hexagon_is_a_prism_and_a_pyramid_a_hull() -> None:
     found = plain_solid(upright(ring(0.04, 6) + 0.01, 0.0, 0.1))
     assert found.kind is PrismModel
-    assert found.origin == pytest.approx([0.01, 0.01])
+    assert found.origin == pytest.approx([0.0, 0.0])  # it lies inside
+    found = plain_solid(upright(ring(0.04, 6) + 0.05, 0.0, 0.1))
+    assert found.origin == pytest.approx([0.05, 0.05])
     assert found.residual == pytest.approx(0.0, abs=1e-12)
     pyramid = np.vstack((upright(ring(0.04, 4), 0.0), [[0.0, 0.0, 0.1]]))
     assert plain_solid(pyramid).kind is HullModel

@@ -32,7 +32,7 @@ class RuledHand(RuledReach):
     blocker: str | None = None
     plans: list[Plan] = field(default_factory=list)
 
-    def grasp(self, width: float, *, pinch: bool = False) -> Grip | None:
+    def grasp(self, width: float, *, pinch: bool = False, depth: float = 0.0) -> Grip | None:
         if pinch:
             return Grip(np.zeros((2, 2)), np.ones(2), self.strongest, (0.09, 0.06), 0.014)
         shares = np.array([1.0, 1 / 3, 1 / 3, 1 / 3])

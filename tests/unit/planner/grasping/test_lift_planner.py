@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from contextlib import nullcontext
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from objectmodels import HullModel
+from objectmodels.mechanics.push_thresholds import GRAVITY
 from planner import plan
+from planner.grasping.grasp_selection import ACCELERATION
 from planner.grasping.lift_planner import require_room
 from planner.problem.planning_problem import (
     ContactLimits,
@@ -22,7 +26,7 @@ from planner.types.actions import Carry, Grasp, LiftUp, SetDown
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan
 from planner.types.refusal import NoPlanError, Refusal
-from planner.types.world_state import Held, PlanarPose, WorldState
+from planner.types.world_state import Held, PlanarPose, SeenObject, WorldState
 from tests.unit.planner.conftest import RuledReach, frame_of, world
 from tests.unit.planner.grasping.conftest import RuledHand, planned, refused
 
@@ -70,10 +74,61 @@ def test_what_is_too_wide_is_refused_with_both_widths(table: WorldState, hand: R
     assert made.message == "the ice tea is 44 mm wide, the hand opens to 40 mm"
 
 
-def test_a_model_without_a_place_to_hold(hand: RuledHand) -> None:
-    made = refused("lift the cereal box", world(cereal_box=PlanarPose(0.5, 0.0)), hand)
-    assert made.reason == "unsupported"
-    assert "`grasp` block" in made.suggestions[1]
+def test_a_model_that_does_not_say_how_is_held_by_its_sides(hand: RuledHand) -> None:
+    grasp = planned("lift the cereal box", world(cereal_box=PlanarPose(0.5, 0.0)), hand).grasp
+    assert grasp is not None
+    # The other two sides are 192 mm apart.
+    assert grasp.width == pytest.approx(0.052)
+    assert abs(grasp.p_BG[1]) <= LENGTHS  # in balance
+
+
+@pytest.mark.parametrize("depth", [0.0, 0.1])
+def test_a_hand_that_is_in_the_way_of_something_deep_makes_room(depth: float) -> None:
+    hand = RuledHand(holds=lambda made: made.grasp is not None and made.grasp.depth >= depth)
+    grasp = planned("lift the coffee box", world(coffee_box=PlanarPose(0.5, 0.0)), hand).grasp
+    assert grasp is not None
+    if depth:
+        # From above it reaches up to the palm by what is above the middle, to 5 mm.
+        assert grasp.depth - 0.005 < 0.18 - grasp.p_BG[2] <= grasp.depth + LENGTHS
+    else:
+        assert grasp.depth == 0.0
+
+
+def test_what_says_nowhere_how_to_hold_it_is_pushed_to_its_place_first(hand: RuledHand) -> None:
+    state = world(coffee_box=PlanarPose(0.5, 0.0), mug=PlanarPose(0.5, 0.25))
+    assert planned("put the coffee box next to the mug", state, hand).pushes
+    hand.rule = lambda _: False
+    assert planned("put the coffee box next to the mug", state, hand).grasp is not None
+
+
+@pytest.mark.parametrize("slope", [0.0, 5.0])
+def test_sides_that_lean_take_a_part_of_the_friction(slope: float, hand: RuledHand) -> None:
+    grasp = planned("lift the flask", _flask(slope), hand).grasp
+    assert grasp is not None
+    angle = np.radians(slope)
+    # In balance, friction bears the weight, and a tenth for what trembles, on both sides.
+    bears = 2.0 * (0.8 * np.cos(angle) - np.sin(angle))
+    weighs = 0.2 * (GRAVITY + ACCELERATION)
+    # A bisection finds it.
+    assert grasp.needed == pytest.approx(weighs / bears, rel=1e-4)
+    # Half-way up it is so wide, which changes by 4 mm where it may be held.
+    assert grasp.width == pytest.approx(0.06 + 0.1 * np.tan(angle), abs=1e-9)
+
+
+def test_sides_that_lean_more_are_no_sides_to_hold(hand: RuledHand) -> None:
+    assert refused("lift the flask", _flask(12.0), hand).code in ("no_two_sides", "too_wide")
+
+
+def _flask(slope: float) -> WorldState:
+    """A hull 10 cm high whose ±x sides lean outwards [degrees]; its ±y sides are too far apart."""
+    wide = 0.03 + 0.10 * math.tan(math.radians(slope))
+    ends = ((0.0, 0.03), (0.10, wide))
+    corners = tuple((x * half, y * 0.06, z) for z, half in ends for x in (-1, 1) for y in (-1, 1))
+    flask = HullModel(
+        name="flask", vertices=corners, mass=0.2, friction=0.3, finger_friction=0.8,
+        com=(0.0, 0.0, 0.05),
+    )  # fmt: skip
+    return WorldState({"flask": SeenObject("flask", PlanarPose(0.5, 0.0), flask)})
 
 
 def test_a_robot_without_a_hand_says_so(table: WorldState) -> None:
@@ -128,7 +183,8 @@ def test_the_hand_looks_at_so_many_ways(table: WorldState) -> None:
     hand = RuledHand(holds=lambda _: False)
     few = replace(DEFAULTS, most_grasps=3)
     plan(frame_of("lift the ice tea"), table, hand, defaults=few)
-    assert len(hand.plans) == 3
+    # Where its file says or anywhere, square or askew each, and where the hand makes room.
+    assert len(hand.plans) == 3 * 5
 
 
 def test_the_hand_looks_for_so_much_work(table: WorldState) -> None:

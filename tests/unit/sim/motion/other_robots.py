@@ -93,7 +93,9 @@ class TwoFingerGripper:
             postures, spheres, np.zeros(n, dtype=int), R_DP, np.full(n, 20.0)
         )
 
-    def grasp_posture(self, width: float, *, pinch: bool = False) -> GripperGrasp | None:
+    def grasp_posture(
+        self, width: float, *, pinch: bool = False, depth: float = 0.0
+    ) -> GripperGrasp | None:
         """Both fingers about the width."""
         if not self.grasp_widths[0] <= width <= self.grasp_widths[1]:
             return None

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from objectmodels import CylinderModel, Disc, Face, HullModel, ObjectModel, Polygon, Registry
 from objectmodels.geometry.base_shapes import Array
 from sim.errors import SceneError
-from sim.truth.object_placing import scene_with_object
+from sim.truth.object_placing import free_place, scene_with_object
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Pose, Scene, load_scene
 from sim.truth.truth_from_model import truth_as_believed
@@ -94,6 +94,15 @@ def test_where_there_is_no_room_is_told(kitchen: Scene, name: str, pose: Pose) -
         scene_with_object(kitchen, Registry.built_in().get(name), pose)
     assert raised.value.code == "bad_scene"
     assert raised.value.suggestions
+
+
+def test_a_free_place_is_found_or_there_is_none(kitchen: Scene) -> None:
+    jar = hull()
+    place = free_place(kitchen, jar)
+    assert place is not None
+    assert scene_with_object(kitchen, jar, place).objects[-1].pose == place
+    wide = CylinderModel(name="tray", radius=1.0, height=0.02, mass=1.0, friction=0.3)
+    assert free_place(kitchen, wide) is None
 
 
 def test_hulls_are_read_strictly() -> None:

@@ -1,0 +1,117 @@
+"""Plans of a whole hand: a grasp, the steps after it, and whether arm and hand get there.
+
+Of several ways the first that hand and arm can make is taken; groups of grasps are looked at one
+after the other, until there is one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+from planner.grasping.grasp_sampling import Candidate
+from planner.grasping.grasp_selection import StableGrasp
+from planner.problem.planning_problem import GraspProblem
+from planner.refusals.reach_refusals import no_grasp_reached
+from planner.refusals.refusal_builder import no_plan
+from planner.types.actions import Action, Aim, GraspAction, GraspPrediction, Limits
+from planner.types.plan import DefaultUsed, Plan, PlanTask
+from planner.types.refusal import Alternatives
+from planner.types.robot import ReachAnswer
+
+
+@dataclass(frozen=True)
+class MotionDraft:
+    """Steps of a hand once it holds something.
+
+    Attributes:
+        steps: one after the other.
+        probability: that it comes so if the hold holds.
+        aim: where the object should stand at the end.
+        defaults: values that the sentence left open.
+        notes: how it was chosen.
+    """
+
+    steps: tuple[Action, ...]
+    probability: float = 1.0
+    aim: Aim | None = None
+    defaults: tuple[DefaultUsed, ...] = ()
+    notes: tuple[str, ...] = ()
+
+
+Way = tuple[StableGrasp | None, MotionDraft]
+
+
+def each_with_each(ways: Sequence[StableGrasp], drafts: Sequence[MotionDraft]) -> list[Way]:
+    """All grasps with all that may be done, the best with the best first."""
+    places = product(range(len(ways)), range(len(drafts)))
+    return [(ways[i], drafts[j]) for i, j in sorted(places, key=sum)]
+
+
+def first_plan_of_groups(
+    groups: Iterable[list[Candidate]], plan_with: Callable[[list[Candidate]], Plan]
+) -> Plan:
+    """The plan with the first group of grasps for which there is one.
+
+    Raises:
+        NoPlanError: why there is none with the first of them.
+    """
+    tried = Alternatives()
+    for group in groups:
+        with tried:
+            return plan_with(group)
+    raise tried.first
+
+
+def first_reachable_plan(problem: GraspProblem, action: PlanTask, ways: Sequence[Way]) -> Plan:
+    """The first plan that hand and arm can carry out, of some ways, the best first; not empty.
+
+    Raises:
+        NoPlanError: there is none.
+    """
+    answers: list[ReachAnswer] = []
+    unlikely: Plan | None = None
+    for number, (hold, draft) in enumerate(ways):
+        made = _plan_with_grasp(problem, action, hold, draft)
+        made = made.model_copy(update={"considered": len(ways), "satisfying": len(ways)})
+        if made.probability < problem.effort.probability:
+            unlikely = unlikely or made
+            continue
+        if len(answers) == problem.defaults.most_grasps:
+            break
+        problem.budget.require_rest(problem.target.name, len(ways) - number)
+        answers.append(problem.robot.reach_plan(made, problem.state))
+        problem.budget.spend(answers[-1].work)
+        if answers[-1].ok:
+            return made
+    doing, name = problem.goal.doing, problem.target.name
+    if not answers and unlikely is not None:
+        asked = problem.effort.probability
+        numbers = {"probability": unlikely.probability, "asked_probability": asked}
+        raise no_plan("unlikely_grasp", numbers, doing=doing, object=name)
+    raise no_grasp_reached(doing, name, answers, held=problem.state.held is not None)
+
+
+def _plan_with_grasp(
+    problem: GraspProblem, action: PlanTask, hold: StableGrasp | None, draft: MotionDraft
+) -> Plan:
+    actions, sure = draft.steps, 1.0
+    if hold is not None:
+        sure, held = hold.probability, problem.state.held is not None
+        hangs = {} if hold.hangs is None else {"lean": hold.hangs.angle, "lean_sd": hold.hangs.sd}
+        sureness = {"held": held, "prediction": GraspPrediction(holds=sure, **hangs)}
+        actions = (GraspAction.model_validate({**dict(hold.grasp), **sureness}), *actions)
+    return Plan(
+        object=problem.target.name,
+        task=action,
+        actions=actions,
+        committed=len(actions),
+        # Whatever hangs together, it is at least so likely.
+        probability=max(draft.probability + sure - 1.0, 0.0),
+        aim=draft.aim,
+        speed=problem.motion.speed,
+        limits=Limits(clear_of=problem.motion.clear_of),
+        defaults=draft.defaults + problem.defaults_used,
+        notes=draft.notes,
+    )
