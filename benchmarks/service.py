@@ -1,40 +1,49 @@
 """The service beside a bare endpoint, its plans while two simulations run, and its memory.
 
-    python -m benchmarks.service [--requests 200] [--plans 500] [--runs 30]
+    python -m benchmarks.service [--parts rates refusal simulations memory] [--requests 200]
+        [--tables 12] [--seeds 0 …] [--plans 500] [--runs 30]
 
-Everything happens in one run on one machine: requests per second and latencies of `parse` and
-`plan` beside a FastAPI endpoint that does nothing (four connections at once, the client included);
-warm plans of a push and of a pour in a session while two other sessions simulate; plans of others
-while one long refusal is sought; memory of all processes of the service (proportional set size,
-which counts shared pages once) after the first five plans and runs, and at the end.
+Everything happens in one run on one machine. The parts: requests per second and latencies of
+`parse` and `plan` beside a FastAPI endpoint that does nothing (four connections at once, the client
+included); plans of others while one long refusal is sought; warm plans of pushes and of pours while
+two other sessions simulate, from request to answer, at the tables and of the sentences that
+`benchmarks.warm_plans` draws for each seed; memory of all processes of the service (proportional
+set size, which counts shared pages once) after the first five plans and runs, and at the end.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-import statistics
+import math
 import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from http.client import HTTPConnection, HTTPException
+from itertools import product
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
+import numpy as np
 from fastapi import FastAPI
 from pydantic import BaseModel
 
+from benchmarks.warm_plans import TASKS, table
+from sim.truth.scene_file import SceneObject
 from tests.service_process import serving
 
 PUSH = "push the coffee box 5 cm away"
-POUR = "pour the contents of the ice tea into the mug"
 LONG = "turn the cereal box by 170 degrees without moving it more than 1 cm"
 TURNS = ("push the ice tea box 3 cm away", "push the ice tea box 3 cm toward yourself")
+DRAWN = "push", "pour"
+"""Tasks of `benchmarks.warm_plans` that are planned while others simulate."""
+
+PARTS = "rates", "refusal", "simulations", "memory"
 CONNECTIONS = 4
 
 
@@ -100,7 +109,7 @@ def latencies(call: Callable[[], object], count: int) -> list[float]:
 
 def print_row(what: str, times: list[float], rate: float | None = None) -> None:
     told = "" if rate is None else f"{rate:8.0f}/s"
-    median, late = statistics.median(times), statistics.quantiles(times, n=20)[-1]
+    median, late = np.quantile(times, (0.5, 0.95))
     print(f"{what:44} {told:10} {1e3 * median:8.1f} ms {1e3 * late:8.1f} ms", flush=True)
 
 
@@ -178,26 +187,58 @@ def simulate(url: str, runs: int) -> None:
         simulator.caller.delete(f"/v1/sessions/{simulator.session}")
 
 
-def measure_beside_simulations(url: str, count: int) -> None:
-    """Prints latencies of warm plans while two other sessions simulate."""
+def measure_beside_simulations(url: str, tables: int, seeds: Sequence[int]) -> None:
+    """Prints latencies of warm plans at drawn tables while two other sessions simulate."""
     simulators = [Simulator(url, seed) for seed in (1, 2)]
     caller = Caller(url)
-    session = caller.post("/v1/sessions", {})["session_id"]
-    path = f"/v1/sessions/{session}/plans"
-    for said in (PUSH, POUR):
-        caller.post(path, {"text": said})
+    for task in DRAWN:
+        plan_latencies(caller, task, len(TASKS[task][1]), max(seeds) + 1)  # the planners warm up
     for simulator in simulators:
         simulator.start()
     time.sleep(3.0)
-    for name, said, times in (("push", PUSH, count), ("pour", POUR, count // 5)):
-        found = latencies(lambda said=said: caller.post(path, {"text": said}), times)  # type: ignore[misc]
-        print_row(f"plan of a {name} beside two simulations", found)
+    for seed, task in product(seeds, DRAWN):
+        for status, times in plan_latencies(caller, task, tables, seed).items():
+            print_row(f"{task} {status} ({len(times)}, seed {seed}), two simulations", times)
     for simulator in simulators:
         simulator.ends = True
     for simulator in simulators:
         simulator.join()
         simulator.caller.delete(f"/v1/sessions/{simulator.session}")
     print(f"  ({sum(s.runs for s in simulators)} runs ended meanwhile)")
+
+
+def plan_latencies(caller: Caller, task: str, tables: int, seed: int) -> dict[str, list[float]]:
+    """Times of the plans of a task, by their status, at drawn tables, which are stated."""
+    sentence, scenes, said = TASKS[task]
+    times: dict[str, list[float]] = {}
+    for number in range(tables):
+        rng = np.random.default_rng((seed, number))
+        scene = scenes[number % len(scenes)]
+        standing = [_stated(item) for item in table(scene, rng).objects]
+        spec = {"scene": scene, "seed": number, "objects": standing}
+        session = caller.post("/v1/sessions", spec)["session_id"]
+        for _ in range(said):
+            text, began = sentence(rng), time.perf_counter()
+            answer = caller.post(f"/v1/sessions/{session}/plans", {"text": text})
+            taken = time.perf_counter() - began
+            times.setdefault(answer["result"]["status"], []).append(taken)
+        caller.delete(f"/v1/sessions/{session}")
+    return times
+
+
+def _stated(item: SceneObject) -> dict[str, object]:
+    """An object of a scene as a caller states it."""
+    pose = item.pose
+    return {
+        "name": item.name,
+        "model": item.model,
+        "x": pose.x_m,
+        "y": pose.y_m,
+        "yaw": math.radians(pose.yaw_deg),
+        "synonyms": item.synonyms,
+        "fragile": item.fragile,
+        "fixed": item.fixed,
+    }
 
 
 def measure_beside_refusal(url: str, count: int) -> None:
@@ -225,20 +266,8 @@ def measure_beside_refusal(url: str, count: int) -> None:
     print_row(f"the same beside a search of {taken[0]:.1f} s ({len(times)})", times)
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("--requests", type=int, default=200)
-    parser.add_argument("--plans", type=int, default=500)
-    parser.add_argument("--runs", type=int, default=30)
-    options = parser.parse_args()
-    print(f"{'':44} {'':10} {'median':>11} {'95 %':>11}")
-    with bare_server() as url:
-        measure_rate("bare endpoint", url, "/bare", {"text": PUSH}, 10 * options.requests)
-    with serving("--workers", "2", "--planners", "2") as server:
-        for name, count in (("parse", 10 * options.requests), ("plan", options.requests)):
-            measure_rate(name, server.url, f"/v1/{name}", {"text": PUSH}, count)
-        measure_beside_refusal(server.url, options.requests // 4)
-        measure_beside_simulations(server.url, options.requests // 2)
+def measure_memory(plans: int, runs: int) -> None:
+    """Prints the memory of all processes of a service after five plans and runs, and after all."""
     with serving("--workers", "2", "--planners", "2") as server:
         caller = Caller(server.url)
         session = caller.post("/v1/sessions", {})["session_id"]
@@ -247,12 +276,38 @@ def main() -> None:
         simulate(server.url, 5)
         time.sleep(2.0)
         before = memory(server.process.pid)
-        latencies(lambda: caller.post(path, {"text": PUSH}), options.plans - 5)
-        simulate(server.url, options.runs - 5)
+        latencies(lambda: caller.post(path, {"text": PUSH}), plans - 5)
+        simulate(server.url, runs - 5)
         time.sleep(2.0)
         after = memory(server.process.pid)
     print(f"memory after 5 plans and 5 runs: {before:.0f} MB")
-    print(f"after {options.plans} plans and {options.runs} runs: {after:.0f} MB")
+    print(f"after {plans} plans and {runs} runs: {after:.0f} MB")
+
+
+def main() -> None:
+    """Prints what is asked for."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--parts", choices=PARTS, nargs="*", default=PARTS)
+    parser.add_argument("--requests", type=int, default=200)
+    parser.add_argument("--tables", type=int, default=12)
+    parser.add_argument("--seeds", type=int, nargs="*", default=[0])
+    parser.add_argument("--plans", type=int, default=500)
+    parser.add_argument("--runs", type=int, default=30)
+    options = parser.parse_args()
+    print(f"{'':44} {'':10} {'median':>11} {'95 %':>11}")
+    if "rates" in options.parts:
+        with bare_server() as url:
+            measure_rate("bare endpoint", url, "/bare", {"text": PUSH}, 10 * options.requests)
+    with serving("--workers", "2", "--planners", "2") as server:
+        if "rates" in options.parts:
+            for name, count in (("parse", 10 * options.requests), ("plan", options.requests)):
+                measure_rate(name, server.url, f"/v1/{name}", {"text": PUSH}, count)
+        if "refusal" in options.parts:
+            measure_beside_refusal(server.url, options.requests // 4)
+        if "simulations" in options.parts:
+            measure_beside_simulations(server.url, options.tables, options.seeds)
+    if "memory" in options.parts:
+        measure_memory(options.plans, options.runs)
 
 
 if __name__ == "__main__":
