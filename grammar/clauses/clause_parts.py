@@ -170,12 +170,15 @@ class Clause:
         return getattr(self.take_only(kind), "value", None)
 
     def take_amount(self) -> g.Amount | None:
-        """Takes "a little", unless a quantity says how much."""
+        """Takes "a little"; "not so far" is no more than a remark where a quantity says how far."""
         measure = next((part for part in self._left if isinstance(part, _MEASURES)), None)
         part = self.take_only(ph.Amount)
-        if part is not None and measure is not None:
+        if part is not None and measure is not None and not self._is_denied(part):
             raise self.said_twice_error(part, measure)
-        return None if part is None else cast(g.Amount, part.value)
+        return None if part is None or measure is not None else cast(g.Amount, part.value)
+
+    def _is_denied(self, part: ph.Part) -> bool:
+        return self.quote(part).casefold().startswith('"not ')
 
     def require_all_taken(self, verb: str) -> None:
         """Refuses parts that were not taken."""

@@ -143,6 +143,9 @@ class _ClauseReader:
         self._require_there_is_clear(ask)
         if ask and not verbs:
             return [self._question_frame(ask, remarks)]
+        if ask:  # "what happens if you push it harder?"
+            how = [part.span for part in self._parts if isinstance(part, ph.Constraint)]
+            remarks = [remark for remark in remarks if remark.span not in how]
         if ask and remarks:
             raise unexpected_part(remarks[0], self._sentence)
         if ask and ask[0].query in ("value", "affordances", "seen", "did", "compare"):

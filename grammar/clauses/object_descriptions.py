@@ -187,6 +187,8 @@ def _is_description(part: ph.Place, parts: Parts, i: int, before: Parts, lexicon
     if asked or any(isinstance(p, ph.Result) and p.event == "ends_up" for p in parts[:i]):
         return asked
     goal = _goal_of_verb(parts, lexicon)
+    if goal is None and isinstance(owner, ph.Thing):
+        return _is_nobody(owner, lexicon)  # "now the one next to it"
     if goal in ("lift", "remove") and part.relation == "from":
         return False
     into = any(isinstance(p, ph.Into) for p in parts)

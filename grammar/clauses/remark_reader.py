@@ -152,13 +152,19 @@ class RemarkReader:
             raise unexpected_part(self._remarks[-1], self._sentence)  # "do it more"
         if dialogue is not None:
             return dialogue
+        written = [self._sentence.words_as_written(part.span).casefold() for part in said]
+        if any(words.startswith("another ") for words in written):
+            return "more"  # "another 5 cm"
+        if any(words.startswith("do ") for words in written):
+            return "do"  # "do it gently"
         if self._excluded and things:
             return "correct"
         if goes_on and (things or any(isinstance(p, _SAYS) for p in said)):
             return "repeat" if question or not things else "same"
         if things or not said or question:
             return None
-        bare = all(isinstance(part, (*GOES_ON, ph.Constraint)) for part in said)
+        named = any(isinstance(p, ph.Avoid) and p.thing and not p.thing.ref.pronoun for p in said)
+        bare = all(isinstance(part, _SAYS) for part in said) and not named
         return "correct" if bare else None  # "10 cm", "to the left", "with one finger"
 
     def _frames_as(self, dialogue: g.Dialogue, *asks: ph.Ask) -> list[g.Frame]:

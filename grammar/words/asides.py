@@ -15,10 +15,10 @@ from typing import NamedTuple
 
 from grammar.frames.command import Span
 from grammar.words.courtesy import Courtesy
-from grammar.words.lexer_lookahead import WORD, Phrases
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
 from grammar.words.numerals import DIGITS
+from grammar.words.phrase_places import WORD, Phrases
 from grammar.words.reasons import Reasons
 
 _ALONE = frozenset({"AMOUNT", "DIRECTION", "MANNER", "SENSE", "SEPARATOR", "VERB"})

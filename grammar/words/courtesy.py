@@ -13,9 +13,9 @@ from collections.abc import Collection
 from dataclasses import replace
 
 from grammar.frames.command import Span
-from grammar.words.lexer_lookahead import WORD, Phrases
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
+from grammar.words.phrase_places import WORD, Phrases
 
 _ASKS = frozenset({"CAN_YOU", "HOW_HARD", "IF", "POSSIBLE", "THINK", "WHAT_CAN", "WHAT_HAPPENS",
                    "WHAT_IF", "WHERE", "WHICH_CAN", "WHY_DID"})  # fmt: skip
@@ -28,7 +28,7 @@ _REMARKS = frozenset({"DO", "I_MEANT", "MORE", "NO", "REPEAT", "REVERSE", "SEEN"
 
 _THING = frozenset({"THE", "THAT", "IT"})
 _BEHIND_TOPIC = re.compile(r" (?:[,.;?!]|and)(?: (?:and|then|please|now))* ")
-_READ = frozenset({"DO", "FILLER", "NEXT", "VOCATIVE"})
+_READ = frozenset({"FILLER", "NEXT", "VOCATIVE"})
 _SAYS = frozenset({"AMOUNT", "DIRECTION", "FACE", "FROM_SIDE", "MANNER", "REGION",
                    "REGION_OF_TABLE", "SENSE", "WAY"})  # fmt: skip
 _PAUSES = frozenset(",.;!?")
@@ -51,7 +51,8 @@ class Courtesy:
         known -= self._words["greeting"]
         if said.question or self._words["closing"].isdisjoint(words) or not known.issuperset(words):
             return False
-        starts = (word.start() for word in WORD.finditer(said.text))
+        asking = (m for m in WORD.finditer(said.text) if m[0] not in self._words["closing"])
+        starts = (word.start() for word in asking)
         return not any(self._has_kind(_REMARKS, said.text, start) for start in starts)
 
     def put_plainly(self, said: Normalised) -> Normalised:
@@ -89,7 +90,12 @@ class Courtesy:
         """Check for words that the grammar reads itself."""
         text = " ".join(words)
         found = self._phrases.phrases_at(text, 0)
-        return bool(found) and found[0][0] == text and not _READ.isdisjoint(found[0][1])
+        whole = bool(found) and found[0][0] == text and not _READ.isdisjoint(found[0][1])
+        return whole or any(
+            "DO" in kinds and word.start() + len(phrase) == len(text)
+            for word in WORD.finditer(text)
+            for phrase, kinds in self._phrases.phrases_at(text, word.start())
+        )
 
     def _asks(self, words: list[str]) -> bool:
         """Check for the beginning of a question or a condition."""

@@ -12,9 +12,9 @@ import re
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
-from grammar.words.lexer_lookahead import WORD
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
+from grammar.words.phrase_places import WORD
 
 _ONE = re.compile(r" ones?(?= |$)")
 _GROUP = re.compile(r"(?:the )?both(?: of (?:them|these|those))?(?= |$)")

@@ -9,19 +9,8 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 
-from grammar.words.lexicon import NAME_TERMINALS, Lexicon
-
-WORD = re.compile(r"[^ ]+")
-"""A word of the plain form."""
-
-BEFORE_NUMBERS = frozenset({"BY", "BOUND", "RANGE", "FROM", "IS_AT"})
-"""Terminals that stand before quantities only."""
-
-_OF_CONTENTS = ("FILLED", "FILLED_WITH", "TO_LEVEL", "SOME_OF", "PART_OF")
-"""Terminals that say how much is poured or filled in; their words mean other things elsewhere."""
-
-_TRIED_FIRST = {*_OF_CONTENTS, *BEFORE_NUMBERS, "TO_DO", "OR", "EXCEPT", "UPON", "USING"}
-"""Terminals whose rules tell them from others with the same words."""
+from grammar.words.lexicon import Lexicon
+from grammar.words.phrase_places import BEFORE_NUMBERS, WORD, Phrases, stands_at
 
 _PERCENT = re.compile(r"[^ %]+ ?(?:%|percent|per cent)(?= |$)")
 _NAMED = re.compile(r" (?:the|my|your|our|its|it|this|that|\")")
@@ -33,6 +22,7 @@ _ASKED = ("CAN_YOU", "HOW", "HOW_HARD", "HOW_MUCH_DOES", "SEEN", "WHAT_CAN", "WH
 """Terminals that begin a question."""
 
 _IS = ("is", "are", "gets", "goes")
+_DIRECTIONS = ("DIRECTION", "TOWARD_REGION", "AWAY_FROM_REGION")
 _PLACES = ("RELATION", "BETWEEN", "REGION_OF_TABLE", "TO_X", "INTO", "PARTICLE")
 _QUANTITIES = ("THE_SIDE_OF", "BOUND")
 _BEFORE_PARTICLES = ("VERB", "WORD", "IT", "QUOTED")
@@ -42,52 +32,6 @@ _MULTIPLES = frozenset({"twice", "double"})
 _NAMES_BEGIN = re.compile(r" (?:the|a|an|my|your|its) ")
 
 Rule = Callable[[str, str, int, str], bool]
-
-
-def stands_at(phrase: str, text: str, start: int) -> bool:
-    """Check for a phrase in a text, from here to the end of a word."""
-    end = start + len(phrase)
-    return text.startswith(phrase, start) and (end == len(text) or text[end] == " ")
-
-
-def _word_end(text: str, start: int) -> int:
-    end = text.find(" ", start)
-    return len(text) if end < 0 else end
-
-
-class Phrases:
-    """The phrases of a lexicon, each with the terminals that it may be."""
-
-    def __init__(self, lexicon: Lexicon) -> None:
-        names = [*lexicon.terminals, *NAME_TERMINALS]
-        # "Up to 5 cm" is a bound before it is a place.
-        names.sort(key=lambda name: name not in _TRIED_FIRST)
-        self._kinds: dict[str, list[str]] = {phrase: ["WORD"] for phrase in lexicon.names}
-        for name in names:
-            for phrase in lexicon.words_of(name):
-                self._kinds.setdefault(phrase, []).append(name)
-        self._most: dict[str, int] = {}
-        for phrase in self._kinds:
-            first, _, more = phrase.partition(" ")
-            words = more.count(" ") + 2 if more else 1
-            if words > self._most.get(first, 0):
-                self._most[first] = words
-
-    def phrases_at(self, text: str, start: int) -> list[tuple[str, list[str]]]:
-        """The phrases that stand in a text from the start of a word, longest first."""
-        found = []
-        end = _word_end(text, start)
-        for _ in range(self._most.get(text[start:end], 0)):
-            if (phrase := text[start:end]) in self._kinds:
-                found.append((phrase, self._kinds[phrase]))
-            if end == len(text):
-                break
-            end = _word_end(text, end + 1)
-        return found[::-1]
-
-    def has_terminal_at(self, kind: str, text: str, start: int) -> bool:
-        """Check for a phrase of a terminal that stands here."""
-        return any(kind in kinds for _, kinds in self.phrases_at(text, start))
 
 
 class Lookahead:
@@ -110,9 +54,7 @@ class Lookahead:
         self._rules: dict[str, Rule] = {
             **dict.fromkeys(BEFORE_NUMBERS, self._before_a_number),
             **dict.fromkeys(("REGION", "FACE", "SIDE_QUALITY"), self._not_into_a_name),
-            **dict.fromkeys(
-                ("DIRECTION", "TOWARD_REGION", "AWAY_FROM_REGION"), self._not_towards_a_name
-            ),
+            **dict.fromkeys(_DIRECTIONS, self._not_towards_a_name),
             "AMOUNT": self._no_little_box,
             "CAUSE": self._makes_it_happen,
             "CUPS": self._no_cup,
@@ -123,16 +65,11 @@ class Lookahead:
             "UPON": self._onto_what_is_pushed,
             "DO": lambda phrase, text, end, _last: phrase != "go" or end == len(text),
             "EXCEPT": self._behind_several,
-            "FILLER": lambda phrase, text, end, _last: (
-                any(self._any(kind, text, end + 1) for kind in _ASKED)
-                if phrase == "so"
-                else phrase != "go" or self._any("VERB", text, end + 1)
-            ),
+            "FILLER": self._before_what_it_fills,
             "AND_WITH": self._and_with_another_thing,
             "QUALITY": lambda _phrase, text, end, _last: text[end + 1 : end + 2] in ",.;",
             "STOP": lambda phrase, text, end, _last: not phrase.endswith("not") or end == len(text),
-            "FILLED": self._behind_fill,
-            "FILLED_WITH": self._behind_fill,
+            **dict.fromkeys(("FILLED", "FILLED_WITH"), self._behind_fill),
             "ON_TABLE": self._put_there,
             "PARTICLE": self._not_off_a_thing,
             "PART_OF": lambda _phrase, _text, _end, last: last == "VOLUME_UNIT",
@@ -150,11 +87,15 @@ class Lookahead:
                 last != "LENGTH_UNIT"
                 and not (phrase.startswith("up ") and self._last_goal(text, end) is None)
             ),
-            "LENGTH_UNIT": self._no_preposition,
+            "LENGTH_UNIT": lambda phrase, text, end, _last: (
+                phrase != "in" or not self._begins_a_number(text, end + 1)  # "0.1 in at most 5 s"
+            ),
             "NEEDS": lambda _phrase, text, end, _last: (
                 self._any("STROKE", text, end + 1) or self._any("VERB_ING", text, end + 1)
             ),
-            "NEXT": self._not_next_to,
+            "NEXT": lambda phrase, text, end, _last: (
+                not (phrase.endswith("next") and stands_at("to", text, end + 1))
+            ),
             "OF": lambda _phrase, text, end, _last: bool(_NAMES_BEGIN.match(text, end)),
             "OR": self._in_a_list,
             "RELATION": self._before_a_thing,
@@ -282,14 +223,6 @@ class Lookahead:
         verbs = ("AVOID", "AVOIDING", "TOUCH")
         return not phrase.startswith("can") or any(self._any(v, text, end + 1) for v in verbs)
 
-    def _no_preposition(self, phrase: str, text: str, end: int, _last: str) -> bool:
-        """2 in, but not y -0.1 in at most 5 s."""
-        return phrase != "in" or not self._begins_a_number(text, end + 1)
-
-    def _not_next_to(self, phrase: str, text: str, end: int, _last: str) -> bool:
-        """Next, but not next to."""
-        return not (phrase.endswith("next") and stands_at("to", text, end + 1))
-
     def _in_a_list(self, phrase: str, text: str, end: int, last: str) -> bool:
         """A comma stands for "or" in "do not tilt, turn or topple it"."""
         return phrase != "," or (last == "AVOID" and self._any("AVOID", text, end + 1))
@@ -319,13 +252,23 @@ class Lookahead:
         purpose = self._any("TO_MAKE", text, start) or self._any("EVENT_INFINITIVE", text, end + 1)
         return not (phrase.endswith(" to") and purpose)
 
+    def _before_what_it_fills(self, phrase: str, text: str, end: int, _last: str) -> bool:
+        """So how heavy is it; go push it; why did you push it that way."""
+        if phrase == "so":
+            return any(self._any(kind, text, end + 1) for kind in _ASKED)
+        if phrase.endswith((" way", " that", " this")) and phrase.count(" ") == 1:
+            return self._any("WHY_DID", text, 0)
+        return phrase != "go" or self._any("VERB", text, end + 1)
+
     def _and_with_another_thing(self, _phrase: str, text: str, end: int, last: str) -> bool:
         """And with the mug? But not "and with the hand", nor behind anything else."""
         named = self._names_begin(text, end) and not self._follows(("TOOL", *_AMOUNTS), text, end)
         return not last and named
 
-    def _to_another_thing(self, phrase: str, text: str, end: int, _last: str) -> bool:
+    def _to_another_thing(self, phrase: str, text: str, end: int, last: str) -> bool:
         """The same to the mug, but not the same, to the left; nor do it with one finger."""
+        if phrase.endswith(" do"):
+            return not last and stands_at("the", text, end + 1)
         if phrase.endswith("with") and self._follows(("TOOL", *_AMOUNTS), text, end):
             return False
         start = end - len("to")

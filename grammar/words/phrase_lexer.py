@@ -10,9 +10,10 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator
 
-from grammar.words.lexer_lookahead import WORD, Lookahead, Phrases, stands_at
+from grammar.words.lexer_lookahead import Lookahead
 from grammar.words.lexicon import Lexicon
 from grammar.words.numerals import DIGITS
+from grammar.words.phrase_places import WORD, Phrases, stands_at
 
 _QUOTED = re.compile(r'"[^"]*[^" ][^"]*"(?= |$)')
 _DETERMINERS = frozenset({"THE", "A", "THAT", "VERB", "QUANTIFIER"})

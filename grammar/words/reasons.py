@@ -11,9 +11,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from grammar.words.lexer_lookahead import WORD, Phrases
 from grammar.words.lexicon import Lexicon
 from grammar.words.numerals import DIGITS
+from grammar.words.phrase_places import WORD, Phrases
 
 _HOW = frozenset({"AVOID_DOING", "COMING_WITHIN", "COMPARED", "KEEPS", "LETTING", "MANNER",
                   "REPEAT", "UNTIL", "WITHOUT"})  # fmt: skip

@@ -48,11 +48,12 @@ def names_on_table(
 
 def find_by_name(text: str, candidates: Iterable[Candidate]) -> list[Candidate]:
     """Those whose name it is; if there is none, those of whose name it is a part."""
-    wanted = name_words(text)
-    for fits in (_is_whole_name, _is_part_of):
-        found = [c for c in candidates if any(fits(wanted, name_words(n)) for n in c.names)]
-        if found:
-            return found
+    first, _, second = text.partition(" of ")  # "the carton of milk" is a milk carton
+    for wanted in (name_words(text), name_words(f"{second} {first}")):
+        for fits in (_is_whole_name, _is_part_of):
+            found = [c for c in candidates if any(fits(wanted, name_words(n)) for n in c.names)]
+            if found:
+                return found
     return []
 
 

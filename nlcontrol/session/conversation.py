@@ -50,6 +50,10 @@ REMEMBERED = 50
 """Pushes that can be undone."""
 
 
+_BESIDE = ("than ", "from ", "to ", "of ", "behind ", "beside ", "near ", "touches ")
+"""Words before the name of something that a sentence is not about: "how far is it from the mug"."""
+
+
 class Options(TypedDict, total=False):
     """Options of `say` and `do`; see `nlcontrol.session.controller.Controller.say`."""
 
@@ -304,7 +308,11 @@ class Conversation:
         """The objects that are named, which are remembered."""
         words = " ".join(name_words(text))
         found = {words.find(n.casefold()): n for n in self.controller.cell.names}
-        named = [name for place, name in sorted(found.items(), reverse=True) if place >= 0]
+        named = [
+            name
+            for place, name in sorted(found.items(), reverse=True)
+            if place >= 0 and not words[:place].removesuffix("the ").endswith(_BESIDE)
+        ]
         last = tuple(dict.fromkeys((*named, *self.context.last)))
         self.context = replace(self.context, last=last)
         return named

@@ -46,6 +46,7 @@ FOLLOWERS = {
     "OR": "topple",
     "PORTION": "the",
     "RELATION": "the",
+    "SAME": "the box",
     "SOME_OF": "tea",
     "WHICH_IS": "heavier",
     "TO_BE": "pushed",

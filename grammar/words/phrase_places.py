@@ -1,0 +1,74 @@
+"""The phrases of a lexicon, by where they stand in a text, with the terminals that they may be."""
+
+from __future__ import annotations
+
+import re
+
+from grammar.words.lexicon import NAME_TERMINALS, Lexicon
+
+WORD = re.compile(r"[^ ]+")
+"""A word of the plain form."""
+
+BEFORE_NUMBERS = frozenset({"BY", "BOUND", "RANGE", "FROM", "IS_AT"})
+"""Terminals that stand before quantities only."""
+
+_OF_CONTENTS = ("FILLED", "FILLED_WITH", "TO_LEVEL", "SOME_OF", "PART_OF")
+"""Terminals that say how much is poured or filled in; their words mean other things elsewhere."""
+
+_TRIED_FIRST = {
+    *_OF_CONTENTS,
+    *BEFORE_NUMBERS,
+    "AND_WITH",
+    "TO_DO",
+    "OR",
+    "EXCEPT",
+    "UPON",
+    "USING",
+}
+"""Terminals whose rules tell them from others with the same words."""
+
+
+def stands_at(phrase: str, text: str, start: int) -> bool:
+    """Check for a phrase in a text, from here to the end of a word."""
+    end = start + len(phrase)
+    return text.startswith(phrase, start) and (end == len(text) or text[end] == " ")
+
+
+def _word_end(text: str, start: int) -> int:
+    end = text.find(" ", start)
+    return len(text) if end < 0 else end
+
+
+class Phrases:
+    """The phrases of a lexicon, each with the terminals that it may be."""
+
+    def __init__(self, lexicon: Lexicon) -> None:
+        names = [*lexicon.terminals, *NAME_TERMINALS]
+        # "Up to 5 cm" is a bound before it is a place.
+        names.sort(key=lambda name: name not in _TRIED_FIRST)
+        self._kinds: dict[str, list[str]] = {phrase: ["WORD"] for phrase in lexicon.names}
+        for name in names:
+            for phrase in lexicon.words_of(name):
+                self._kinds.setdefault(phrase, []).append(name)
+        self._most: dict[str, int] = {}
+        for phrase in self._kinds:
+            first, _, more = phrase.partition(" ")
+            words = more.count(" ") + 2 if more else 1
+            if words > self._most.get(first, 0):
+                self._most[first] = words
+
+    def phrases_at(self, text: str, start: int) -> list[tuple[str, list[str]]]:
+        """The phrases that stand in a text from the start of a word, longest first."""
+        found = []
+        end = _word_end(text, start)
+        for _ in range(self._most.get(text[start:end], 0)):
+            if (phrase := text[start:end]) in self._kinds:
+                found.append((phrase, self._kinds[phrase]))
+            if end == len(text):
+                break
+            end = _word_end(text, end + 1)
+        return found[::-1]
+
+    def has_terminal_at(self, kind: str, text: str, start: int) -> bool:
+        """Check for a phrase of a terminal that stands here."""
+        return any(kind in kinds for _, kinds in self.phrases_at(text, start))
