@@ -144,7 +144,11 @@ def prediction_answer(prediction: PushPrediction, detail: bool) -> ToolAnswer:
         status="predicted",
         message=prediction.text,
         numbers=numbers,
-        facts={"outcome": prediction.outcome, "probability": prediction.probability},
+        facts={
+            "outcome": prediction.outcome,
+            "nominal": prediction.nominal,
+            "probability": prediction.probability,
+        },
         document=prediction.model_dump(mode="json") if detail else None,
     )
 

@@ -40,6 +40,7 @@ def map_document(chart: OutcomeMap, face: str) -> dict[str, Any]:
         "band": chart.band,
         "level": chart.level,
         "friction": chart.friction,
+        "probabilities": likely.method,
         "contacts": [
             {
                 "lateral": float(y),
@@ -90,7 +91,7 @@ def map_lines(chart: OutcomeMap, face: str) -> list[str]:
             for z, row in rows(chart)
         ),
         f"{key(chart)}; forces of each row",
-        f"{chart.friction} friction",
+        f"{chart.friction} friction; probabilities: {chart.likelihood.method}",
     ]
 
 

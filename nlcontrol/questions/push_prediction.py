@@ -2,7 +2,8 @@
 
 Model of the deviations: a threshold is taken as linear in the uncertain parameters over one
 standard deviation, so its variance is dᵀ C d with C the correlations of the parameters and d_i half
-the difference of the threshold at ±1 standard deviation of parameter i (closed form). Frame B.
+the difference of the threshold at ±1 standard deviation of parameter i. All numbers are those of
+the exact tier. Frame B.
 """
 
 from __future__ import annotations
@@ -18,8 +19,7 @@ from nlcontrol.errors import error
 from nlcontrol.json_document import Document, finite_or_none
 from nlcontrol.text_format import aside_text
 from objectmodels import Face, ObjectModel
-from objectmodels.geometry.pushed_body import UNCERTAIN
-from objectmodels.mechanics.outcome_probability import SMALLEST_SHARE
+from objectmodels.mechanics.outcome_probability import sample_at
 from planner.geometry.directions import HEADINGS, angle_between, heading_of
 
 Array = NDArray[np.float64]
@@ -70,8 +70,9 @@ class PushPrediction(Document):
     Attributes:
         object: name of the model.
         push: the push.
-        outcome: at the given force, or at the onset if none is given: `none`, `slide`, `topple` or
-            `slide+topple` (undecided).
+        outcome: the most probable one at the given force, or at the onset if none is given: `none`,
+            `slide` or `topple`.
+        nominal: that of the parameters just as they are believed; `slide+topple` is a tie.
         onset: force at which it moves; null if it never does.
         slide, topple: force at which it slides, topples; null if never.
         slide_sd, topple_sd: standard deviations of these; null if it may never slide, topple, or if
@@ -83,7 +84,8 @@ class PushPrediction(Document):
         suddenly: class if the force is applied at once; null without a force.
         slips: whether the finger slips along the face.
         motion: how it begins to move: `turning` [rad/m of the contact's travel, counter-clockwise],
-            `heading` of the base's centre [rad], and the angle of no return for a topple.
+            `heading` of the base's centre [rad], and the angle of no return for a topple; empty
+            where the nominal outcome is another one.
         friction: which coefficient at the table decided.
         tier: `exact`.
         text: all of it in words.
@@ -92,6 +94,7 @@ class PushPrediction(Document):
     object: str
     push: AskedPush
     outcome: str
+    nominal: str
     onset: float | None
     slide: float | None
     topple: float | None
@@ -184,14 +187,19 @@ def _prediction_text(
 ) -> PushPrediction:
     """All that the model says of one push, but for the words."""
     t: Any = model.thresholds(p, u, exact=True, friction=friction)
-    likely = model.likelihood(p, u, force=push.force)
+    believed = model.model_copy(update={"friction": model.friction_coefficient(friction)})
+    likely = believed.likelihood(p, u, force=push.force, exact=True)
     onset, force = float(t.onset[0]), push.force
+    probability = {name: getattr(likely, name).item() for name in ("none", "slide", "topple")}
+    outcome = max(probability, key=probability.__getitem__)
+    nominal = "none" if force is not None and force < onset else str(t.outcome[0])
     slide_sd, topple_sd = deviations(model, p[0], u[0])
     size = force if force is not None else (onset if np.isfinite(onset) else 1.0)
     return PushPrediction(
         object=model.name,
         push=push,
-        outcome="none" if force is not None and force < onset else str(t.outcome[0]),
+        outcome=outcome,
+        nominal=nominal,
         onset=finite_or_none(onset),
         slide=finite_or_none(t.slide[0]),
         topple=finite_or_none(t.topple[0]),
@@ -200,14 +208,10 @@ def _prediction_text(
         optimistic=None if t.fitted else finite_or_none(t.optimistic[0]),
         pessimistic=None if t.fitted else finite_or_none(t.pessimistic[0]),
         residual=float(t.residual[0]),
-        probability={
-            "none": float(likely.none[0]),
-            "slide": float(likely.slide[0]),
-            "topple": float(likely.topple[0]),
-        },
+        probability=probability,
         suddenly=None if force is None else str(model.sudden(p, force * u).outcome[0]),
         slips=bool(model.is_slipping(normal[None], size * u)[0]),
-        motion=_motion(model, t),
+        motion=_motion(model, t) if outcome == nominal else {},
         friction=friction,
         text="",
     )
@@ -245,12 +249,22 @@ def _sentences(found: PushPrediction) -> list[str]:
     ]
     first, other = in_turn(found)
     lines.append(f"It {threshold(found, first)}; it {threshold(found, other)}.")
-    chance = found.probability.get(found.outcome, 0.0)
+    if found.nominal != found.outcome:
+        lines.append(
+            f"Just as it is believed it {VERBS[found.nominal]}; over all that it may be, "
+            f"it more probably {VERBS[found.outcome]}."
+        )
+    chance = found.probability[found.outcome]
     if chance < SURE:
         lines.append(f"That is not sure: its probability is {chance:.2f}.")
     if found.optimistic is not None and found.pessimistic is not None:
         low, high = found.pessimistic, found.optimistic
-        if high > 1.005 * low:
+        if low == 0.0:
+            lines.append(
+                f"Standing on a single spot it would turn under any force; however it stands, it "
+                f"moves from {high:.2f} N on."
+            )
+        elif high > 1.005 * low:
             lines.append(
                 f"It moves between {low:.2f} N and {high:.2f} N, depending on how it stands."
             )
@@ -362,34 +376,22 @@ def deviations(model: ObjectModel, p: Array, u: Array) -> tuple[float | None, fl
     Returns:
         Of sliding and of toppling; None for what does not happen all over the parameters' range.
     """
-    d = np.zeros((2, len(UNCERTAIN)))
-    for i in np.flatnonzero(model.deviations):
-        low, high = (_thresholds(_shifted_pair(model, int(i), sign), p, u) for sign in (-1.0, 1.0))
-        with np.errstate(invalid="ignore"):
-            d[:, i] = (high - low) / 2.0
-    slide, topple = (_root(row, model.correlation) for row in d)
-    never = np.isinf(_thresholds(model, p, u))
-    return None if never[0] else slide, None if never[1] else topple
+    from objectmodels.mechanics.exact.exact_thresholds import thresholds_of_sample
+
+    shifts = np.diag(model.deviations)
+    means = model.means + np.vstack((shifts, -shifts, np.zeros(len(shifts))))
+    n, sample = len(means), sample_at(model, means)
+    found = np.array(thresholds_of_sample(model, sample, np.tile(p, (n, 1)), np.tile(u, (n, 1))))
+    high, low, nominal = found[:, : len(shifts)], found[:, len(shifts) : -1], found[:, -1]
+    with np.errstate(invalid="ignore"):
+        changes = np.where(model.deviations > 0.0, (high - low) / 2.0, 0.0)
+    slide, topple = (
+        None if np.isinf(never) else _root(d, model.correlation)
+        for never, d in zip(nominal, changes, strict=True)
+    )
+    return slide, topple
 
 
 def _root(d: Array, correlation: Array) -> float | None:
     """The root of dᵀ C d."""
     return float(np.sqrt(max(float(d @ correlation @ d), 0.0))) if np.isfinite(d).all() else None
-
-
-def _thresholds(model: ObjectModel, p: Array, u: Array) -> Array:
-    """Forces that slide and that topple it, shape (2,) [N]."""
-    t = model.thresholds(p[None], u[None])
-    return np.array([t.slide[0], t.topple[0]])
-
-
-def _shifted_pair(model: ObjectModel, i: int, sign: float) -> ObjectModel:
-    """The model with its i-th uncertain parameter one standard deviation off."""
-    value = float(model.means[i] + sign * model.deviations[i])
-    name = UNCERTAIN[i]
-    if name.startswith("com_"):
-        com = list(model.com)
-        com["xyz".index(name[-1])] = value
-        return model.model_copy(update={"com": tuple(com)})
-    # A coefficient, a mass or a radius below zero means nothing.
-    return model.model_copy(update={name: max(value, SMALLEST_SHARE * float(model.means[i]))})

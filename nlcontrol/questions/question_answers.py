@@ -114,8 +114,7 @@ def _predict(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answer:
     with_force = "" if push.force is None else f" with {force_text(push.force)}"
     start = f"Pushed{with_force} {push.where}"
     if frame.event is None:
-        outcome = in_turn(found)[0] if found.outcome == "slide+topple" else found.outcome
-        p, does = found.probability[outcome], DOES.get(outcome, "stays where it is")
+        p, does = found.probability[found.outcome], DOES.get(found.outcome, "stays where it is")
         likely, yes = f"probability that it {does} {likelihood(p)}", None
     else:
         p = _probability(frame.event, found, turns)
@@ -169,20 +168,17 @@ def _state(found: PushPrediction, event: g.Event | None, turns: bool) -> str:
         if event == "turns":
             return "turn as it slides" if turns else "slide without turning much"
         return "slide"
-    return {
-        "none": "stay where it is",
-        "topple": "topple",
-        "slide+topple": "slide or topple, too close to call",
-    }[found.outcome]
+    return {"none": "stay where it is", "topple": "topple"}[found.outcome]
 
 
 def _reasons(found: PushPrediction) -> str:
-    """Both thresholds, the lower one first."""
+    """Both thresholds, the lower one first; as believed, if that is not likeliest."""
     if found.onset is None:
         return "no force moves it there"
     first, other = in_turn(found)
     second = threshold(found, other, force_text, only=True)
-    return f"it {threshold(found, first, force_text)} and {second}"
+    believed = "" if found.nominal == found.outcome else "just as it is believed, "
+    return f"{believed}it {threshold(found, first, force_text)} and {second}"
 
 
 # -- what can be done -------------------------------------------------------------------------

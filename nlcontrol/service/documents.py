@@ -335,6 +335,7 @@ class FaceMap(Document):
         band: forces that lie closer together, as a share, leave the outcome undecided.
         level: probability that an outcome must have, instead of the band; null without.
         friction: which coefficient at the table decided.
+        probabilities: which tier they are of, `exact tier` or `closed form`.
         contacts: all over the face.
     """
 
@@ -344,4 +345,5 @@ class FaceMap(Document):
     band: float
     level: float | None
     friction: Literal["static", "kinetic"]
+    probabilities: str
     contacts: tuple[MapContact, ...]

@@ -19,6 +19,7 @@ from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.pushed_body import PushedBody
 from objectmodels.geometry.side_faces import Face
+from objectmodels.geometry.support_points import support_points
 
 if TYPE_CHECKING:
     from objectmodels.mechanics.outcome_probability import Likelihood
@@ -36,6 +37,10 @@ MOST_EXACT = 5_000
 """Maps of more contacts take the exact tier only where the closed form may have the wrong class."""
 
 
+MOST_DRAWN = 8_000
+"""Contacts times support points up to which maps have the exact tier's probabilities: a second."""
+
+
 class MappedObject(PushedBody, Protocol):
     """An object of which a map can be made: it answers with exact thresholds and probabilities."""
 
@@ -44,7 +49,7 @@ class MappedObject(PushedBody, Protocol):
     ) -> Thresholds:
         """See `ObjectModel.thresholds`."""
 
-    def likelihood(self, points: ArrayLike, directions: ArrayLike) -> Likelihood:
+    def likelihood(self, points: ArrayLike, directions: ArrayLike, *, exact: bool) -> Likelihood:
         """See `ObjectModel.likelihood`."""
 
     def model_copy(self, *, update: dict[str, Any]) -> Self:
@@ -87,8 +92,15 @@ class OutcomeMap:
 
     @cached_property
     def likelihood(self) -> Likelihood:
-        """Probabilities of the outcomes at the onset, computed when first asked for."""
-        return self.model.likelihood(self.points, self.directions)
+        """Probabilities of the outcomes at the onset, computed when first asked for.
+
+        They are the exact tier's where that is quick enough; its `method` says so. What does not
+        turn needs none.
+        """
+        points, _ = support_points(self.model.support, self.model.footprint)
+        quick = len(points) * len(self.points) <= MOST_DRAWN
+        exact = quick and bool(np.isfinite(self.model.friction_radius))
+        return self.model.likelihood(self.points, self.directions, exact=exact)
 
     @cached_property
     def outcome(self) -> NDArray[np.str_]:

@@ -75,6 +75,7 @@ class Draws:
         com: centre of mass in B, shape (k, 3) [m].
         friction_radius: shape (k,) [m].
         finger_friction: shape (k,).
+        weight: G, shape (k,) [N]; that of the belief if the mass is not drawn.
         friction: mean at the table given the others, shape (k,).
         friction_sd: its standard deviation given the others.
     """
@@ -82,31 +83,35 @@ class Draws:
     com: Array
     friction_radius: Array
     finger_friction: Array
+    weight: Array
     friction: Array
     friction_sd: float
 
 
-_CONDITIONS = ("com_x", "com_y", "friction_radius", "finger_friction")
+_CONDITIONS = ("com_x", "com_y", "friction_radius", "finger_friction", "mass")
 
 
 def draw_parameters(model: PushedBody, z: Array, *, yaw: bool = True) -> Draws:
-    """Parameters at standard normal deviates z, shape (k, 4): com x, com y, radius, finger.
+    """Parameters at standard normal deviates z: com x, com y, radius, finger, and mass if asked.
 
-    Without yaw the friction radius is infinite.
+    The deviates are (k, 4), or (k, 5) with the mass. Without yaw the friction radius is infinite.
     """
-    order = [UNCERTAIN.index(name) for name in (*_CONDITIONS, "friction")]
+    n = z.shape[1]
+    order = [UNCERTAIN.index(name) for name in (*_CONDITIONS[:n], "friction")]
     root = _triangular_root(model.correlation[np.ix_(order, order)])
     sd, mean = model.deviations[order], model.means[order]
-    values = mean[:4] + sd[:4] * (z @ root[:4, :4].T)
+    values = mean[:n] + sd[:n] * (z @ root[:n, :n].T)
     com = np.tile(np.array(model.com), (len(z), 1))
     com[:, :2] = _drawn_inside(model, values[:, :2])
     smallest = SMALLEST_SHARE * model.friction_radius
+    mass = values[:, 4] / model.mass if n == len(_CONDITIONS) else np.ones(len(z))
     return Draws(
         com=com,
         friction_radius=np.maximum(values[:, 2], smallest if yaw else np.inf),
         finger_friction=np.maximum(values[:, 3], 0.0),
-        friction=mean[4] + sd[4] * (z @ root[4, :4]),
-        friction_sd=float(sd[4] * root[4, 4]),
+        weight=model.weight * np.maximum(mass, SMALLEST_SHARE),
+        friction=mean[n] + sd[n] * (z @ root[n, :n]),
+        friction_sd=float(sd[n] * root[n, n]),
     )
 
 
@@ -194,9 +199,13 @@ class Sample:
 def sample_parameters(model: PushedBody, samples: int, seed: int) -> Sample:
     """Draws all uncertain parameters of an object."""
     z = np.random.default_rng(seed).standard_normal((samples, len(UNCERTAIN)))
-    mean = model.means
-    x = mean + model.deviations * (z @ _triangular_root(model.correlation).T)
-    x[:, :4] = np.maximum(x[:, :4], SMALLEST_SHARE * mean[:4])
+    z = z @ _triangular_root(model.correlation).T
+    return sample_at(model, model.means + model.deviations * z)
+
+
+def sample_at(model: PushedBody, x: Array) -> Sample:
+    """Objects of parameters in the order of `UNCERTAIN`, shape (k, 7), cut off as those drawn."""
+    x = np.column_stack((np.maximum(x[:, :4], SMALLEST_SHARE * model.means[:4]), x[:, 4:]))
     return Sample(
         weight=model.weight / model.mass * x[:, UNCERTAIN.index("mass")],
         friction=x[:, UNCERTAIN.index("friction")],
@@ -234,12 +243,10 @@ def normal_cdf(x: Array) -> Array:
 
 
 @cache
-def normal_nodes(k: int) -> Array:
-    """Standard normal deviates at the first k points of the Halton sequence, shape (k, 4)."""
-    inverse = NormalDist().inv_cdf
-    return np.array(
-        [[inverse(_radical_inverse(i, b)) for b in (2, 3, 5, 7)] for i in range(1, k + 1)]
-    )
+def normal_nodes(k: int, *, mass: bool = False) -> Array:
+    """Standard normal deviates at the first k points of the Halton sequence, (k, 4) or (k, 5)."""
+    inverse, bases = NormalDist().inv_cdf, (2, 3, 5, 7, 11)[: 4 + mass]
+    return np.array([[inverse(_radical_inverse(i, b)) for b in bases] for i in range(1, k + 1)])
 
 
 def _radical_inverse(i: int, base: int) -> float:

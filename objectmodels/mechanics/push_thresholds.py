@@ -92,7 +92,7 @@ def slide_threshold(
     return force_at(r, w, weight)
 
 
-def force_at(r: Array, w: Array, weight: float) -> Array:
+def force_at(r: Array, w: Array, weight: Array | float) -> Array:
     """Force s = r G / (1 + r u_z) of a load ratio r = s/N; inf for r = inf [N]."""
     with np.errstate(invalid="ignore"):
         return np.where(np.isfinite(r), r * weight / (1.0 + r * w), np.inf)

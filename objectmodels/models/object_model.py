@@ -304,7 +304,7 @@ class ObjectModel(Parameters, ABC):
             points: contact points p_BC, shape (n, 3) [m].
             directions: unit directions of the force in B, shape (n, 3).
             force: size of the push [N]; if not given, the class at the onset is meant.
-            exact: take the exact tier, as in `thresholds`; for the class at the onset only.
+            exact: take the exact tier, as in `thresholds`.
 
         Raises:
             ModelError: `bad_array`, `bad_value`, `off_object`.

@@ -237,9 +237,16 @@ class Touch:
 
 
 def outcome_probability(model: ObjectModel, touch: Touch) -> float:
-    """Probability of an outcome at a contact, whatever the finger transmits."""
+    """Probability of an outcome at a contact, whatever the finger transmits.
+
+    By the exact tier, with which the closed form agrees where the object does not turn.
+    """
+    if touch.turns:
+        from objectmodels.mechanics.exact.exact_probability import least_probability
+
+        return least_probability(model, touch.point, np.array(touch.normal), touch.outcome)
     point, normal = touch.point[None], np.array([touch.normal])
-    found = model.cone_thresholds(point, normal, sigmas=0.0, yaw=touch.turns)
+    found = model.cone_thresholds(point, normal, sigmas=0.0, yaw=False)
     p = found.probability_slide if touch.outcome == "slide" else found.probability_topple
     return float(p[0])
 

@@ -94,7 +94,7 @@ def _best_candidate(
     require_place(problem, step, sides)
     problem = _in_time(problem, step)
     queries = ContactQueries(search, problem)
-    least, doubted = math.inf, False
+    least, doubted, asked = math.inf, False, problem.effort.probability
     for rated in _rated_cases(problem, step, sides, queries):
         strong, needed = _strong_enough(problem, step, rated)
         least = min(least, needed)
@@ -110,6 +110,10 @@ def _best_candidate(
                 doubted = True
                 continue
             if queries.is_reached(push):
+                if outcome_prediction.probability(problem, step, contact) < asked:
+                    doubted = True
+                    queries.forget(push)  # less may be asked of it in another case
+                    continue
                 found = _push_candidate(problem, step, contact, push, len(queries.denied))
                 return replace(
                     found,

@@ -52,8 +52,9 @@ class Contacts:
         cone: thresholds over the friction cone at `sigmas`.
         sigmas: standard deviations that the worst case takes.
         guarded: whether the cone is that of the hand's stiffness instead of friction's.
+        turning: whether the object may turn about the vertical before it does what is wanted.
         chosen: contacts whose outcome is as wanted, the best first.
-        probability: of the wanted outcome, for the chosen ones.
+        probability: of the wanted outcome by the closed form, for the chosen ones.
     """
 
     side: Side
@@ -64,6 +65,7 @@ class Contacts:
     cone: ConeThresholds
     sigmas: float
     guarded: bool
+    turning: bool
     chosen: NDArray[np.intp]
     probability: Array
 
@@ -100,7 +102,7 @@ class Contact:
 
     @property
     def probability(self) -> float:
-        """Probability of the wanted outcome."""
+        """Probability of the wanted outcome by the closed form, exact for what does not turn."""
         return float(self.among.probability[self.rank])
 
 
@@ -227,6 +229,7 @@ def rate_contacts(
                     spread=allowed.spread,
                     sigmas=sigmas,
                     guarded=guarded,
+                    turning=turning,
                     **_rate_face(
                         believed,
                         side.face,

@@ -8,6 +8,7 @@ from __future__ import annotations
 import functools
 import math
 from statistics import NormalDist
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +21,7 @@ from objectmodels.mechanics.push_outcomes import OUTCOMES
 from objectmodels.mechanics.push_thresholds import slide_threshold, yaw_arm
 from planner.problem.planning_problem import PushProblem, PushStep
 from planner.problem.tilt_goals import prediction_with_return
-from planner.pushing.contact_sampling import Contact, Contacts
+from planner.pushing.contact_sampling import Contact, Contacts, model_limited_by_hand
 from planner.types.actions import Margins, Prediction, Push, Vector3
 
 _SPINS = 0.15  # share of the force to tip a round object over which it may turn on its rim before
@@ -74,7 +75,7 @@ def prediction(problem: PushProblem, step: PushStep, contact: Contact) -> Predic
         topple_force=_finite_or_none(nominal.topple[0]),
         critical_height=_finite_or_none(cone.critical_height[i]),
         critical_height_worst=_finite_or_none(worst),
-        probability=contact.probability,
+        probability=probability(problem, step, contact),
         stay_on_base_angle=model.angle_of_no_return(inward),
         tier="exact",
         friction="static",
@@ -82,6 +83,19 @@ def prediction(problem: PushProblem, step: PushStep, contact: Contact) -> Predic
     if step.tilt is None:
         return predicted
     return prediction_with_return(predicted, model, inward, step.tilt, problem.defaults)
+
+
+def probability(problem: PushProblem, step: PushStep, contact: Contact) -> float:
+    """Probability of the wanted outcome, whatever the finger transmits, by the exact tier.
+
+    The closed form's is as good for two fingers, which leave the object no turning.
+    """
+    model = problem.target.model
+    if contact.among.fingers == 2:
+        return contact.probability
+    if contact.among.guarded:
+        model = model_limited_by_hand(model, problem.robot.limits)
+    return _exact_probability(model, *_place(contact), step.outcome, contact.among.turning)
 
 
 def confirm_with_exact_tier(problem: PushProblem, step: PushStep, contact: Contact) -> bool:
@@ -122,6 +136,24 @@ def _place(contact: Contact) -> tuple[Vector3, Vector3]:
 
 
 # Kept, since models never change and the same contacts are asked for again and again.
+@functools.lru_cache(maxsize=1024)
+def _exact_probability(
+    model: ObjectModel, point: Vector3, normal: Vector3, outcome: Literal["slide", "topple"],
+    turning: bool,
+) -> float:  # fmt: skip
+    """Probability of an outcome at a contact for the worst force in the finger's cone.
+
+    What turns the object presses on it sideways.
+    """
+    from objectmodels.mechanics.exact.exact_probability import least_probability
+
+    spins = outcome == "topple" and isinstance(model.base, Disc)
+    topples_at = 1.0 - _SPINS if spins else 1.0
+    return least_probability(
+        model, np.array(point), np.array(normal), outcome, aside=turning, topples_at=topples_at
+    )
+
+
 @functools.lru_cache(maxsize=1024)
 def _exact_thresholds(
     model: ObjectModel, point: Vector3, normal: Vector3, grip: float

@@ -96,5 +96,9 @@ class ContactQueries:
             self.denied.append(answer)
         return answer.ok
 
+    def forget(self, push: Push) -> None:
+        """Lets a push be asked for again."""
+        self._asked[push.fingers].pop(push.p_BC, None)
+
     def _looks_hopeless(self, push: Push) -> bool:
         return self._problem.robot.estimate_reach(push, self._problem.state) == 0.0

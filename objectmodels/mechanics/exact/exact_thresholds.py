@@ -36,12 +36,18 @@ from objectmodels.mechanics.exact.slide_search import (
 )
 from objectmodels.mechanics.exact.support_springs import Springs
 from objectmodels.mechanics.push_outcomes import Thresholds, closed_form_thresholds
-from objectmodels.mechanics.push_thresholds import force_at, push_axes, ratio_at
+from objectmodels.mechanics.push_thresholds import (
+    force_at,
+    push_axes,
+    ratio_at,
+    topple_threshold,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from objectmodels.geometry.pushed_body import Friction, PushedBody
+    from objectmodels.mechanics.outcome_probability import Sample
 
 BORDER = 0.4
 """Relative distance of the closed form's thresholds within which its class may be wrong."""
@@ -73,22 +79,27 @@ class ExactThresholds(Thresholds):
         """Onset if the support points shared the load as well as they can, shape (n,) [N].
 
         Raises:
-            ModelError: `no_bounds` if the friction radius was fitted: its points are not known.
+            ModelError: `no_bounds` if the friction radius was fitted: its points are not known;
+                `not_solved` if it is below the onset.
         """
         from objectmodels.mechanics.exact.load_sharing_bounds import best_case_onset
 
-        return best_case_onset(self)
+        bound = best_case_onset(self)
+        _require_order(self.onset, bound)
+        return np.maximum(bound, self.onset)
 
     @cached_property
     def pessimistic(self) -> Array:
         """Onset if they shared it as badly as balance allows, shape (n,) [N].
 
         Raises:
-            ModelError: `no_bounds`, as for `optimistic`.
+            ModelError: `no_bounds` and `not_solved`, as for `optimistic`.
         """
         from objectmodels.mechanics.exact.load_sharing_bounds import worst_case_onset
 
-        return worst_case_onset(self)
+        bound = worst_case_onset(self)
+        _require_order(bound, self.onset)
+        return np.minimum(bound, self.onset)
 
     def _sliding_twists(self, i: NDArray[np.bool_]) -> Array:
         p, u = (v[i] for v in self.push)
@@ -126,6 +137,27 @@ def exact_thresholds(model: PushedBody, p: Array, u: Array, friction: Friction) 
     )
 
 
+def thresholds_of_sample(
+    model: PushedBody, sample: Sample, p: Array, u: Array
+) -> tuple[Array, Array]:
+    """Forces at which drawn bodies slide and topple, (k,) each [N], for a push of each, (k, 3).
+
+    Raises:
+        ModelError: `not_solved` if one is not certain.
+    """
+    springs, weight, w = springs_of(model), sample.weight, u[:, 2]
+    topples = topple_threshold(model.base, p, u, sample.com, 1.0)
+    tips, scale = ratio_at(topples, w, 1.0), sample.friction_radius / springs.radius
+    slides, residual = np.empty_like(weight), np.empty_like(weight)
+    for b in push_blocks(len(p), springs):
+        body = Standing(model.base, springs, scale[b], sample.friction[b], sample.com[b, :2])
+        answer = SlideSearch(body, p[b], u[b], tips[b]).first_slides(tips[b])
+        slides[b], residual[b] = answer.ratio, answer.residual
+    _require_certainty(residual)
+    jams = np.isfinite(slides) & (1.0 + slides * w <= 0.0)
+    return force_at(np.where(jams, np.inf, slides), w, weight), weight * topples
+
+
 def _require_certainty(residual: Array) -> None:
     """Refuses answers whose loads and forces do not balance the push."""
     (wrong,) = np.nonzero(~(residual <= CERTAIN))
@@ -134,6 +166,19 @@ def _require_certainty(residual: Array) -> None:
             "not_solved",
             f"loads and friction of push {wrong[0]} were not found: residual "
             f"{residual[wrong[0]]:.1e}, {CERTAIN:.0e} is certain",
+            suggestions=("move its contact by a tenth of a millimetre", "take the closed form"),
+        )
+
+
+def _require_order(low: Array, high: Array) -> None:
+    """Refuses answers whose onset and bounds contradict one another."""
+    with np.errstate(invalid="ignore"):
+        (wrong,) = np.nonzero(low - high > CERTAIN * low)
+    if wrong.size:
+        i = wrong[0]
+        raise ModelError(
+            "not_solved",
+            f"onset and bounds of push {i} contradict: {low[i]:.9g} N is not below {high[i]:.9g} N",
             suggestions=("move its contact by a tenth of a millimetre", "take the closed form"),
         )
 

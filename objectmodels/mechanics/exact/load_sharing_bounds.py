@@ -8,7 +8,8 @@ can be held, not how the object moves: Coulomb friction is not associated.)
 
 *Pessimistic*: the smallest push that some admissible loads cannot hold. The friction limit is
 concave in the loads, so the worst ones are at a corner of those that are admissible: they rest on
-three points around the centre of pressure.
+three points around the centre of pressure. Many points are taken as an area, of which a single spot
+may bear all the load: then any push turns the object whose line passes that spot by.
 
 Pushes are measured by the load ratio r = s/N, as in
 `objectmodels.mechanics.exact.exact_thresholds`.
@@ -34,8 +35,8 @@ if TYPE_CHECKING:
 BLOCK, TRIANGLES = 512, 20_000
 """Pushes, and triples of points times pushes, that are treated at once."""
 
-MOST_POINTS = 12
-"""Of more points than these the bounds take the corners of the hull only: they are extreme."""
+MOST_POINTS = 24
+"""More points than these are an area, for the pessimistic bound."""
 
 _STEEPER = 8.0  # by which the barrier's weight grows
 _PRECISE = 1e-9  # relative gap at which the barrier method stops
@@ -48,11 +49,13 @@ _STEPS, _ROOT = 60, 1e-11
 
 def best_case_onset(t: ExactThresholds) -> Array:
     """Onset under the best sharing of the load, shape (n,) [N]."""
-    (p, u), (_, c, _, weight) = t.push, t.body
-    points, base = _resting_on(t), t.body[0]
+    _require_known(t)
+    (p, u), (base, c, _, weight) = t.push, t.body
+    # Loads anywhere on the base hold no more than loads at its corners do.
+    points = base.corners
     if isinstance(base, Disc):
         # A polygon around the rim, so that no push that the rim holds is left out.
-        points = base.corners / np.cos(np.pi / len(base.corners))
+        points = points / np.cos(np.pi / len(points))
     found: Array = np.full(len(p), np.inf)
     h = np.hypot(u[:, 0], u[:, 1])
     (level,) = np.nonzero(h > 0.0)
@@ -66,20 +69,14 @@ def best_case_onset(t: ExactThresholds) -> Array:
     return found
 
 
-def _resting_on(t: ExactThresholds) -> Array:
-    """Points that may carry the load, shape (k, 2) [m].
-
-    Those of the support, or the corners of the base if it is evenly pressed: loads anywhere on it
-    hold no more than loads at its corners do.
-    """
+def _require_known(t: ExactThresholds) -> None:
+    """Makes sure that the points are known that may carry the load."""
     if t.fitted:
         raise ModelError(
             "no_bounds",
             "the friction radius was fitted, so where the object stands is not known",
             suggestions=("bounds belong to a support of corners or of given points",),
         )
-    points = t.support[0]
-    return np.asarray(points if len(points) <= MOST_POINTS else t.body[0].corners)
 
 
 def _largest_ratio(points: Array, com: Array, p: Array, u: Array, mu: float) -> Array:
@@ -157,8 +154,11 @@ def _interior_shares(x: Array, step: Array, lift: Array, v_x: Array, v_y: Array)
 
 def worst_case_onset(t: ExactThresholds) -> Array:
     """Onset under the worst sharing of the load, shape (n,) [N]."""
+    _require_known(t)
     (p, u), (_, c, _, weight) = t.push, t.body
-    points = _resting_on(t)
+    points = t.support[0]
+    if len(points) > MOST_POINTS:
+        return np.minimum(_onset_on_a_spot(t), t.topple)
     threes = _support_triangles(points)
     worst = np.full(len(p), np.inf)
     block = max(TRIANGLES // len(threes), 1)
@@ -168,6 +168,17 @@ def worst_case_onset(t: ExactThresholds) -> Array:
         worst[b] = _smallest_ratio(points, threes, c[:2], p[b], u[b], t.coefficient, tips)
     found = force_at(worst, u[:, 2], weight)
     return np.asarray(np.minimum(np.where(found > 0.0, found, np.inf), t.topple))
+
+
+def _onset_on_a_spot(t: ExactThresholds) -> Array:
+    """Onset of sliding or turning if the load rests on its centre alone, shape (n,) [N]."""
+    (p, u), (base, c, _, weight) = t.push, t.body
+    h, _, across = push_axes(u)
+    passes_by = np.abs(np.sum((p - c)[:, :2] * across, axis=1)) > _THIN * base.size
+    with np.errstate(divide="ignore"):
+        ratio = np.where(passes_by & (h > 0.0), 0.0, t.coefficient / h)
+    never = 1.0 + ratio * u[:, 2] <= 0.0
+    return force_at(np.where(never, np.inf, ratio), u[:, 2], weight)
 
 
 def _support_triangles(points: Array) -> NDArray[np.intp]:

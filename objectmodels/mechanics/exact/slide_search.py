@@ -31,10 +31,12 @@ CERTAIN = 1e-6
 """Residual up to which an answer is one."""
 
 _STEPS = 100
+_MORE = 1e-8  # share by which more friction is used, beyond the precision of its limit
 _NEWTON = 12  # steps after which every other one halves the bracket
 _PRECISE = 1e-12  # of the load ratio
 _LOOKS = 16  # even steps in which slides before the one found are looked for
 _FEW = 24  # points up to which all changes of the loaded ones are looked at instead
+_LOOKS_USED, _FEW_USED = 4, 12  # the same for the largest friction used, which is flat there
 
 Index = NDArray[np.intp]
 
@@ -163,9 +165,12 @@ class SlideSearch:
         loaded = self.loaded.copy()
         while i.size:
             self.loaded = loaded.copy()
-            i, _, earlier = self._earlier_brackets(i, at[i])
+            i, _, earlier = self._earlier_brackets(i, at[i], _FEW_USED, _LOOKS_USED)
             look = self.friction_excess(earlier, i, precise=True)
-            self.mu[i] = earlier * self.h[i] / look.limit.ratio
+            used = earlier * self.h[i] / look.limit.ratio
+            more = used > self.mu[i] * (1.0 + _MORE)
+            i = i[more]
+            self.mu[i] = used[more]
         return self.mu
 
     def _movable(self) -> Index:
@@ -219,7 +224,9 @@ class SlideSearch:
             answer.residual[i] = self._residual(answer.ratio[i], i, look, whole)
             answer.motion[:, i] = look.limit.across, look.limit.turn
 
-    def _earlier_brackets(self, i: Index, found: Array) -> tuple[Index, Array, Array]:
+    def _earlier_brackets(
+        self, i: Index, found: Array, few: int = _FEW, looks: int = _LOOKS
+    ) -> tuple[Index, Array, Array]:
         """Pushes that slide before those found, where looked at last, and brackets of that.
 
         While the same points are loaded the loads are linear in r and S is concave in them: a push
@@ -231,12 +238,12 @@ class SlideSearch:
         i, found = i[changed], found[changed]
         if not i.size:
             return i, found, found
-        if len(self.springs.points) <= _FEW:
+        if len(self.springs.points) <= few:
             last = np.minimum(found, self.leaves[i])
             way = self.start[:, i], self.moves[:, i], last, rest[:, changed]
             ends = [*self.springs.load_changes(*way), last]
         else:
-            ends = list(np.arange(1, _LOOKS)[:, None] / _LOOKS * found)
+            ends = list(np.arange(1, looks)[:, None] / looks * found)
         lo, hi, earlier = np.zeros(i.size), found.copy(), np.zeros(i.size, dtype=bool)
         # Few pushes are looked at at many ends at once.
         at_once = max(BLOCK // max(len(self.springs.points) * i.size, 1), 1)

@@ -109,8 +109,9 @@ def test_one_finger_topples_what_turns_only_as_it_slides() -> None:
     made = plan(frame_of("topple the ice tea box with one finger"), state_of(model), RuledReach())
     assert isinstance(made, Plan)
     assert made.push.fingers == 1
-    # If it might turn while it tips, the doubt about its friction radius would leave 0.93.
-    assert made.probability > 0.99
+    # If it might turn while it tips, the doubt about its friction radius would leave 0.93. What is
+    # left of that comes from its centre of mass, which may lie beside the finger.
+    assert made.probability > 0.97
 
 
 @pytest.mark.parametrize(("room", "looks"), [(0.5, True), (0.7, False)])

@@ -6,9 +6,15 @@ import numpy as np
 import pytest
 
 from objectmodels import BoxModel, ModelError, ObjectModel, Registry
-from objectmodels.mechanics.exact.exact_thresholds import exact_codes, springs_of
+from objectmodels.mechanics.exact.exact_probability import least_probability
+from objectmodels.mechanics.exact.exact_thresholds import (
+    exact_codes,
+    springs_of,
+    thresholds_of_sample,
+)
 from objectmodels.mechanics.exact.slide_search import SlideSearch, Standing
-from objectmodels.mechanics.outcome_probability import draw_parameters
+from objectmodels.mechanics.friction_cone import contact_forces
+from objectmodels.mechanics.outcome_probability import draw_parameters, sample_parameters
 from objectmodels.mechanics.push_thresholds import ratio_at, topple_threshold
 
 CRATE = BoxModel(
@@ -71,8 +77,54 @@ def test_a_batch_is_answered_as_its_pushes_one_by_one() -> None:
     np.testing.assert_allclose(model.likelihood(p, u, exact=True).topple, singly, atol=1e-9)
 
 
-def test_a_force_is_no_question_for_it() -> None:
-    p, u = pushes(CRATE, 1, 0)
+@pytest.mark.parametrize("correlations", [(), (("mass", "friction", -0.7),)])
+def test_what_a_force_does_is_what_it_does_to_drawn_bodies(
+    correlations: tuple[tuple[str, str, float], ...],
+) -> None:
+    model = BoxModel(**(CRATE.model_dump() | {"correlations": correlations}))
+    p, u = pushes(model, 4, 8)
+    n = 2000
+    sample = sample_parameters(model, n, 1)
+    for i, force in enumerate([1.5, 2.5, 3.0, 3.5]):
+        told = model.likelihood(p[[i]], u[[i]], force=force, exact=True)
+        slide, topple = thresholds_of_sample(
+            model, sample, np.tile(p[i], (n, 1)), np.tile(u[i], (n, 1))
+        )
+        moves = np.minimum(slide, topple) <= force
+        shares = [~moves, moves & (slide < topple), moves & (slide >= topple)]
+        # 64 points of five numbers, and three standard deviations of a share of 2000.
+        got = np.ravel([told.none, told.slide, told.topple])
+        np.testing.assert_allclose(got, np.mean(shares, axis=1), atol=0.03 + 0.034)
+
+
+def test_a_force_of_nothing_moves_nothing_and_must_be_a_number() -> None:
+    p, u = pushes(CRATE, 2, 0)
+    still = CRATE.likelihood(p, u, force=0.0, exact=True)
+    np.testing.assert_allclose(still.none, 1.0, atol=1e-6)  # of the normal's far end
     with pytest.raises(ModelError) as caught:
-        CRATE.likelihood(p, u, force=3.0, exact=True)
+        CRATE.likelihood(p, u, force=float("nan"), exact=True)
     assert caught.value.code == "bad_value"
+
+
+def test_the_least_probable_force_of_a_cone_is_no_more_probable_than_those_in_it() -> None:
+    p, normal = np.array([-0.05, 0.02, 0.12]), np.array([-1.0, 0.0, 0.0])
+    grip = CRATE.model_copy(update={"finger_friction": 0.4, "finger_friction_sd": 0.0})
+    turns = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
+    u = contact_forces(normal, 0.4 * np.column_stack((np.cos(turns), np.sin(turns))))
+    around = grip.likelihood(np.tile(p, (8, 1)), u, exact=True)
+    for outcome in ("slide", "topple"):
+        least = least_probability(grip, p, normal, outcome)
+        # The nominal body's worst direction stands for that of all; the ring encloses the cone.
+        assert least <= getattr(around, outcome).min() + 0.02
+    upright = least_probability(grip, p, normal, "topple", aside=False)
+    assert upright >= least_probability(grip, p, normal, "topple")
+    early = least_probability(grip, p, normal, "topple", topples_at=0.8)
+    assert early >= least_probability(grip, p, normal, "topple")
+
+
+def test_the_friction_that_is_used_is_found_where_limits_are_coarse() -> None:
+    """Near tipping a rim bears on few points; there the search went on without end."""
+    bottle = Registry.built_in().get("water bottle")
+    p, u = pushes(bottle, 60, 0)
+    likely = bottle.likelihood(p, u, exact=True)
+    np.testing.assert_allclose(likely.none + likely.slide + likely.topple, 1.0, atol=1e-12)

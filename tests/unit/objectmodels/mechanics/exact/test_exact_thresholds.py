@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from objectmodels import BoxModel, CylinderModel, ModelError, Polygon, Registry
-from objectmodels.mechanics.exact import exact_thresholds
+from objectmodels.mechanics.exact import exact_thresholds, load_sharing_bounds
 from objectmodels.mechanics.exact.exact_thresholds import ExactThresholds, exact_codes
 from objectmodels.mechanics.exact.slide_search import CERTAIN
 from objectmodels.mechanics.exact.support_springs import Springs
@@ -162,6 +162,33 @@ def test_the_bounds_bracket_the_onset_and_meet_for_three_feet() -> None:
             assert spread.max() > 1.05  # how it stands matters for four feet
         else:
             assert spread.max() < 1.0 + 1e-6  # three feet leave no choice
+
+
+@pytest.mark.parametrize("name", ["ice tea box", "coffee box"])
+def test_an_evenly_pressed_base_may_bear_on_one_spot(name: str) -> None:
+    """Straight through it, that resists as all of it; any push that passes it by turns it."""
+    model, rng = Registry.built_in().get(name), np.random.default_rng(2)
+    p = np.array(model.extents) * rng.uniform([-0.5, -0.5, 0.0], [0.5, 0.5, 1.0], (60, 3))
+    u = rng.normal(size=(60, 3))
+    u[:20, 2] = 0.0
+    p[:20, :2] = np.array(model.com[:2]) - 0.01 * u[:20, :2]
+    u /= np.linalg.norm(u, axis=1, keepdims=True)
+    t = model.thresholds(p, u, exact=True)
+    # On the line through the spot the loads do not matter, but for their limit's precision.
+    np.testing.assert_allclose(t.pessimistic[:20], t.onset[:20], rtol=1e-8)
+    assert (t.pessimistic[20:] == 0.0).all()
+    assert (t.onset <= t.optimistic).all()
+
+
+def test_bounds_that_contradict_the_onset_are_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    t = BOX.thresholds([[-0.045, 0.03, 0.02]], [[1.0, 0.0, 0.0]], exact=True)
+    wrong = {"worst_case_onset": 1.01, "best_case_onset": 0.99}
+    for name, share in wrong.items():
+        monkeypatch.setattr(load_sharing_bounds, name, lambda t, share=share: share * t.onset)
+    for bound in ("pessimistic", "optimistic"):
+        with pytest.raises(ModelError) as caught:
+            getattr(t, bound)
+        assert caught.value.code == "not_solved"
 
 
 FEET = (
