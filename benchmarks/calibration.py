@@ -134,9 +134,8 @@ def by_mujoco(model: ObjectModel, n: int, seed: int) -> tuple[Array, NDArray[np.
 
     model = model.model_copy(update={"friction_radius_sd": 0.0})
     rng = np.random.default_rng(seed)
-    stated, came, right = [], [], []
-    while len(stated) < n:
-        number = len(stated)
+    seen: list[tuple[float, bool, bool]] = []
+    while len(seen) < n:
         p, u = random_pushes(model, 1, rng)
         drawn = sample_parameters(model, 1, int(rng.integers(2**32)))
         slide, topple = (force.item() for force in thresholds_of_sample(model, drawn, p, u))
@@ -144,14 +143,13 @@ def by_mujoco(model: ObjectModel, n: int, seed: int) -> tuple[Array, NDArray[np.
         if onset > HEAVIEST * model.weight:
             continue
         body, outcome = _drawn_body(model, drawn), "slide" if slide < topple else "topple"
-        push = Push(number, body, p[0], u[0], outcome, onset, apart=0.0)
-        seen = roll_out(MujocoWorld(body), push)
+        push = Push(len(seen), body, p[0], u[0], outcome, onset, apart=0.0)
+        saw = roll_out(MujocoWorld(body), push).outcome
         likely = model.likelihood(p, u, exact=True)
         told = "slide" if likely.slide.item() > likely.topple.item() else "topple"
-        stated.append(likely.topple.item())
-        came.append(seen.outcome == "topple")
-        right.append(seen.outcome == told)
-    return np.array(stated), np.array(came), np.array(right)
+        seen.append((likely.topple.item(), saw == "topple", saw == told))
+    stated, came, right = (np.array(part) for part in zip(*seen, strict=True))
+    return stated, came, right
 
 
 def _drawn_body(model: ObjectModel, drawn: Sample) -> ObjectModel:
