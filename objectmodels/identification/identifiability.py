@@ -4,7 +4,9 @@ A parameter counts as identified if the trials alone, with everything else that 
 too, leave less of it open than `UNKNOWN`: the covariance of a fit from almost no prior knowledge
 says so, whose wide directions are what the trials cannot see. What is not sought, or cannot be
 found, is kept as believed; then a value found may hang on that belief: by no more than `HANGS` of
-itself if the parameters are chosen here, `HANGS_WHEN_ASKED` if the caller named them.
+itself if the parameters are chosen here, `HANGS_WHEN_ASKED` if the caller named them. Slides alone
+give only friction times mass: the better known of the two is kept. A standard deviation of zero is
+one of certainty where the model states it, else of knowing nothing.
 """
 
 from __future__ import annotations
@@ -29,6 +31,7 @@ from objectmodels.identification.parameter_coordinates import (
     RADIUS,
     Mask,
 )
+from objectmodels.models.object_model import ObjectModel
 
 UNKNOWN = 0.5
 """Standard deviation of a logarithm from which on a parameter counts as not found. Of the
@@ -118,20 +121,30 @@ def identifiable_parameters(
         return free, ()
     free = np.ones(len(UNCERTAIN), dtype=bool)
     everything = free.copy()
-    unsure = belief + np.diag(np.where(np.diag(belief) > 0.0, 0.0, _weak_deviations(balance) ** 2))
+    unknown = (np.diag(belief) == 0.0) & ~_stated(balance.model)
+    unsure = belief + np.diag(np.where(unknown, _weak_deviations(balance) ** 2, 0.0))
+    order = _GIVEN_UP
+    if unsure[MASS, MASS] < unsure[FRICTION, FRICTION]:
+        order = (*_GIVEN_UP[:-2], MASS, FRICTION)
     while True:
         wanting = _open_parameters(balance, at, free)
         if not wanting.any():
             wanting = _belief_dependent(balance, at, free, unsure, HANGS)
         if not wanting.any():
             break
-        free[next(k for k in _GIVEN_UP if wanting[k])] = False
+        free[next(k for k in order if wanting[k])] = False
     lost = tuple(missing_parameter(balance, at, int(k), everything) for k in np.flatnonzero(~free))
     kinds = set(balance.touches.kind)
     if not free[[MASS, FRICTION]].any() and (kinds != {"slip"} or not free.any()):
         relevant = [m for m in lost if _is_concerned(m.name, kinds)]
         raise not_identifiable_error(relevant)
     return free, lost
+
+
+def _stated(model: ObjectModel) -> Mask:
+    """Parameters whose standard deviations the model states, shape (7,)."""
+    by_field = [name for name in UNCERTAIN if not name.startswith("com_")] + 3 * ["com"]
+    return np.array([f"{name}_sd" in model.model_fields_set for name in by_field])
 
 
 def _is_concerned(name: str, kinds: set[str]) -> bool:

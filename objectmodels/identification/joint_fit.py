@@ -1,15 +1,8 @@
 """Joint fit of an object's parameters to all trials, by prediction error.
 
 The parameters make the models' own thresholds fit what was felt, each row weighted by its noise
-(`leastsquares`); slides by the exact tier. How the base carries the object decides how it turns, so
-off-centre slides are tried with the model's own support, `uniform` and `corners`, and the one that
-predicts better is taken.
-
-Outliers: a kind of measurement (forces of slides, of tilts, turn rates, ratios of slips) with
-five rows or more is looked at. A row whose residual lies more than `OUTLIER` robust standard
-deviations (1.4826 times the median distance from the kind's median, but no less than the stated
-one) from that median is suspected; suspects are left out, the worst first and at most a fifth
-of all trials, and stay out if the fit without them still misses them by so much.
+(`least_squares`); slides by the exact tier, on the support that explains them best
+(`support_choice`). Trials that the others contradict are left out (`outlying_trials`).
 
 The scale of the force sensor cannot be seen from inside: a common factor of all forces goes into
 the mass alone.
@@ -26,7 +19,7 @@ import numpy as np
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.pushed_body import UNCERTAIN
-from objectmodels.geometry.support_points import Support, friction_radius
+from objectmodels.geometry.support_points import Support
 from objectmodels.html_table import html_table
 from objectmodels.identification.belief_update import belief_of
 from objectmodels.identification.identifiability import identifiable_parameters
@@ -36,42 +29,22 @@ from objectmodels.identification.least_squares import (
     solve_least_squares,
 )
 from objectmodels.identification.measurement_model import Balance
+from objectmodels.identification.outlying_trials import solution_without_outliers
 from objectmodels.identification.parameter_coordinates import (
-    COM_X,
     FRICTION,
     LOGARITHMIC,
-    RADIUS,
-    Mask,
     coordinate_units,
-    coordinates_of,
     correlation_of,
     with_belief,
     with_values,
 )
+from objectmodels.identification.support_choice import best_support
 from objectmodels.identification.trial import Trial
-from objectmodels.mechanics.push_thresholds import yaw_arm
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.parameters import Provenance
 
-OUTLIER = 4.0
-"""Robust standard deviations from which on a residual is an outlier."""
-
-MOST_DROPPED = 0.2
-"""Share of the trials that may be left out."""
-
-DIFFERENT = 4.0
-"""Difference of −2 log likelihood from which on one support surely predicts better than another."""
-
 TOLD_SPREAD = 0.005
 """Spread of the friction from which on it is told."""
-
-_LEAST_ROWS = 5
-_TO_SD = 1.4826  # standard deviations of a normal distribution for each median distance
-_OFF_CENTRE = 0.1  # arm as a share of c̄
-
-
-_Tried = tuple[float, Solution, Balance]
-"""The misfit of a support, the solution with it, and its balance."""
 
 
 @dataclass(frozen=True)
@@ -176,136 +149,13 @@ def fit(
         free, lost = identifiable_parameters(coarse, start, belief, parameters)
         notes += [f"{m.name} is kept as believed: {m.reason}" for m in lost]
     first = solve_least_squares(coarse, model.means, free, belief, prior=prior)
-    chosen, balance, doubt, told = _best_support(
+    chosen, balance, doubt, told = best_support(
         model, trials, first, belief, prior, exact, supports
     )
     notes += told
-    solution, dropped = _without_outliers(balance, chosen, belief, prior)
+    solution, dropped = solution_without_outliers(balance, chosen, belief, prior)
     solution = replace(solution, covariance=solution.covariance + doubt)
     return _fit_from(balance, solution, dropped, notes)
-
-
-def _best_support(
-    model: ObjectModel, trials: Sequence[Trial], first: Solution, belief: Array, prior: bool,
-    exact: bool, supports: Sequence[Support] | None,
-) -> tuple[Solution, Balance, Array, list[str]]:  # fmt: skip
-    """The solution of the support that predicts best, what doubt of it adds, what was compared."""
-    coarse = Balance(model, trials)
-    if not exact or not _has_turning_slide(coarse, first.values):
-        return first, coarse, np.zeros((7, 7)), []
-    tried = list(supports or (model.support, "uniform", "corners"))
-    if not first.free[RADIUS] and supports is None:
-        tried = [model.support]
-    found: list[_Tried] = []
-    for support in dict.fromkeys(tried):
-        balance = Balance(_standing_on(model, support), trials, exact=True)
-        solution = solve_least_squares(balance, first.values, first.free, belief, prior=prior)
-        rows = _robust_rows(balance, solution)
-        found.append((_support_misfit(balance, solution, rows), solution, balance))
-    best = min(found, key=lambda one: one[0])
-    return best[1], best[2], _between_supports(found, best), _comparison_note(found, best[2])
-
-
-def _between_supports(found: Sequence[_Tried], best: _Tried) -> Array:
-    """Covariance from not being sure of the support: how far off the others are, by likelihood."""
-    weights = np.exp(-0.5 * (np.array([misfit for misfit, _, _ in found]) - best[0]))
-    apart = np.array(
-        [coordinates_of(s.values) - coordinates_of(best[1].values) for _, s, _ in found]
-    )
-    return np.asarray(apart.T @ (weights / weights.sum() * apart.T).T)
-
-
-def _standing_on(model: ObjectModel, support: Support) -> ObjectModel:
-    """The model carried otherwise; its friction radius changes as that of the support does."""
-    ratio = friction_radius(support, model.footprint) / friction_radius(
-        model.support, model.footprint
-    )
-    return model.model_copy(
-        update={"support": support, "friction_radius": model.friction_radius * ratio}
-    )
-
-
-def _comparison_note(found: Sequence[_Tried], taken: Balance) -> list[str]:
-    """Notes on the supports that were tried."""
-    if len(found) < 2:
-        return []
-    misfits = sorted(misfit for misfit, _, _ in found)
-    said = ", ".join(f"{_support_name(b.model.support)} {misfit:.1f}" for misfit, _, b in found)
-    why = "it predicts better"
-    if misfits[1] - misfits[0] < DIFFERENT:
-        why = "though the trials hardly tell them apart"
-    name = _support_name(taken.model.support)
-    return [f"the support {name} was taken, {why} (−2 log likelihood: {said})"]
-
-
-def _support_name(support: Support) -> str:
-    return support if isinstance(support, str) else f"of {len(support)} points"
-
-
-def _has_turning_slide(balance: Balance, values: Array) -> bool:
-    """Return True if a slide is so far off-centre that the object turns."""
-    t = balance.touches
-    i = t.kind == "slide"
-    arm = yaw_arm(t.p[i], t.u[i], values[COM_X:])
-    return bool((np.abs(arm) > _OFF_CENTRE * values[RADIUS]).any() or balance.turns.any())
-
-
-def _support_misfit(balance: Balance, solution: Solution, rows: Mask) -> float:
-    """Misfit of the rows that no support can be blamed for missing left out."""
-    rest = (balance.observed - solution.at.predicted)[rows]
-    return float((rest**2 / solution.variance[rows] + np.log(solution.variance[rows])).sum())
-
-
-def _robust_rows(balance: Balance, solution: Solution) -> Mask:
-    """Rows of trials that are not suspected."""
-    suspects = [i for i, _ in _suspected_outliers(balance, solution)]
-    return ~np.isin(balance.trial, suspects)
-
-
-def _suspected_outliers(balance: Balance, solution: Solution) -> list[tuple[int, float]]:
-    """Trials that may be outliers, the worst first, with their robust deviations."""
-    z = (balance.observed - solution.at.predicted) / solution.at.sd
-    worst = np.zeros(len(balance.touches.size))
-    for rows in balance.groups:
-        if len(rows) < _LEAST_ROWS:
-            continue
-        apart = np.abs(z[rows] - np.median(z[rows]))
-        apart /= max(_TO_SD * float(np.median(apart)), 1.0)
-        np.maximum.at(worst, balance.trial[rows], apart)
-    order = np.argsort(-worst)
-    most = int(MOST_DROPPED * len(worst))
-    return [(int(i), float(worst[i])) for i in order[:most] if worst[i] > OUTLIER]
-
-
-def _without_outliers(
-    balance: Balance, solution: Solution, belief: Array, prior: bool
-) -> tuple[Solution, dict[int, float]]:
-    """The fit without trials that the others contradict, and by how many deviations they do."""
-    suspects = dict(_suspected_outliers(balance, solution))
-    if not suspects:
-        return solution, {}
-    rows = ~np.isin(balance.trial, list(suspects))
-    without = solve_least_squares(
-        balance, solution.values, solution.free, belief, rows=rows, prior=prior
-    )
-    z = np.abs(_studentised_residuals(balance, without))
-    dropped = {i: far for i in suspects if (far := float(z[balance.trial == i].max())) > OUTLIER}
-    if len(dropped) == len(suspects):
-        return without, dropped
-    rows = ~np.isin(balance.trial, list(dropped))
-    again = solve_least_squares(
-        balance, without.values, without.free, belief, rows=rows, prior=prior
-    )
-    return again, dropped
-
-
-def _studentised_residuals(balance: Balance, solution: Solution) -> Array:
-    """Residuals over their standard deviation, those of rows left out including the fit's own."""
-    J = solution.at.jacobian
-    of_fit = np.einsum("ij,jk,ik->i", J, solution.own, J)
-    sign = np.where(solution.rows, -1.0, 1.0)
-    variance = np.maximum(solution.variance + sign * of_fit, 1e-6 * solution.variance)
-    return np.asarray((balance.observed - solution.at.predicted) / np.sqrt(variance))
 
 
 def _fit_from(

@@ -33,13 +33,15 @@ from objectmodels.identification.parameter_coordinates import (
 SIGNIFICANT = 0.05
 """Probability by chance below which squares that are too large count as more noise than stated."""
 
-_STEPS = 40
+_STEPS, _WHOLE = 60, 10  # and after how many they are halved
 _INNER = 50
 _SETTLED = 1e-3  # change of the variances, relative, and steps in standard deviations
+_BENT = 0.05  # the same for steps that have been swinging
 _LONGEST = 0.7  # step in a logarithm, a factor of two; along the base as a share of its size
 _HALVINGS = 12
 _HINTS = ("check where the contacts were, and the object's size",)
 _ROOTS = 40
+_NAMED = 3  # trials that are named if they contradict each other
 
 
 @dataclass(frozen=True)
@@ -106,12 +108,14 @@ def solve_least_squares(
     now = balance.linear_predictions(start)
     require_possible(balance, now, rows)
     guess = 0.0, 1.0
-    for _ in range(_STEPS):
+    for number in range(_STEPS):
         offset = (believed - coordinates_of(now.values))[free]
         step, state = _weighted_step(balance, now, free, rows, information, offset, guess)
         guess = state.spread, state.noise
         sd = np.sqrt(np.diag(state.own))
-        if (np.abs(step) <= _SETTLED * sd).all():
+        # Where a row bends sharply steps may swing to and fro; shorter ones settle there.
+        step *= 0.5 ** (number // _WHOLE)
+        if (np.abs(step) <= (_SETTLED if number < _WHOLE else _BENT) * sd).all():
             return _solution_at(balance, now, free, rows, belief, information, state)
         change = np.zeros(len(free))
         change[free] = step
@@ -119,8 +123,18 @@ def solve_least_squares(
     raise ModelError(
         "no_fit",
         "the trials contradict each other so much that no parameters explain them",
-        suggestions=("check units, contact points and what moved",),
+        suggestions=(
+            f"look at: {', '.join(_worst_sources(balance, now, rows))}",
+            "check units, contact points and what moved",
+        ),
     )
+
+
+def _worst_sources(balance: Balance, at: Linear, rows: Mask) -> list[str]:
+    """Names of the few trials that are predicted worst."""
+    far = np.where(rows, np.abs(balance.observed - at.predicted) / at.sd, 0.0)
+    worst = dict.fromkeys(balance.trial[np.argsort(-far)].tolist())
+    return [balance.touches.sources[trial] for trial in list(worst)[:_NAMED]]
 
 
 def require_possible(balance: Balance, at: Linear, rows: Mask | bool = True) -> None:

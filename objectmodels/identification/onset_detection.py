@@ -4,7 +4,8 @@ Model: while the object stands, the pressing finger hardly moves and the force r
 stiffness is loaded; once it moves, the finger travels and the force stays (a slide) or falls slowly
 (a tilt). So the travel over time is two straight lines that meet at the onset. The force there is
 read off the line of the force over the travel afterwards; if the object stuck harder than it slides
-(static friction above kinetic), off the rise before it.
+(static friction above kinetic), off the rise before it. A finger of a stiff arm travels evenly all
+the time: then the onset is where the force, as two straight lines over time, stops rising.
 
 In recordings places and forces are in the level axes that B had at their start. What moved is
 stated, or read off the object's tilt: force and place of the finger alone do not tell it.
@@ -21,7 +22,8 @@ from numpy.typing import ArrayLike
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.identification.trial import Moved, Trial, Vector
+from objectmodels.geometry.vector_arrays import rotate
+from objectmodels.identification.trial import ContactPath, Moved, Trial, Vector
 
 if TYPE_CHECKING:
     from objectmodels.geometry.pushed_body import PushedBody
@@ -34,6 +36,8 @@ LEAST_SAMPLES = 12
 _TOUCHED = 0.05  # share of the largest force from which on the finger touches
 _CANDIDATES = 200
 _KINK = 3.0  # the finger is so many times as fast after the onset as before
+_EVEN = 1.5  # a finger that does not yield is slowed by less than this
+_LOADED = 0.5  # share of the largest force that belongs to the rise, and to its end
 _AFTER = 0.010  # travel after the onset over which the force is fitted [m]
 _RISE = 0.4  # last share of the rise that is fitted before the onset
 _STICKS, _STICKS_SURELY = 0.03, 4.0  # a drop counts from this share and so many sd on
@@ -94,19 +98,25 @@ def detect_onset(time: ArrayLike, force: ArrayLike, travel: ArrayLike) -> Onset:
     first = int(np.argmax(smooth > _TOUCHED * smooth.max()))
     first = min(first, len(t) - LEAST_SAMPLES)
     kink, before, after = _two_lines(t[first:], x[first:])
+    yields = after > _KINK * max(before, 0.0)
+    if not yields:
+        end = first + 2 * _rising_samples(smooth[first:])
+        if end > first:
+            kink, *_ = _two_lines(t[first:end], f[first:end])
+            back = max(2 * first - end, 0)  # as much of the approach as of the rise
+            yields = _goes_on(t[back:], x[back:], kink)
     begin = first + int(np.searchsorted(t[first:], kink))
-    moved = x[-1] - x[begin] > LEAST_TRAVEL and after > _KINK * max(before, 0.0)
-    if not moved:
+    if not (yields and x[-1] - x[begin] > LEAST_TRAVEL):
         top = int(np.argmax(smooth))
         spread = float(np.std(f - smooth)) / np.sqrt(max(len(f) // 50, 3))
         return Onset(top, float(t[top]), float(smooth[top]), spread, moved=False)
-    later = slice(begin, max(int(np.searchsorted(x, x[begin] + _AFTER)), begin + 4))
-    sliding, sliding_sd = _line_value(x[later], f[later], x[begin])
+    way = slice(begin, max(int(np.searchsorted(x, x[begin] + _AFTER)), begin + 4))
+    sliding, sliding_sd = _line_value(x[way], f[way], x[begin])
     rising = slice(begin - max(int(_RISE * (begin - first)), 4), begin)
     if rising.start >= first:
         sticking, sticking_sd = _line_value(t[rising], f[rising], kink)
         # The averaged force shows a drop without relying on where exactly the kink is.
-        drop = min(sticking, float(smooth[first : later.stop].max())) - sliding
+        drop = min(sticking, float(smooth[first : way.stop].max())) - sliding
         sd = float(np.hypot(sticking_sd, sliding_sd))
         if drop > max(_STICKS * sliding, _STICKS_SURELY * sd):
             return Onset(begin, kink, sticking, sticking_sd, moved=True)
@@ -136,6 +146,24 @@ def _two_lines(t: Array, x: Array) -> tuple[float, float, float]:
     return float(kinks[best]), float(slope), float(slope + bend)
 
 
+def _rising_samples(force: Array) -> int:
+    """Samples in which a force rises before it stays for as long; 0 if it never stays or rises."""
+    size, i = float(force.max()), np.arange(3, len(force) // 2)
+    if force[0] > _LOADED * size:
+        return 0
+    stays = _KINK * (force[2 * i] - force[i]) < force[i] - force[0]
+    (found,) = np.nonzero(stays & (force[i] > _LOADED * size))
+    return int(i[found[0]]) if found.size else 0
+
+
+def _goes_on(t: Array, x: Array, kink: float) -> bool:
+    """Return True if the travel goes on after a time no slower than before, nearly."""
+    middle = int(np.searchsorted(t, kink))
+    before = (x[middle] - x[0]) / max(t[middle] - t[0], 1e-9)
+    after = (x[-1] - x[middle]) / max(t[-1] - t[middle], 1e-9)
+    return bool(0.0 < before < _EVEN * after)
+
+
 def _line_value(x: Array, y: Array, place: float) -> tuple[float, float]:
     """Value at a place of the straight line through y(x), and its standard deviation."""
     A = np.column_stack([np.ones_like(x), x - place])
@@ -157,6 +185,7 @@ class Recording:
         yaw: turn of the object, counter-clockwise, shape (n,) [rad]; None if not recorded.
         tilt: of the object, shape (n,) [rad]; None if not recorded.
         moved: what moved, if it was stated.
+        end: x, y [m], θ [rad] of B at the end, in B at the start; None if not recorded.
         repetition: as of `Trial`.
         source: what to call it in messages.
     """
@@ -167,6 +196,7 @@ class Recording:
     yaw: Array | None = None
     tilt: Array | None = None
     moved: Moved | None = None
+    end: Vector | None = None
     repetition: int = 0
     source: str = "a recording"
 
@@ -183,8 +213,9 @@ def trial_from_series(recording: Recording) -> tuple[Trial, Onset] | None:
     onset = detect_onset(recording.time, force @ d, travel)
     if not onset.moved:
         return None
-    way = _samples_after_onset(travel, onset.index)
-    mean = force[way].mean(axis=0)
+    whole = slice(onset.index, None)
+    way = _samples_after_onset(travel, onset.index) if recording.end is None else whole
+    mean = _forces_in_body(recording, travel, onset.index)[way].mean(axis=0)
     if mean @ d <= 0.0 or onset.force <= 0.0:
         raise ModelError(
             "bad_array",
@@ -195,14 +226,18 @@ def trial_from_series(recording: Recording) -> tuple[Trial, Onset] | None:
     found = onset.force * mean / (mean @ d)
     size = float(np.linalg.norm(found))
     moved = recording.moved or ("topple" if _held_tilt(recording) else "slide")
-    rate, rate_sd = _turn_rate(recording, travel, way) if moved == "slide" else (None, None)
+    point = vector_tuple(tip[onset.index])
+    rate, rate_sd, drift = None, None, None
+    if moved == "slide":
+        rate, rate_sd, drift = _slide_motion(recording, travel, way, point, vector_tuple(found))
     trial = Trial(
         moved=moved,
-        point=vector_tuple(tip[onset.index]),
+        point=point,
         force=vector_tuple(found),
         force_sd=float(np.hypot(onset.force_sd * size / onset.force, _FORCE_SHARE_SD * size)),
         turn_rate=rate,
         turn_rate_sd=rate_sd,
+        drift=drift,
         repetition=recording.repetition,
         source=recording.source,
     )
@@ -261,21 +296,44 @@ def _samples_after_onset(travel: Array, begin: int) -> slice:
     return slice(begin, max(begin + int(beyond[0]) if beyond.size else len(travel), begin + 3))
 
 
-def _turn_rate(
-    recording: Recording, travel: Array, way: slice
-) -> tuple[float | None, float | None]:
-    """Slope of the turn over the travel after the onset, and its standard deviation [rad/m]."""
+def _forces_in_body(recording: Recording, travel: Array, begin: int) -> Array:
+    """Forces in the axes of B, which turn with it from the onset on, shape (n, 3) [N]."""
+    yaw = recording.yaw
+    if recording.end is not None:
+        # Seen before and after alone, it is taken to turn evenly with the finger's travel.
+        gone = (travel - travel[begin]) / max(float(travel[-1] - travel[begin]), LEAST_TRAVEL)
+        yaw = recording.end[2] * np.clip(gone, 0.0, 1.0)
+    if yaw is None:
+        return recording.force
+    level = rotate(recording.force[:, :2], -yaw)
+    return np.column_stack((level, recording.force[:, 2]))
+
+
+def _slide_motion(
+    recording: Recording, travel: Array, way: slice, point: Vector, force: Vector
+) -> tuple[float | None, float | None, float | None]:
+    """Turn over the travel after the onset, its standard deviation [rad/m], and the drift."""
+    if recording.end is not None:
+        path = ContactPath.between_poses(point, force, recording.end)
+        if path.travel < LEAST_TRAVEL:
+            raise ModelError(
+                "bad_array",
+                f"the contact went {path.travel:g} m along the force, by the pose at the end",
+                suggestions=("poses are in the axes of the object at the start",),
+            )
+        return path.turn / path.travel, _ANGLE_SD / path.travel, path.drift
     if recording.yaw is None:
-        return None, None
+        return None, None, None
     x, y = travel[way] - travel[way].mean(), recording.yaw[way] - recording.yaw[way].mean()
     size = float(x @ x)
     if size <= 0.0:
-        return None, None
+        return None, None, None
     rate = float(x @ y) / size
     rest = y - rate * x
     scatter = float(np.sqrt(rest @ rest / max(len(x) - 2, 1) / size))
     # A small share of the whole angle's own error: cameras drift.
-    return rate, float(np.hypot(scatter, 0.2 * _ANGLE_SD / max(float(np.ptp(travel[way])), 1e-3)))
+    doubt = 0.2 * _ANGLE_SD / max(float(np.ptp(travel[way])), 1e-3)
+    return rate, float(np.hypot(scatter, doubt)), None
 
 
 def _held_tilt(recording: Recording) -> bool:

@@ -55,6 +55,8 @@ class Trial:
         turn_rate: of a slide, by how much the object turned for each metre that the contact went
             along the force, counter-clockwise [rad/m]; None if that was not measured.
         turn_rate_sd: its standard deviation [rad/m].
+        drift: of a slide, how far the contact went to the left of the force for each metre along
+            it; None if that was not measured.
         normal: of a slip, the outward unit normal of the touched face in B.
         repetition: number of the repetition of the experiments that it belongs to.
         source: what to call it in messages, such as `row 3` or `tilt at the front, 8°`.
@@ -68,9 +70,43 @@ class Trial:
     tilt_sd: float = 0.0
     turn_rate: float | None = None
     turn_rate_sd: float | None = None
+    drift: float | None = None
     normal: Vector | None = None
     repetition: int = 0
     source: str = "a trial"
+
+
+@dataclass(frozen=True)
+class ContactPath:
+    """Way of a contact, a point of the object, while the object slid from one pose to another.
+
+    Attributes:
+        travel: along the force [m].
+        turn: of the object, counter-clockwise [rad].
+        drift: to the left of the force for each metre along it.
+    """
+
+    travel: float
+    turn: float
+    drift: float
+
+    @classmethod
+    def between_poses(cls, point: Vector, force: Vector, pose: Vector) -> ContactPath:
+        """Way between the pose at the start and that at the end.
+
+        Args:
+            point: the contact in B [m].
+            force: on the object, in the axes of B half-way [N].
+            pose: x, y [m], θ [rad] of B at the end, in B at the start.
+        """
+        turn = pose[2]
+        c, s = np.cos(turn / 2.0), np.sin(turn / 2.0)
+        x, y = c * pose[0] + s * pose[1], c * pose[1] - s * pose[0]
+        x, y = x - 2.0 * s * point[1], y + 2.0 * s * point[0]
+        u_x, u_y = np.array(force[:2]) / np.hypot(*force[:2])
+        travel = float(u_x * x + u_y * y)
+        aside = float(u_x * y - u_y * x)
+        return cls(travel, turn, aside / travel if travel else np.inf)
 
 
 @dataclass(frozen=True)
@@ -163,7 +199,8 @@ class Touches:
 
 def _require_sense(trial: Trial) -> None:
     figures = (*trial.point, *trial.force, trial.force_sd, trial.tilt, trial.tilt_sd,
-               trial.turn_rate or 0.0, trial.turn_rate_sd or 0.0)  # fmt: skip
+               trial.turn_rate or 0.0, trial.turn_rate_sd or 0.0,
+               trial.drift or 0.0)  # fmt: skip
     wrong = None
     if not np.isfinite(figures).all():
         wrong = "has a figure that is no number"

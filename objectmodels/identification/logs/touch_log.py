@@ -27,6 +27,7 @@ from objectmodels.identification.onset_detection import (
     vector_tuple,
 )
 from objectmodels.identification.trial import (
+    ContactPath,
     Moved,
     Objection,
     Trial,
@@ -46,10 +47,11 @@ CONTACT = ("x_m", "y_m", "z_m")
 FORCE = ("fx_n", "fy_n", "fz_n")
 DIRECTION = ("ux", "uy", "uz")
 NORMAL = ("nx", "ny", "nz")
+SHIFT = ("dx_m", "dy_m")
 
 COLUMNS = (
     "moved", *CONTACT, *FORCE, "force_n", *DIRECTION, "force_sd_n", "tilt_deg", "tilt_sd_deg",
-    "turn_deg", "turn_sd_deg", "travel_m", *NORMAL, "repetition", "note",
+    "turn_deg", "turn_sd_deg", "travel_m", *SHIFT, *NORMAL, "repetition", "note",
 )  # fmt: skip
 """Columns that a table of touches may have."""
 
@@ -61,7 +63,8 @@ _FINEST_ANGLE = 0.001  # and none of angles than this [°]
 _ROUNDED = 0.02  # a direction's length may be off by so much, then it is made one
 
 RECORDING_COLUMNS = (
-    "trial", "time_s", *FORCE, *CONTACT, "moved", "yaw_deg", "tilt_deg", "repetition", "note"
+    "trial", "time_s", *FORCE, *CONTACT, "moved", "yaw_deg", "tilt_deg", *SHIFT,
+    "repetition", "note",
 )  # fmt: skip
 """Columns that a table of recordings may have."""
 
@@ -128,7 +131,7 @@ def _touch_trial(row: Row, model: ObjectModel, prefix: str, by_size: bool) -> Tr
     force = _sized_force(row) if by_size else row.vector(FORCE)
     size = hypot(*force)
     tilt, tilt_sd = _tilt_angle(row, moved)
-    turn_rate, turn_rate_sd = _turn_rate(row, moved)
+    turn_rate, turn_rate_sd, drift = _slide_motion(row, moved, point, force)
     trial = Trial(
         moved=moved,
         point=point,
@@ -138,6 +141,7 @@ def _touch_trial(row: Row, model: ObjectModel, prefix: str, by_size: bool) -> Tr
         tilt_sd=tilt_sd,
         turn_rate=turn_rate,
         turn_rate_sd=turn_rate_sd,
+        drift=drift,
         normal=_face_normal(row, force) if moved == "slip" else None,
         repetition=_repetition_number(row),
         source=f"{prefix}row {row.number}",
@@ -195,23 +199,44 @@ def _tilt_angle(row: Row, moved: Moved) -> tuple[float, float]:
     return radians(tilt), radians(sd) or ANGLE_SD
 
 
-def _turn_rate(row: Row, moved: Moved) -> tuple[float | None, float | None]:
-    """Turn for each metre of the contact's travel, and its standard deviation [rad/m]."""
-    turn, travel = row.number_or_none("turn_deg"), row.number_or_none("travel_m")
+def _slide_motion(
+    row: Row, moved: Moved, point: Vector, force: Vector
+) -> tuple[float | None, float | None, float | None]:
+    """Turn for each metre of the contact's travel, its deviation [rad/m], and the drift."""
+    turn = row.number_or_none("turn_deg")
     if turn is None:
-        return None, None
+        return None, None, None
     if moved != "slide":
         raise row.error("turn_deg", f"only a slide turns, not a {moved}", "leave the cell empty")
     if abs(turn) > 180.0:
         raise row.error("turn_deg", f"found {turn:g}, expected −180 to 180 degrees")
+    sd = radians(_deviation_or_default(row, "turn_sd_deg", 0.0, _FINEST_ANGLE)) or ANGLE_SD
+    if row.text(SHIFT[0]):
+        shift = row.value(SHIFT[0]), row.value(SHIFT[1])
+        path = ContactPath.between_poses(point, force, (*shift, radians(turn)))
+        require_way(row, SHIFT[0], path.travel, "the force and the poses do not fit together")
+        return path.turn / path.travel, sd / path.travel, path.drift
+    travel = row.number_or_none("travel_m")
     if travel is None:
         raise row.error("travel_m", "is required beside turn_deg, but empty")
+    require_way(row, "travel_m", travel)
+    return radians(turn) / travel, sd / travel, None
+
+
+def require_way(
+    row: Row, column: str, travel: float, hint: str = "the column is in metres"
+) -> None:
+    """Raise an error if a contact went against the force, or hardly or impossibly far along it.
+
+    Raises:
+        ModelError: `bad_data`.
+    """
     if not _SHORTEST <= travel <= _LONGEST:
-        hints = ("is it in millimetres? the column is in metres",) if travel > _LONGEST else ()
+        hints = ("is it in millimetres? the column is in metres",) if travel > _LONGEST else (hint,)
         expected = f"expected {_SHORTEST:g} to {_LONGEST:g} m"
-        raise row.error("travel_m", f"found {travel:g}, {expected}", *hints)
-    sd = radians(_deviation_or_default(row, "turn_sd_deg", 0.0, _FINEST_ANGLE)) or ANGLE_SD
-    return radians(turn) / travel, sd / travel
+        raise row.error(
+            column, f"the contact went {travel:g} m along the force, {expected}", *hints
+        )
 
 
 def _face_normal(row: Row, force: Vector) -> Vector:
@@ -258,8 +283,8 @@ def read_recordings(table: Table, model: ObjectModel, prefix: str) -> tuple[list
             raise rows[0].error("trial", f"trial {label}: {error.message}") from error
         if found is None:
             unused.append(
-                f"{recording.source}: nothing moved in it (the finger travelled less than "
-                f"{1e3 * LEAST_TRAVEL:.0f} mm with the force at its height)"
+                f"{recording.source}: nothing moved in it (no force stays while the finger travels "
+                f"{1e3 * LEAST_TRAVEL:.0f} mm)"
             )
             continue
         trial, onset = found
@@ -323,10 +348,18 @@ def _recording_from(label: str, rows: list[Row], prefix: str) -> Recording:
         tip=np.array([row.vector(CONTACT) for row in rows]),
         yaw=_angle_column(rows, "yaw_deg", 180.0),
         tilt=_angle_column(rows, "tilt_deg", 90.0),
+        end=_end_pose(rows[-1]),
         moved=cast(Moved, moved) if moved else None,
         repetition=repetition,
         source=f"{prefix}trial {label}",
     )
+
+
+def _end_pose(row: Row) -> Vector | None:
+    """Pose of B after a trial, in B at its start [m, rad]; None if the last row does not tell."""
+    if not row.text(SHIFT[0]):
+        return None
+    return (row.value(SHIFT[0]), row.value(SHIFT[1]), radians(row.value("yaw_deg")))
 
 
 def _angle_column(rows: list[Row], column: str, most: float) -> Array | None:

@@ -89,7 +89,54 @@ def test_a_millimetre_shows_that_it_moved(way: float, moved: bool) -> None:
 
 @pytest.mark.parametrize(("faster", "moved"), [(2.0, False), (4.5, True)])
 def test_what_moves_goes_three_times_as_fast_as_before(faster: float, moved: bool) -> None:
-    assert detect_onset(*bent(0.002, 0.002 * faster)).moved == moved
+    time, force, travel = bent(0.002, 0.002 * faster)
+    assert detect_onset(time, force + np.maximum(time - 1.0, 0.0), travel).moved == moved
+
+
+@pytest.mark.parametrize("rise", [0.03, 0.2, 1.0])
+def test_the_onset_of_a_stiff_finger_is_where_the_force_stops_rising(rise: float) -> None:
+    """It travels evenly all the time, 16 mm at 2.5 mm/s, and touches after 2 s."""
+    rng = np.random.default_rng(2)
+    time = np.arange(0.0, 6.5, 0.01)
+    force = 4.4 * np.clip((time - 2.0) / rise, 0.0, 1.0) + 0.05 * rng.standard_normal(len(time))
+    onset = detect_onset(time, force, 0.0025 * time)
+    assert onset.moved
+    # Samples are 10 ms apart; the scatter of 1 % of the force shifts the end of a slow rise.
+    assert onset.time == pytest.approx(2.0 + rise, abs=0.02 + 0.05 * rise)
+    assert onset.force == pytest.approx(4.4, abs=0.03)
+
+
+def test_a_stiff_finger_that_stops_before_the_force_stays_moved_nothing() -> None:
+    time = np.arange(0.0, 6.5, 0.01)
+    way = 0.0025 * np.minimum(time, 4.0)
+    assert not detect_onset(time, 4.4 * np.clip((time - 2.0) / 2.0, 0.0, 1.0), way).moved
+
+
+def test_poses_before_and_after_tell_the_motion() -> None:
+    """A quarter turn about the corner (−45, 30) mm, pushed along x at (−45, −20) mm."""
+    made = stiff_recording()
+    corner, turn = np.array([-0.045, 0.03]), np.radians(20.0)
+    R = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+    x, y = corner - R @ corner
+    trial = trial_of(replace(made, end=(float(x), float(y), float(turn))))
+    # The contact went along a chord of an arc of 50 mm, square to its arm half-way: with the force.
+    chord = 2.0 * 0.05 * np.sin(turn / 2.0)
+    assert trial.turn_rate == pytest.approx(turn / chord, rel=1e-3)
+    # The onset is found to a sample, 0.1 mm of the finger's way along an arm of 50 mm.
+    assert trial.drift == pytest.approx(0.0, abs=3e-3)
+    # In the axes of B the force stays as it was, though in those of the start it turns with B.
+    np.testing.assert_allclose(trial.force, (3.0, 0.0, 0.0), atol=0.02)
+
+
+def stiff_recording() -> Recording:
+    """A finger at 10 mm/s that loads the object in half a second, and turns with it by 20°."""
+    time = np.arange(0.0, 3.0, 0.01)
+    way = 0.01 * time
+    turn = np.radians(20.0) * np.clip((way - 0.005) / (way[-1] - 0.005), 0.0, 1.0)
+    size = 3.0 * np.minimum(time / 0.5, 1.0)
+    force = np.column_stack((size * np.cos(turn), size * np.sin(turn), 0.0 * time))
+    tip = np.column_stack((way - 0.05, 0.0 * time - 0.02, 0.0 * time + 0.04))
+    return Recording(time=time, force=force, tip=tip, moved="slide")
 
 
 def recording(**changes: Any) -> Recording:

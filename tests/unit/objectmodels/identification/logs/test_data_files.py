@@ -369,3 +369,23 @@ def test_a_force_is_refused_from_fifty_times_the_believed_one_on(
     believed = float(MODEL.thresholds([(-0.045, 0.0, 0.04)], [(1.0, 0.0, 0.0)]).slide[0])
     text = f"{HEADER}\nslide,-0.045,0,0.04,{factor * believed},0,0"
     assert read(tmp_path, text) if is_read else refused(tmp_path, text)
+
+
+def test_poses_before_and_after_make_the_motion_of_a_row(tmp_path: Path) -> None:
+    """The object turned by 10° about its origin, and its origin went 5 mm along x."""
+    header = f"{HEADER},turn_deg,dx_m,dy_m"
+    (trial,) = read_data([_written(tmp_path, f"{header}\n{SLIDE},10,0.005,0\n")], MODEL).trials
+    half = radians(5.0)
+    # In the axes half-way the contact at (−45, 0) mm goes a chord across, the origin 5° right.
+    travel = 0.005 * np.cos(half)
+    aside = -0.005 * np.sin(half) - 2.0 * 0.045 * np.sin(half)
+    assert trial.turn_rate == pytest.approx(2.0 * half / travel)
+    assert trial.drift == pytest.approx(aside / travel)
+    for row, column, words in (
+        (f"{SLIDE},10,-0.005,0", "dx_m", "poses do not fit together"),
+        (f"{SLIDE},10,5,0", "dx_m", "millimetres"),
+        (f"{SLIDE},10,0.005,", "dy_m", "is required here"),
+    ):
+        error = refused(tmp_path, f"{header}\n{row}\n")
+        assert str(error.path).endswith(f"row 2: {column}")
+        assert re.search(words, str(error))
