@@ -2,8 +2,8 @@
 
 FOLDER is a copy of the repository that holds them, robinzhoucmu/Pushing. Of each log even pushes
 train and odd ones test. Columns: mean angle [°] of the untrained model on its known support, and of
-the fit that knows neither support nor friction, in both forms of data; mean error of the pose at the
-end [mm] on the known support (of the patch: the fitted one) with the finger's friction of the
+the fit that knows neither support nor friction, in both forms of data; mean error of the pose at
+the end [mm] on the known support (of the patch: the fitted one) with the finger's friction of the
 training half, by the loaded points and by the ellipsoid. `--write OUT` keeps the data files and
 models, `--training` judges by training halves alone.
 """

@@ -15,7 +15,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
@@ -95,9 +94,9 @@ def _merged_neighbours(places: Array, loads: Array, apart: float) -> tuple[Array
 
     carry = loads > 1e-6 * loads.sum()
     places, loads = places[carry], loads[carry]
-    group: NDArray[np.intp] = np.zeros(len(loads), dtype=np.intp)
+    group = np.zeros(len(loads), dtype=np.intp)
     if len(loads) > 1:
-        group = fclusterdata(places, apart, criterion="distance", method="average") - 1
+        group += fclusterdata(places, apart, criterion="distance", method="average") - 1
     share = np.bincount(group, weights=loads)
     middle = np.column_stack([np.bincount(group, weights=loads * x) / share for x in places.T])
     keep = share > _CARRIES * share.sum()

@@ -53,6 +53,18 @@ def test_the_python_of_the_guide(monkeypatch: pytest.MonkeyPatch) -> None:
     assert out.getvalue().strip() == "0.85 kg, friction 0.32"
 
 
+def test_the_python_of_the_guide_to_public_logs() -> None:
+    guide = (ROOT / "docs" / "recorded_logs.md").read_text(encoding="utf-8")
+    (code,) = re.findall(r"^```python\n(.*?)^```$", guide, re.MULTILINE | re.DOTALL)
+    out = io.StringIO()
+    with contextlib.redirect_stdout(out):
+        exec(compile(code, "recorded_logs.md", "exec"), {})
+    rate, drift = re.fullmatch(r"(\S+) rad/m, drift (\S+)\n", out.getvalue()).groups()  # type: ignore[union-attr]
+    # Half-way the contact is 4 cm behind the middle: 7° of turn over a centimetre of travel.
+    assert 5.0 < float(rate) < 20.0
+    assert abs(float(drift)) < 0.5
+
+
 def test_every_column_is_explained() -> None:
     rows, samples = GUIDE.split("## Recordings")
     assert {name for name in touch_log.COLUMNS if f"`{name}`" not in rows} == set()

@@ -11,6 +11,7 @@ from objectmodels import BoxModel, ModelError
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.support_points import Support
 from objectmodels.identification import Trial, fit
+from objectmodels.identification.onset_detection import vector_tuple
 from objectmodels.identification.pressure_points import LEAST_TRIALS, pressure_points
 
 FEET: Support = ((-0.04, -0.045), (0.04, -0.03), (0.005, 0.05))
@@ -67,7 +68,7 @@ def test_three_feet_are_found_from_motions_alone() -> None:
     assert len(found) == 3
     # Places that are tried are 11 mm apart, and a foot between them is met by their middle.
     assert miss(found, FEET) < 0.006
-    loads = np.array([w for _, _, w in found])
+    loads = np.array(found)[:, 2]
     assert loads.sum() == pytest.approx(1.0)
     # The true loads are those that balance the weight about three feet.
     true = np.linalg.solve(np.vstack((np.array(FEET).T, np.ones(3))), [*TRUTH.com[:2], 1.0])
@@ -119,5 +120,5 @@ def test_slides_alone_are_fitted_where_the_mass_is_known() -> None:
 
 def test_trials_that_contradict_each_other_are_named() -> None:
     trials = slides(20, seed=6, noise=0.02)
-    trials[3] = replace(trials[3], force=tuple(3.0 * f for f in trials[3].force))
+    trials[3] = replace(trials[3], force=vector_tuple(3.0 * np.array(trials[3].force)))
     assert list(fit(BELIEF, trials, parameters=ASKED).dropped) == ["row 3"]
