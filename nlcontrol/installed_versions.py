@@ -7,12 +7,17 @@ import platform
 import sys
 from functools import cache
 
+DISTRIBUTION = "nlcontrol-robot"
+"""Name of the distribution, which is not that of the import: another project has that one."""
+
 
 @cache
 def library_versions() -> dict[str, str]:
     """Versions of nlcontrol and of the libraries that decide on numbers."""
-    packages = ("nlcontrol", "drake", "numpy", "scipy")
-    return {name: importlib.metadata.version(name) for name in packages}
+    libraries = ("drake", "numpy", "scipy")
+    # Its own is that of the files, which an installation made before may not be of.
+    own = str(sys.modules[__name__.partition(".")[0]].__version__)
+    return {"nlcontrol": own} | {name: importlib.metadata.version(name) for name in libraries}
 
 
 def installed_versions() -> dict[str, str]:

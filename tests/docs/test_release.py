@@ -10,6 +10,7 @@ import pytest
 import yaml
 
 import nlcontrol
+from nlcontrol.installed_versions import DISTRIBUTION
 
 ROOT = Path(__file__).parents[2]
 
@@ -18,6 +19,13 @@ def test_the_version_stands_in_one_place() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
     assert project["project"]["dynamic"] == ["version"]
     assert (ROOT / project["tool"]["hatch"]["version"]["path"]).samefile(nlcontrol.__file__)
+
+
+def test_the_distribution_has_the_name_that_doctor_looks_for() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    assert project["name"] == DISTRIBUTION != "nlcontrol"
+    of_itself = [x for each in project["optional-dependencies"].values() for x in each if "[" in x]
+    assert {x.partition("[")[0] for x in of_itself if x.startswith("nlcontrol")} == {DISTRIBUTION}
 
 
 def test_the_citation_is_of_this_version() -> None:

@@ -19,6 +19,7 @@ import click
 from nlcontrol import __version__
 from nlcontrol.cli.console.console_output import json_option, print_json
 from nlcontrol.errors import INTERNAL, OK
+from nlcontrol.installed_versions import DISTRIBUTION
 from nlcontrol.package_imports import SIBLINGS, home, misplaced_packages
 
 _EGL_VENDORS = (Path("/usr/share/glvnd/egl_vendor.d"), Path("/etc/glvnd/egl_vendor.d"))
@@ -102,7 +103,7 @@ def foreign_files(folder: Path) -> Iterator[str]:
         for path, digest, *_ in csv.reader((found.read_text("RECORD") or "").splitlines()):
             if path.partition("/")[0] not in ("nlcontrol", *SIBLINGS):
                 continue
-            if found.name != "nlcontrol":
+            if found.name != DISTRIBUTION:
                 yield f"{path} belongs to {found.name} {found.version}"
             elif digest and digest != f"sha256={_digest(folder / path)}":
                 yield f"{path} is not as it was installed"

@@ -7,6 +7,7 @@ import hashlib
 from pathlib import Path
 
 from nlcontrol.cli.commands.doctor_command import examine_all, foreign_files
+from nlcontrol.installed_versions import DISTRIBUTION
 
 
 def install(folder: Path, name: str, content: str) -> None:
@@ -23,7 +24,7 @@ def install(folder: Path, name: str, content: str) -> None:
 
 
 def test_another_distribution_that_writes_over_a_package_is_named(tmp_path: Path) -> None:
-    install(tmp_path, "nlcontrol", "ours")
+    install(tmp_path, DISTRIBUTION, "ours")
     assert list(foreign_files(tmp_path)) == []
     install(tmp_path, "flights", "theirs")
     assert sorted(foreign_files(tmp_path)) == [
@@ -33,7 +34,7 @@ def test_another_distribution_that_writes_over_a_package_is_named(tmp_path: Path
 
 
 def test_a_file_that_is_gone_is_told(tmp_path: Path) -> None:
-    install(tmp_path, "nlcontrol", "ours")
+    install(tmp_path, DISTRIBUTION, "ours")
     (tmp_path / "planner" / "__init__.py").unlink()
     assert list(foreign_files(tmp_path)) == ["planner/__init__.py is not as it was installed"]
 
