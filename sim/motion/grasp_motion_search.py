@@ -12,6 +12,7 @@ Frames: see `sim.paths.held_object_path`; P is the palm.
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,6 +22,7 @@ from planner.types.robot import ReachAnswer
 from sim.collision.collision_scene import (
     OBJECT_CLEARANCE,
     TABLE_CLEARANCE,
+    CollisionScene,
     Obstacle,
 )
 from sim.collision.collision_spheres import height_above_table, place_spheres
@@ -100,23 +102,48 @@ class GraspMotionSearch:
     ) -> None:
         self.work = 0
         self._mount = mount
-        self._grip = grip
+        self._bare_grip = grip
         self._handled = handled
+        self._spare = spare
         plan, state = handled.plan, handled.state
         self._plan = plan
         self._is_held = handled.grasp.held
         already = state.held if self._is_held else None
         self._at = np.array(already.arm) if already is not None and already.arm else None
-        self._steps = step_segments(handled)
-        self._carried = WaySamples.along(tuple(leg for legs in self._steps for leg in legs))
-        self._hold = HoldClearance(mount.hand, handled, grip, self._carried, spare)
-        self._scenery = self._hold.scenery
         self._legs: tuple[tuple[HeldSegment, ...], ...] = ()
-        self._way, self._stood = self._carried, self._hold.about
+
+    @functools.cached_property
+    def _grip(self) -> GraspPosture:
+        """The hand, as its outer fingers press on the sides."""
+        grip = self._bare_grip
+        tip_radius = self._mount.hand.tip_radius
+        return replace(grip, press=self._handled.outer_press(grip.grip.contacts, tip_radius))
+
+    @functools.cached_property
+    def _steps(self) -> tuple[tuple[HeldSegment, ...], ...]:
+        return step_segments(self._handled)
+
+    @functools.cached_property
+    def _carried(self) -> WaySamples:
+        """The way of the object, from where it is taken to where it is let go."""
+        return WaySamples.along(tuple(leg for legs in self._steps for leg in legs))
+
+    @functools.cached_property
+    def _hold(self) -> HoldClearance:
+        hand = self._mount.hand
+        return HoldClearance(hand, self._handled, self._grip, self._carried, self._spare)
+
+    @property
+    def _scenery(self) -> CollisionScene:
+        return self._hold.scenery
 
     def best_motion(self) -> GraspMotion | ReachAnswer:
         """The best way, or why there is none, by the first way of the open hand off the object."""
-        if not self._is_in_range():
+        # Most that is out of reach is so where it is taken.
+        if not (
+            self._is_in_range(*self._handled.start_pose)
+            and self._is_in_range(self._carried.R_WB, self._carried.p_WB)
+        ):
             self.work += _BEGUN
             return _OUT_OF_REACH
         first: ReachAnswer | None = None
@@ -132,10 +159,10 @@ class GraspMotionSearch:
         assert first is not None, "there is a way off everything"
         return first
 
-    def _is_in_range(self) -> bool:
-        """True if the arm's wrist may get at all to where it holds the object."""
-        R_WP, p_WP = self._hold.palm_poses(self._carried)
-        p_WW = p_WP + R_WP @ self._mount.p_PW
+    def _is_in_range(self, R_WB: Array, p_WB: Array) -> bool:
+        """True if the arm's wrist may get at all to where it holds the object, at all its poses."""
+        R_BP, p_BP = self._handled.palm_at(self._bare_grip.middle)
+        p_WW = p_WB + R_WB @ (p_BP + R_BP @ self._mount.p_PW)
         p_AW = (p_WW - self._mount.p_WA) @ self._mount.R_WA
         return bool(self._mount.arm.is_in_range(p_AW, LIMIT_MARGIN).all())
 

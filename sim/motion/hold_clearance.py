@@ -20,7 +20,7 @@ from planner.types.robot import ReachAnswer
 from sim.collision.collision_scene import TABLE_CLEARANCE, CollisionScene, Obstacle
 from sim.collision.collision_spheres import height_above_table, place_spheres, surface_spheres
 from sim.hands.hand_model import GraspPosture, Hand
-from sim.paths.held_object_path import HeldObject, HeldSegment, grasp_frame
+from sim.paths.held_object_path import HeldObject, HeldSegment
 from sim.rotations import Array
 
 _HELD_CLEARANCE = 0.004  # of what is held from the object into which it is poured [m]
@@ -96,8 +96,7 @@ class HoldClearance:
         self._hand, self._handled, self._carried, self._spare = hand, handled, carried, spare
         self._plan, self._owner = handled.plan, handled.owner
         self._closed, self._open = grip.posture_at(), grip.posture_at(grip.opening)
-        self.R_BP, p_BG = grasp_frame(handled.grasp, handled.held.pose.R_WB)
-        self.p_BP = p_BG - self.R_BP @ grip.middle
+        self.R_BP, self.p_BP = handled.palm_at(grip.middle)
         self.about = handled.grasped_obstacle
         self.scenery = self._around_it(
             CollisionScene.from_state(handled.state, self._plan.object, spare)

@@ -226,7 +226,6 @@ class ArmHandReach:
                 numbers={"strength": grip.grip.strongest, "force": grasp.squeeze},
             )
         handled = HeldObject.from_plan(plan, state)
-        grip = replace(grip, press=handled.outer_press(grip.grip.contacts, hand.tip_radius))
         return best_grasp_motion(self.mount, handled, grip, spare)
 
     def push_configuration(

@@ -126,6 +126,14 @@ class HeldObject:
         pose = self.held.pose
         return pose.R_WB, pose.p_WB + np.array([0.0, 0.0, self.height])
 
+    def palm_at(self, middle: Array) -> tuple[Array, Array]:
+        """R_BP, shape (3, 3), and p_BP, shape (3,) [m], of the palm as it holds the object.
+
+        The middle of the grasp in P is (3,) [m].
+        """
+        R_BP, p_BG = grasp_frame(self.grasp, self.held.pose.R_WB)
+        return R_BP, p_BG - R_BP @ middle
+
     def outer_press(self, contacts: Array, tip_radius: float) -> SidePress:
         """How the outer fingertips press on what is held.
 

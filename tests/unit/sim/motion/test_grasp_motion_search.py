@@ -11,6 +11,7 @@ from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import Held, PlanarPose, SeenObject, WorldState
 from sim.arms.lwr import lwr_kinematics as arm
+from sim.motion import grasp_motion_search
 from sim.motion.grasp_motion_search import GraspMotion
 from sim.motion.robot_reach import ArmHandReach
 from sim.standard_robot import ARM, HAND
@@ -114,6 +115,17 @@ def test_an_object_deeper_than_the_fingers_are_long_is_not_held_in_its_middle() 
 
 def test_far_away_is_out_of_reach() -> None:
     assert _refused(plan(LIFT), state(PlanarPose(1.15, 0.7, -np.pi / 2.0))).reason == "kinematics"
+
+
+def test_where_the_arm_does_not_get_the_way_is_not_looked_at(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def looked(*_: object) -> None:
+        raise AssertionError("nothing beyond the place where it is taken is needed")
+
+    monkeypatch.setattr(grasp_motion_search, "step_segments", looked)
+    monkeypatch.setattr(grasp_motion_search, "HoldClearance", looked)
+    assert _refused(plan(LIFT), state(PlanarPose(0.9, 0.9))).reason == "kinematics"
 
 
 def test_the_elbow_swings_before_it_goes_on_with_what_it_holds() -> None:
