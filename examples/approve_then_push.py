@@ -22,9 +22,10 @@ with Session("kitchen", approval="plan") as session:
     run = session.execute(offer.plan_id)
     for numbered in run.events():
         event = numbered.event
-        if event.kind == "force" and sum(event.forces.values()) > MOST:
-            run.stop()
-        elif event.kind != "force":
+        if event.kind == "force":
+            if sum((event.forces or {}).values()) > MOST:
+                run.stop()
+        else:
             print(f"{event.time:6.2f} s  {event.kind}: {event.text}")
     result = run.result()
     print(result.status)

@@ -21,10 +21,10 @@ UNCERTAIN = ("mass", "friction", "finger_friction", "friction_radius", "com_x", 
 
 
 class PushedBody(Protocol):
-    """A rigid object that stands on a table, with what is not known of it."""
+    """A rigid object that stands on a table, with what is not known of it.
 
-    def __hash__(self) -> int:
-        """Its values never change."""
+    Its values never change, and it can be hashed.
+    """
 
     @property
     def name(self) -> str:

@@ -19,13 +19,13 @@ undercuts it by 0.1 % of the weight.
 
 from __future__ import annotations
 
-import functools
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
+from objectmodels.cached_values import remember_answers
 from objectmodels.geometry.base_shapes import Array, Base, unique_rows
 from objectmodels.mechanics.margin_search import MarginSearch, circle_corners
 from objectmodels.mechanics.outcome_probability import (
@@ -375,7 +375,7 @@ def worst_probability(
     return worst
 
 
-@functools.lru_cache(maxsize=64)
+@remember_answers(64)
 def _drawn_at_nodes(model: PushedBody, count: int, yaw: bool) -> Draws:
     """Parameters at so many normal nodes, kept, since models never change."""
     return draw_parameters(model, normal_nodes(count), yaw=yaw)

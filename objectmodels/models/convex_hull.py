@@ -6,13 +6,13 @@ the base; faces that look sideways are where a finger may push, slanted ones too
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import Annotated, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import BeforeValidator, Field, model_validator
 
+from objectmodels.cached_values import cached_property
 from objectmodels.errors import ModelError
 from objectmodels.files.value_types import Coordinate, length_of
 from objectmodels.geometry.base_shapes import Array, Polygon

@@ -15,13 +15,13 @@ does to the base: origin at its centre on the table, z up. A pose of B picks the
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, Self, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import model_validator
 
+from objectmodels.cached_values import cached_property
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array, Base
 from objectmodels.geometry.pushed_body import Friction

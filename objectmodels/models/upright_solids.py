@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from functools import cached_property
 from typing import Annotated, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
+from objectmodels.cached_values import cached_property
 from objectmodels.errors import ModelError
 from objectmodels.files.value_types import Length
 from objectmodels.geometry.base_shapes import Array, Disc, Polygon

@@ -46,7 +46,9 @@ def _shape(model: ObjectModel) -> dict[str, object]:
 
 
 def _figures(model: ObjectModel, colour: Colour) -> dict[str, object]:
+    feet = None if isinstance(model.support, str) else tuple(p[:2] for p in model.support)
     return {
+        "support_m": feet,
         "mass_kg": model.mass,
         "friction_table": model.friction,
         "friction_finger": model.finger_friction,

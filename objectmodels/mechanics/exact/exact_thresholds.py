@@ -15,13 +15,14 @@ push, and from Coulomb's law.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from math import isclose
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from objectmodels.cached_values import remember_answers
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array, Disc
 from objectmodels.geometry.support_points import (
@@ -201,7 +202,7 @@ def exact_codes(model: PushedBody, p: Array, u: Array) -> NDArray[np.uint8]:
 Support = tuple[Array, Array, float]
 
 
-@lru_cache(maxsize=64)
+@remember_answers(64)
 def springs_of(model: PushedBody) -> Springs:
     """What an object stands on, kept, since models never change."""
     return Springs(*support_points(model.support, model.footprint))
