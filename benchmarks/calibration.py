@@ -120,7 +120,8 @@ def by_exact_tier(model: ObjectModel, n: int, seed: int) -> Row:
     rng = np.random.default_rng(seed)
     p, u = random_pushes(model, n, rng)
     likely = model.likelihood(p, u, exact=True)
-    slide, topple = thresholds_of_sample(model, sample_parameters(model, n, seed + 1), p, u)
+    sample = sample_parameters(model, n, int(rng.integers(2**32)))
+    slide, topple = thresholds_of_sample(model, sample, p, u)
     came = np.select([np.isinf(np.minimum(slide, topple)), slide < topple], [0, 1], 2)
     told = np.argmax([likely.none, likely.slide, likely.topple], axis=0)
     support = "corners" if model.support == "corners" else "even pressure"
@@ -181,10 +182,13 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
     rows = []
+    seeds = range(10 * options.seed, 10 * options.seed + len(NAMES) + 1)
     for support, sets in (("corners", options.corners), ("uniform", options.even)):
-        rows += [by_exact_tier(model, sets, options.seed) for model in objects(support) if sets]
+        some = zip(objects(support), seeds, strict=True) if sets else ()
+        rows += [by_exact_tier(model, sets, seed) for model, seed in some]
     if options.mujoco:
-        seen = [by_mujoco(model, options.mujoco, options.seed) for model in objects("corners")]
+        some = zip(objects("corners"), seeds, strict=True)
+        seen = [by_mujoco(model, options.mujoco, seed) for model, seed in some]
         stated, came, right = (np.concatenate(part) for part in zip(*seen, strict=True))
         rows.append(row("all in MuJoCo", stated, came, right, np.random.default_rng(0)))
     print(table(rows))

@@ -37,7 +37,7 @@ _SMOOTH = 0.1  # slip speed below which friction is smoothed at first
 _SMOOTH_NEAR = 1e-4  # the same from limits near by
 _SHARPER = 0.03  # by which that shrinks in every step
 _SHARPEST = 1e-13
-_NEARLY = 0.05  # residual of forces that may bound the limit from below
+_UNSURE = 10.0  # residuals that the limit may lie below that of a motion
 _ABOUT = 65536  # points of centres of pushes that are looked at together
 
 
@@ -261,10 +261,10 @@ def _certified_limit(
 
 def _is_beside(limit: Limit, ratio: Array) -> NDArray[np.bool_]:
     """Return True where the limit is surely more or less than a ratio, which may be nan."""
-    # The motion is an upper bound; forces that nearly balance make a lower one by the residual.
+    # The motion is an upper bound; forces that nearly balance make a lower one by the residual, and
+    # by more where one point bears nearly all, which the body then turns about.
     less = limit.ratio < (1.0 - PRECISE) * ratio
-    near = limit.residual < _NEARLY
-    return np.asarray(less | (near & (limit.ratio * (1.0 - 2.0 * limit.residual) > ratio)))
+    return np.asarray(less | (limit.ratio * (1.0 - _UNSURE * limit.residual) > ratio))
 
 
 def _by_descent(

@@ -137,7 +137,9 @@ class SlideSearch:
         self._solve_brackets(i, zero, last, np.minimum(guess[i], last), answer)
         i, lo, hi = self._earlier_brackets(i, np.minimum(answer.ratio[i], last))
         self._solve_brackets(i, lo, hi, 0.5 * (lo + hi), answer)
-        self._look_afresh(answer)
+        (i,) = np.nonzero(~(answer.residual <= CERTAIN))
+        at = np.minimum(answer.ratio[i], self.last[i])
+        self._solve_brackets(i, np.zeros(i.size), self.last[i], at, answer, precise=True)
         return answer
 
     def slide_first(self, guess: Array) -> NDArray[np.bool_]:
@@ -177,10 +179,13 @@ class SlideSearch:
         """Pushes that may slide."""
         return np.flatnonzero((self.h > 0.0) & (self.last > 0.0) & np.isfinite(self.last))
 
-    def _solve_brackets(self, i: Index, lo: Array, hi: Array, at: Array, answer: Answer) -> None:
+    def _solve_brackets(
+        self, i: Index, lo: Array, hi: Array, at: Array, answer: Answer, precise: bool = False
+    ) -> None:
         """Newton's method inside brackets, where the push holds at the lower end.
 
         It holds at the upper end too if it never slides; that is learned there, at the last ratio.
+        Where `precise`, limits are found from nothing near by, however large the excess.
         """
         lo, hi, at = lo.copy(), hi.copy(), at.copy()
         open_ = np.arange(i.size)
@@ -189,7 +194,7 @@ class SlideSearch:
             if not open_.size:
                 return
             x, pushes = at[open_], i[open_]
-            look = self.friction_excess(x, pushes, x >= self.last[pushes], near)
+            look = self.friction_excess(x, pushes, precise | (x >= self.last[pushes]), near)
             value, limit = look.excess, look.limit
             done = np.abs(value) <= _PRECISE * self.h[pushes] * x
             slides = (value < 0.0) | done
@@ -212,17 +217,8 @@ class SlideSearch:
             held = self.mu[pushes] * limit.ratio / self.h[pushes]
             answer.ratio[pushes[kept]] = held[kept]
             going = ~done & ~never
-            open_, near = open_[going], limit.chosen_pushes(going)
+            open_, near = open_[going], None if precise else limit.chosen_pushes(going)
         answer.residual[i[open_]] = np.inf
-
-    def _look_afresh(self, answer: Answer) -> None:
-        """Looks again from nothing near by where that left forces that do not balance."""
-        (i,) = np.nonzero((answer.residual > CERTAIN) & np.isfinite(answer.ratio))
-        if i.size:
-            look = self.friction_excess(answer.ratio[i], i, precise=True)
-            whole = np.ones(i.size, dtype=bool)
-            answer.residual[i] = self._residual(answer.ratio[i], i, look, whole)
-            answer.motion[:, i] = look.limit.across, look.limit.turn
 
     def _earlier_brackets(
         self, i: Index, found: Array, few: int = _FEW, looks: int = _LOOKS

@@ -252,6 +252,32 @@ def test_answers_on_random_feet_are_certain_and_within_their_bounds() -> None:
             assert (t.onset[moves] <= t.optimistic[moves] * (1 + 1e-6)).all()
 
 
+RIM = (
+    (0.45547623113915764, 0.9704958401824909, (1.17782335e-03, 5.44157292e-05),
+     (-0.01552506, -0.0285521, 0.09039922), (0.44625848, 0.8379379, -0.31418695)),
+    (0.2715815408149435, 1.410941260785249, (-0.00027255, 0.00156868),
+     (-0.00744581, 0.03163558, 0.13533947), (0.24971041, -0.92882467, 0.27373243)),
+    (0.25862363145184836, 0.6894515324086551, (-6.58975001e-05, -1.74421337e-04),
+     (0.00807811, 0.03148006, 0.12410252), (-0.23633208, -0.88078273, 0.41032783)),
+)  # fmt: skip
+"""Friction, share of the friction radius, centre of mass, contact and direction."""
+
+
+@pytest.mark.parametrize(("mu", "share", "com", "p", "u"), RIM)
+def test_near_tipping_one_point_of_a_rim_bears_nearly_all(
+    mu: float, share: float, com: tuple[float, float], p: tuple[float, ...], u: tuple[float, ...]
+) -> None:
+    """There forces that nearly balance say little of the limit."""
+    bottle = Registry.built_in().get("water bottle")
+    drawn = {"friction": mu, "com": (*com, 0.09), "friction_radius": share * bottle.friction_radius}
+    t = bottle.model_copy(update=drawn).thresholds(
+        [p], [np.array(u) / np.linalg.norm(u)], exact=True
+    )
+    assert t.residual.item() <= CERTAIN
+    assert t.outcome.item() == "slide"
+    assert 0.98 < (t.slide / t.topple).item() < 1.0
+
+
 def test_what_is_not_certain_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(exact_thresholds, "CERTAIN", 1e-18)
     with pytest.raises(ModelError) as caught:
