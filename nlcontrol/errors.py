@@ -87,6 +87,7 @@ CODES: dict[str, Status] = {
     "not_finite": _CALLER,
     "out_of_bounds": _CALLER,
     "not_balanced": _CALLER,
+    "not_calibrated": _CALLER,
     "too_slow": _CALLER,
     "not_picklable": _CALLER,
     "not_saved": _CALLER,

@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from objectmodels.mechanics.outcome_probability import Likelihood
     from objectmodels.mechanics.push_motion import Stroke
     from objectmodels.mechanics.push_outcomes import SuddenPush
+    from objectmodels.models.calibration import SeenPushes
 
 _OF_ITS_BASE = (
     "friction_radius", "friction_radius_sd", "correlations", "container", "lid", "grasp",
@@ -202,6 +203,11 @@ class ObjectModel(Parameters, ABC):
             return None
         return Vessel.from_shape(self.section, self.top, self.container)
 
+    @property
+    def seen_pushes(self) -> SeenPushes | None:
+        """Pushes by which a kind with predictions of its own is judged."""
+        return None
+
     # -- predictions ---------------------------------------------------------------------------
 
     @overload
@@ -252,13 +258,9 @@ class ObjectModel(Parameters, ABC):
         return compute(self, p, u, friction)
 
     def predict(
-        self,
-        points: ArrayLike,
-        forces: ArrayLike,
-        *,
-        exact: bool = False,
-        friction: Friction = "static",
-    ) -> Prediction:
+        self, points: ArrayLike, forces: ArrayLike, *,
+        exact: bool = False, friction: Friction = "static",
+    ) -> Prediction:  # fmt: skip
         """Outcomes of slow pushes with the given forces.
 
         Args:

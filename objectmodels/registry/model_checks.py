@@ -19,7 +19,9 @@ from objectmodels.geometry.base_shapes import Array, Polygon
 from objectmodels.geometry.side_faces import Face
 from objectmodels.geometry.support_points import is_within
 from objectmodels.mechanics.exact.slide_search import CERTAIN
+from objectmodels.models.calibration import require_calibration
 from objectmodels.models.object_model import ObjectModel
+from objectmodels.models.predictor import own_predictions
 from objectmodels.models.upright_solids import BoxModel
 from objectmodels.registry.model_files import kind_of, model_document, model_from_document
 
@@ -136,6 +138,12 @@ def _require_balance(model: ObjectModel) -> None:
         )
 
 
+def _require_calibration(model: ObjectModel) -> None:
+    """Predictions of its own hold for pushes that were seen."""
+    if own_predictions(type(model), ObjectModel):
+        require_calibration(model, model.seen_pushes, model.name)
+
+
 def _require_speed(model: ObjectModel) -> None:
     """Predictions take about the time of a box's."""
     size = model.extents
@@ -174,6 +182,7 @@ CHECKS: Mapping[str, Callable[[ObjectModel], None]] = {
     "finite": _require_finite,
     "bounds": _require_bounds,
     "residual": _require_balance,
+    "calibrated": _require_calibration,
     "speed": _require_speed,
     "pickles": _require_pickling,
     "file": _require_file,

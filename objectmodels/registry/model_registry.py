@@ -19,7 +19,9 @@ from pathlib import Path
 from types import MappingProxyType
 
 from objectmodels.errors import ModelError, fold_text, suggest
+from objectmodels.models.calibration import require_calibration
 from objectmodels.models.object_model import ObjectModel
+from objectmodels.models.predictor import own_predictions
 from objectmodels.registry.model_files import BUILT_IN_KINDS, kind_of, load_model
 from objectmodels.registry.plugin_offers import Offer, plugin_offers
 from objectmodels.registry.user_folder import user_folder
@@ -156,8 +158,11 @@ class Registry:
             over: names of models whose place it takes if it is called exactly so.
 
         Raises:
-            ModelError: `duplicate_name`, with both places.
+            ModelError: `duplicate_name`, with both places; `not_calibrated` if it has predictions
+                of its own and these do not hold for the pushes that it has seen.
         """
+        if own_predictions(type(model), ObjectModel):
+            require_calibration(model, model.seen_pushes, model.name)
         name = fold_text(model.name)
         taken_over = name in map(fold_text, over)
         words = {name: model.name, **{fold_text(word): word for word in model.synonyms}}

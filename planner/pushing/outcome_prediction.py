@@ -19,6 +19,7 @@ from objectmodels.mechanics.friction_cone import contact_forces
 from objectmodels.mechanics.margin_search import circle_corners
 from objectmodels.mechanics.push_outcomes import OUTCOMES
 from objectmodels.mechanics.push_thresholds import slide_threshold, yaw_arm
+from objectmodels.models.predictor import own_predictions
 from planner.problem.planning_problem import PushProblem, PushStep
 from planner.problem.tilt_goals import prediction_with_return
 from planner.pushing.contact_sampling import Contact, Contacts, model_limited_by_hand
@@ -167,6 +168,8 @@ def _exact_outcomes(
     model: ObjectModel, point: Vector3, normal: Vector3, grip: float
 ) -> NDArray[np.str_]:
     """Classes of the same pushes."""
+    if own_predictions(type(model), ObjectModel):
+        return _exact_thresholds(model, point, normal, grip).outcome
     from objectmodels.mechanics.exact.exact_thresholds import exact_codes
 
     return np.asarray(OUTCOMES[exact_codes(model, *_cone_pushes(point, normal, grip))])

@@ -44,6 +44,7 @@ ELSEWHERE = {
     "not_finite": MODEL_CHECKS,
     "out_of_bounds": MODEL_CHECKS,
     "not_balanced": MODEL_CHECKS,
+    "not_calibrated": MODEL_CHECKS,
     "too_slow": MODEL_CHECKS,
     "not_picklable": MODEL_CHECKS,
     "not_saved": MODEL_CHECKS,

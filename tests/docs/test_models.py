@@ -6,6 +6,7 @@ import contextlib
 import io
 import re
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -19,6 +20,7 @@ from objectmodels.models.object_parts import (
     Opening,
     ScrewCap,
 )
+from objectmodels.models.predictor import PREDICTIONS
 from objectmodels.registry.model_files import BUILT_IN_KINDS, load_model
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "models.md").read_text(encoding="utf-8")
@@ -58,6 +60,20 @@ def test_the_python_of_the_guide(crate: Path, monkeypatch: pytest.MonkeyPatch) -
         exec(compile(_block("python"), "models.md", "exec"), {})
     # m g b / h = 1.0 · 9.81 · 0.05 / 0.15
     assert out.getvalue().strip() == "[3.27]"
+
+
+def test_the_learned_model_of_the_guide_is_taken_and_one_that_is_too_sure_is_not() -> None:
+    out = io.StringIO()
+    names: dict[str, Any] = {}
+    with contextlib.redirect_stdout(out):
+        exec(compile(_block("python learned"), "models.md", "exec"), names)
+    assert out.getvalue().strip() == "not_calibrated"
+    assert "oiled crate" in names["registry"]
+    assert set(re.findall(r"`(\w+)`", _section("A model that was learned"))) >= set(PREDICTIONS)
+
+
+def _section(title: str) -> str:
+    return GUIDE.partition(f"### {title}\n")[2].partition("```")[0]
 
 
 def test_the_blocks_of_the_guide_go_into_a_model_file(tmp_path: Path) -> None:

@@ -120,6 +120,7 @@ class Unsaved(BoxModel):
         (Weightless, "bounds", "out_of_bounds"),
         (Untilted, "bounds", "out_of_bounds"),
         (Unbalanced, "residual", "not_balanced"),
+        (Weightless, "calibrated", "not_calibrated"),
         (Slow, "speed", "too_slow"),
         (Forgetful, "pickles", "not_picklable"),
         (Unsaved, "file", "not_saved"),
