@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from nlcontrol.text_format import enumeration, quantity
+from nlcontrol.text_format import enumeration, place_text, quantity
 from planner.geometry.directions import phrase
 from planner.types.actions import (
     Action,
@@ -131,10 +131,7 @@ def _end(plan: Plan, aim: Aim) -> str:
     heading = "" if aim.yaw is None else f", heading {quantity(aim.yaw, 'rad')}"
     pushes = len(plan.pushes)
     sure = f" (probability of all {pushes} pushes {_surely(plan.probability)})"
-    return (
-        f"It should end at x {quantity(aim.x, 'm')}, y {quantity(aim.y, 'm')}{heading}"
-        f"{sure if pushes > 1 else ''}."
-    )
+    return f"It should end at {place_text(aim.x, aim.y)}{heading}{sure if pushes > 1 else ''}."
 
 
 _VERBS = {"slide": "slides", "topple": "topples", "none": "stays"}
@@ -239,7 +236,7 @@ def _hand_lines(plan: Plan) -> Iterator[str]:
     if why := plan_reasons(plan):
         yield f"  Why that works: {'; '.join(why)}."
     if plan.aim is not None:
-        yield f"  It should end at x {quantity(plan.aim.x, 'm')}, y {quantity(plan.aim.y, 'm')}."
+        yield f"  It should end at {place_text(plan.aim.x, plan.aim.y)}."
 
 
 def _hand_reason(plan: Plan) -> str:
@@ -281,7 +278,7 @@ def _step(step: Action, plan: Plan) -> str:
             up = f"lift it by {quantity(step.height, 'm')}"
             return f"{up} and hold it" if step.hold else up
         case Carry():
-            return f"carry it to x {quantity(step.to.x, 'm')}, y {quantity(step.to.y, 'm')}"
+            return f"carry it to {place_text(step.to.x, step.to.y)}"
         case PourOut():
             volume = "" if step.volume is None else f"{quantity(step.volume, 'm³')} "
             return (

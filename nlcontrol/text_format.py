@@ -39,6 +39,11 @@ def quantity(value: float, unit: str) -> str:
     return (text.lstrip("-") if float(text) == 0.0 else text) + sign
 
 
+def place_text(x: float, y: float) -> str:
+    """Place on the table in W [m]: "x 450 mm, y 0 mm"."""
+    return f"x {quantity(x, 'm')}, y {quantity(y, 'm')}"
+
+
 def aside_text(lateral: float) -> str:
     """Place to the right of a face's middle [m]: "12 mm to the right"; empty in the middle."""
     if abs(lateral) < 5e-4:

@@ -14,7 +14,7 @@ from grammar.frames import command as g
 from nlcontrol.errors import ControlError, error, whole_span
 from nlcontrol.questions.answer import Answer
 from nlcontrol.questions.asked_push import target_of
-from nlcontrol.text_format import enumeration, quantity, with_sd_text
+from nlcontrol.text_format import enumeration, place_text, quantity, with_sd_text
 
 if TYPE_CHECKING:
     from planner.types.world_state import SeenObject, WorldState
@@ -134,9 +134,8 @@ def _centre_of_mass(target: SeenObject) -> Told:
 def _position(target: SeenObject, sd: float) -> Told:
     pose = target.pose
     figures = {"x": pose.x, "y": pose.y, "yaw": pose.yaw, "position_sd": sd}
-    x, y = (round(v, 3) + 0.0 for v in (pose.x, pose.y))  # never −0
     text = (
-        f"is at x {x:z.3f} m, y {y:z.3f} m, seen to ± {1e3 * sd:.1f} mm, and turned by "
+        f"is at {place_text(pose.x, pose.y)}, seen to ± {1e3 * sd:.1f} mm, and turned by "
         f"{quantity(pose.yaw, 'rad')}"
     )
     return text, figures

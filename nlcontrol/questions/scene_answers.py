@@ -10,7 +10,7 @@ from nlcontrol.questions.answer import Answer
 from nlcontrol.questions.asked_push import target_of
 from nlcontrol.questions.property_values import property_answer
 from nlcontrol.references.object_names import name_words
-from nlcontrol.text_format import enumeration, quantity
+from nlcontrol.text_format import enumeration, place_text, quantity
 from planner import plan
 from planner.types.plan import Plan
 from planner.types.refusal import Refusal
@@ -37,7 +37,7 @@ def answer_about_scene(
 def scene_answer(state: WorldState) -> Answer:
     """The objects on the table, and where each of them stands."""
     seen = sorted(state.objects.values(), key=lambda each: each.pose.x)
-    lines = tuple(f"the {s.name} at x {s.pose.x:z.3f} m, y {s.pose.y:z.3f} m" for s in seen)
+    lines = tuple(f"the {s.name} at {place_text(s.pose.x, s.pose.y)}" for s in seen)
     names = enumeration([f"the {each.name}" for each in seen]) or "nothing"
     held = "" if state.held is None else f" I hold the {state.held.name}."
     numbers = {"objects": float(len(seen))}
@@ -98,5 +98,5 @@ def destination_answer(
     if aim is None:
         return Answer(query="predict", text=f"The {target.name} would stand where it does now.")
     x, y = aim.x, aim.y
-    text = f"The {target.name} would be at x {x:z.3f} m, y {y:z.3f} m."
+    text = f"The {target.name} would be at {place_text(x, y)}."
     return Answer(query="predict", text=text, numbers={"x": x, "y": y})

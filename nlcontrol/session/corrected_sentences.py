@@ -1,7 +1,7 @@
 """Whole sentences in place of one that was refused or not understood, by what its error suggests.
 
-A suggestion is a phrase for people: "up to 69 cm would do". Here it becomes the remark that a
-person would make ("no, 69 cm"), is put into the frames as a conversation does that, and the frames
+A suggestion is a phrase for people: "up to 690 mm would do". Here it becomes the remark that a
+person would make ("no, 690 mm"), is put into the frames as a conversation does that, and the frames
 are said in full: "push the ice tea box away by 69 cm". What the language has no words for is left
 to people.
 
@@ -62,7 +62,7 @@ CHAIN = 2
 
 REMARKS: tuple[tuple[str, str], ...] = (
     (r"up to (.+) would do", r"no, \1"),
-    (r"(at .+ cm/s)", r"no, \1"),
+    (r"(at .+ mm/s)", r"no, \1"),
     (r"allow (.+ N)", r"no, with at most \1"),
     (r"allow (.+ s)", r"no, in at most \1"),
     (r"ask for no more than (.+ N)", r"no, with at least \1"),

@@ -22,13 +22,13 @@ def _floor(value: float) -> int:
 
 QUANTITIES: dict[str, Callable[[float], str]] = {
     "mm": lambda length: f"{1e3 * length:z.0f} mm",
-    "cm_down": lambda length: f"{_floor(100 * length)} cm",
+    "mm_down": lambda length: f"{10 * _floor(100 * length)} mm",
     "deg": lambda angle: f"{math.degrees(abs(angle)):.0f}°",
     "deg1": lambda angle: f"{math.degrees(angle):z.1f}°",
     "deg_exact": lambda angle: f"{math.degrees(angle):z.1f}°".replace(".0°", "°"),
     "deg_floor": lambda angle: f"{math.floor(10.0 * math.degrees(angle)) / 10.0:g}°",
     "mm/s": lambda speed: f"{1e3 * speed:z.0f} mm/s",
-    "cm/s_down": lambda speed: f"{_floor(1000 * speed) / 10:g} cm/s",
+    "mm/s_down": lambda speed: f"{_floor(1000 * speed)} mm/s",
     "N": lambda force: f"{force:z.1f} N",
     "N2": lambda force: f"{force:z.2f} N",
     "N_down": lambda force: f"{math.floor(10.0 * force) / 10.0:g} N",

@@ -58,7 +58,7 @@ _PUSHES = {
         "telling faces of a turned object apart",
     ),
     "contradiction": impossible("{message}", ("leave one of the two out",)),
-    "too_fast": impossible("{speed:mm/s} are asked; {what} {most:mm/s}", ("at {most:cm/s_down}",)),
+    "too_fast": impossible("{speed:mm/s} are asked; {what} {most:mm/s}", ("at {most:mm/s_down}",)),
     "moves_itself": impossible("the {object} cannot move {way} itself", (_ANOTHER_WAY,)),
     "place_at_itself": impossible("the place of the {object} is told by itself", (_ANOTHER_PLACE,)),
     "between_one": impossible(
@@ -116,9 +116,9 @@ _PUSHES = {
         (_ANOTHER_WAY,),
     ),
     "off_the_table": impossible(_OFF_TABLE, (_ANOTHER_WAY,)),
-    "off_the_table_so_far": impossible(_OFF_TABLE, ("up to {room:cm_down} would do",)),
+    "off_the_table_so_far": impossible(_OFF_TABLE, ("up to {room:mm_down} would do",)),
     "in_the_way": blocked(_IN_WAY, ("move the {other} first",)),
-    "in_the_way_so_far": blocked(_IN_WAY, ("up to {free:cm_down} would do",)),
+    "in_the_way_so_far": blocked(_IN_WAY, ("up to {free:mm_down} would do",)),
     "unlikely_pushes": too_uncertain(
         "{pushes} pushes are needed, and all of them succeed with a probability of "
         "{probability:share}; {asked_probability:share} is asked",

@@ -335,7 +335,7 @@ def test_scenes_are_listed_and_shown(capsys: pytest.CaptureFixture[str]) -> None
     # Where things stand is shown, and not how they really are.
     assert set(shown["objects"][0]) == {"name", "model", "synonyms", "fragile", "fixed", "pose"}
     assert run(["scenes", "show"]) == 0
-    assert "ice tea box      x  0.450  y  0.000 m  turned by    1.5°" in capsys.readouterr().out
+    assert "ice tea box      x   450  y     0 mm  turned by    1.5°" in capsys.readouterr().out
     assert run(["scenes", "show", "kitschen"]) == 2
 
 
@@ -350,7 +350,8 @@ def test_a_scene_of_ones_own_is_written_and_planned_in(
     assert (status, document["file"]) == (0, second)
     _, shown = _json(capsys, "scenes", "show", second)
     assert [item["name"] for item in shown["objects"]] == ["ice tea box", "jar"]
-    assert shown["objects"][1]["pose"] == {"x_m": 0.45, "y_m": 0.18, "yaw_deg": 30.0}
+    pose = {"x_m": 0.45, "y_m": 0.18, "yaw_deg": 30.0}
+    assert shown["objects"][1]["pose"].items() >= pose.items()
     status, planned = _json(capsys, "plan", "push the jar away", "--scene", second)
     assert (status, planned["plan"]["object"]) == (0, "jar")
 

@@ -54,8 +54,8 @@ def show_scene(scene: str, as_json: bool) -> int:
         found = load_scene(scene)
     extent = found.table.extent
     lines = [
-        f"{found.name}: a table from x {extent.x_min:g} to {extent.x_max:g} m, "
-        f"y {extent.y_min:g} to {extent.y_max:g} m",
+        f"{found.name}: a table from x {1e3 * extent.x_min:z.0f} to {1e3 * extent.x_max:z.0f} mm, "
+        f"y {1e3 * extent.y_min:z.0f} to {1e3 * extent.y_max:z.0f} mm",
         *map(_object_line, found.objects),
     ]
     return print_answer(_document(found), lines, as_json=as_json)
@@ -112,7 +112,12 @@ def _text(file: Path, extends: str | None, added: Sequence[SceneObject]) -> str:
     if extends:
         document["extends"] = extends
     document["objects"] = [
-        {"name": item.name, "model": item.model, "pose": item.pose.model_dump()} for item in added
+        {
+            "name": item.name,
+            "model": item.model,
+            "pose": item.pose.model_dump(exclude_defaults=True),
+        }
+        for item in added
     ]
     return _HEAD.format(file=file.name) + yaml.safe_dump(
         document, sort_keys=False, allow_unicode=True, default_flow_style=None
@@ -131,5 +136,7 @@ def _object_line(item: SceneObject) -> str:
     marks = [mark for mark in ("fragile", "fixed") if getattr(item, mark)]
     of_model = [] if item.model == item.name else [f"a {item.model}"]
     notes = f"  ({', '.join(of_model + marks)})" if of_model or marks else ""
-    place = f"x {pose.x_m:z6.3f}  y {pose.y_m:z6.3f} m  turned by {pose.yaw_deg:z6.1f}°"
+    place = (
+        f"x {1e3 * pose.x_m:z5.0f}  y {1e3 * pose.y_m:z5.0f} mm  turned by {pose.yaw_deg:z6.1f}°"
+    )
     return f"  {item.name:16} {place}{notes}"

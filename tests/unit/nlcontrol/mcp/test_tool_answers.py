@@ -51,7 +51,7 @@ def test_the_summary_has_the_number_and_the_sentence_to_say() -> None:
         code="impossible",
         message="the table ends after 694 mm; " + "and so on " * 60,
         say=["push the mug away by 69 cm"],
-        suggestions=["up to 69 cm would do"],
+        suggestions=["up to 690 mm would do"],
     )
     text = answer.summary(NAMES)
     assert text.startswith("refused (impossible): the table ends after 694 mm")

@@ -74,7 +74,7 @@ def test_the_speed_that_is_offered_is_one_to_which_the_stroke_comes(
     error = controller.say("push the cereal box 6 cm away at 149 cm/s", plan_only=True).error
     assert error is not None
     assert error.numbers["most"] < DEFAULTS.speed_most
-    assert error.suggestions == ("at 10.1 cm/s",)
+    assert error.suggestions == ("at 101 mm/s",)
     assert controller.say(error.say[0], plan_only=True).status == "planned"
 
 

@@ -17,7 +17,7 @@ def test_a_short_stroke_is_refused_with_what_it_comes_to(asked: str) -> None:
     assert found.code == "too_fast"
     assert found.numbers["most"] == pytest.approx(reached_speed(0.12, found.numbers["stroke"]))
     most = int(1000.0 * found.numbers["most"]) / 10.0
-    assert found.suggestions == (f"at {most:g} cm/s",)
+    assert found.suggestions == (f"at {10 * most:g} mm/s",)
     again = planned(f"push the ice tea box 5 cm away {found.suggestions[0]}", state)
     assert again.push.speed == pytest.approx(most / 100.0)
 
