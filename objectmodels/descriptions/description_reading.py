@@ -52,7 +52,9 @@ def read_link(path: Path) -> LinkDescription:
             path=str(path),
             suggestions=("export it once more", "a prefix like drake: needs its xmlns:drake"),
         ) from error
-    except ModelError as error:
+    except ValueError as error:
+        if not isinstance(error, ModelError):  # of a rotation that is none
+            error = description_error(f"holds no rotation: {error}", "correct its quat or euler")
         raise ModelError(
             error.code, error.message, path=str(path), suggestions=error.suggestions
         ) from error

@@ -69,23 +69,26 @@ def _shape(geom: Element, root: Element, folder: Path) -> LinkShape:
         if way in geom.attrib:
             raise description_error(f"a geom has {way!r}", "give it `pos` and `quat` or `euler`")
     mu = geom.get("friction")
-    # Stiffnesses that are stated are negative.
-    soft = text_numbers((geom.get("solref") or "-1").split()[0], "solref", 1)[0]
+    soft = _first_number(geom.get("solref", "-1"), "solref")  # negative if it is a stiffness
     return replace(
         _solid(geom, root, folder),
         R=_orientation(geom, root),
         p=attribute_numbers(geom, "pos", 3, np.zeros(3)),
-        friction=None if mu is None else float(text_numbers(mu.split()[0], "friction", 1)[0]),
-        stiffness=float(max(-soft, 0.0)) or 1.0,
+        friction=None if mu is None else _first_number(mu, "friction"),
+        stiffness=max(-soft, 0.0) or 1.0,
     )
+
+
+def _first_number(text: str, what: str) -> float:
+    return float(text_numbers(" ".join(text.split()[:1]), what, 1)[0])
 
 
 def _orientation(geom: Element, root: Element) -> Array:
     from scipy.spatial.transform import Rotation  # takes a while to import
 
     if "quat" in geom.attrib:
-        w, x, y, z = attribute_numbers(geom, "quat", 4)
-        return np.asarray(Rotation.from_quat([x, y, z, w]).as_matrix())
+        w, *xyz = attribute_numbers(geom, "quat", 4)
+        return np.asarray(Rotation.from_quat([*xyz, w]).as_matrix())
     angles = attribute_numbers(geom, "euler", 3, np.zeros(3))
     compiler = root.find("compiler")
     settings = {} if compiler is None else compiler.attrib
@@ -102,7 +105,7 @@ def _solid(geom: Element, root: Element, folder: Path) -> LinkShape:
         case "cylinder":
             return LinkShape("cylinder", attribute_numbers(geom, "size", 2) * [1.0, 2.0])
         case "sphere":
-            return LinkShape("sphere", text_numbers((geom.get("size") or "").split()[0], "size", 1))
+            return LinkShape("sphere", np.array([_first_number(geom.get("size", ""), "size")]))
         case "mesh":
             return _mesh(geom.get("mesh"), root, folder)
         case other:

@@ -20,6 +20,7 @@ from pydantic import ValidationError
 from objectmodels.descriptions.description_reading import read_link
 from objectmodels.descriptions.link_description import LinkDescription, LinkShape, unsupported_shape
 from objectmodels.errors import ModelError, printable
+from objectmodels.files.limits import LIMITS
 from objectmodels.files.validation_faults import first_fault
 from objectmodels.geometry.base_shapes import Array, Base, Disc
 from objectmodels.geometry.support_points import Support, hull_polygon, is_within, support_points
@@ -99,6 +100,10 @@ def import_description(
     heavy = link.mass if mass is None else mass
     if heavy is None:
         raise _error(path, "bad_description", "has no mass", "state it: --mass 0.4")
+    for value, key in ((heavy, "mass"), (friction, "friction")):
+        limit = LIMITS[key]
+        if value is not None and not limit.least <= value <= limit.most:
+            raise _error(path, "bad_value", f"found a {key} out of its range", "correct it")
     try:
         standing = _stand(link)
     except ModelError as error:

@@ -120,8 +120,11 @@ def _require_bounds(model: ObjectModel) -> None:
         raise _out_of_bounds("its probabilities do not add up to one", "return shares of one")
     some = slice(None, None, max(1, len(p) // _BOUNDED))
     exact = model.thresholds(p[some], u[some], exact=True)
-    if not exact.fitted and (exact.onset > exact.optimistic * (1.0 + _ROUNDING)).any():
-        raise _out_of_bounds("no sharing of the load would hold it so long", "check `support`")
+    if exact.fitted:
+        return
+    low, high = exact.pessimistic * (1.0 - _ROUNDING), exact.optimistic * (1.0 + _ROUNDING)
+    if ((exact.onset < low) | (exact.onset > high)).any():
+        raise _out_of_bounds("no sharing of the load moves it at that force", "check `support`")
 
 
 def _require_balance(model: ObjectModel) -> None:

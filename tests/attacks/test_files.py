@@ -13,7 +13,7 @@ import zipfile
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pytest
@@ -29,7 +29,9 @@ from nlcontrol.service.bundles.bundle_rerun import RerunReport, report_lines, re
 from nlcontrol.service.bundles.run_bundle import RunBundle, read_bundle
 from nlcontrol.service.bundles.run_request import run_request
 from objectmodels import ModelError, ObjectModel, Registry
+from objectmodels.descriptions.description_files import Format, description_texts
 from objectmodels.identification.logs.touch_log import read_data
+from objectmodels.registry.description_import import import_description
 from objectmodels.registry.mesh_import import FORMATS, import_mesh
 from objectmodels.registry.model_files import load_model, save_model
 from sim.truth.scene_file import load_scene, sample_world
@@ -176,6 +178,40 @@ def test_mesh_files(folder: Path, content: bytes, ending: str) -> None:
     path = folder / f"a.{ending}"
     path.write_bytes(content)
     attack(lambda: import_mesh(path, name="a", mass=1.0))
+
+
+def _descriptions() -> list[bytes]:
+    known = Registry.built_in()
+    named = [(name, form) for name in ("book", "mug") for form in get_args(Format)]
+    return [
+        text.encode()
+        for name, form in named
+        for text in description_texts(known.get(name).model_copy(update=STANDING), form).values()
+    ]
+
+
+STANDING = {"support": "corners"}  # few feet, so that most of a file is about something else
+XML = ['"0 0"', '"nan nan nan"', '"1e300 1e300 1e300"', '"-1"', '""', '"0"', "<", ">", "/>", "&a;",
+       "</link>", "<joint/>", "<link/>", "<!DOCTYPE a>", "<!--", "]]>", 'type="mesh"', 'size=""',
+       'rpy="9 9 9"', 'quat="0 0 0 0"', 'euler="1 2 3"', "<geometry><mesh/></geometry>", "x:y",
+       '<mesh filename="../a.xml"/>', "<sphere><radius>1</radius></sphere>", " " * 50,
+       "\x00", 'friction=""', 'solref=" "', 'eulerseq="xxy"']  # fmt: skip
+
+
+@attacks(0.2)
+@given(
+    content=spliced(_descriptions(), XML),
+    mass=st.none() | numbers,
+    friction=st.none() | numbers,
+)
+def test_descriptions(
+    folder: Path, content: bytes, mass: float | None, friction: float | None
+) -> None:
+    path = folder / "a.xml"
+    path.write_bytes(content)
+    model = attack(lambda: import_description(path, mass=mass, friction=friction))
+    if isinstance(model, ObjectModel):
+        attack(lambda: use(model, folder))
 
 
 @attacks(0.05)

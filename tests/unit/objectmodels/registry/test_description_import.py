@@ -219,6 +219,11 @@ HEAVY = "<inertial><mass>1</mass></inertial>"
         (MJCF.replace('type="free"', 'type="hinge"'), "not_one_body"),
         (MJCF.replace('"cylinder"', '"capsule"'), "unsupported_shape"),
         (MJCF.replace("euler", "axisangle"), "bad_description"),
+        (MJCF.replace('euler="0 0 0.3"', 'quat="0 0 0 0"'), "bad_description"),
+        (MJCF.replace('angle="radian"', 'eulerseq="xxy"'), "bad_description"),
+        (MJCF.replace('friction="0.4 0 0"', 'friction=" "'), "bad_description"),
+        (MJCF.replace('"cylinder"', '"sphere"').replace('size="0.05 0.04"', 'size=""'),
+         "bad_description"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_is_told(text: str, code: str, tmp_path: Path) -> None:
