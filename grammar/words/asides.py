@@ -20,6 +20,7 @@ from grammar.words.normalisation import Normalised
 from grammar.words.numerals import DIGITS
 from grammar.words.phrase_places import WORD, Phrases
 from grammar.words.reasons import Reasons
+from grammar.words.repeats import Repeats
 
 _ALONE = frozenset({"AMOUNT", "DIRECTION", "MANNER", "SENSE", "SEPARATOR", "VERB"})
 """Terminals that are a group of words by themselves."""
@@ -29,21 +30,24 @@ _LEAD = _ALONE | {"AT", "BETWEEN", "BY", "FACE", "FROM_SIDE", "IN", "INTO", "NEX
                   "WITHOUT"}  # fmt: skip
 """Terminals that begin a group; what follows belongs to it."""
 
+_WHERE = frozenset({"DIRECTION", "INTO", "REGION_OF_TABLE", "RELATION", "TOWARD"})
+"""Terminals of where something is brought, any of which corrects any other."""
+
 _BEGIN = _LEAD | {"NUMBER", "THING", "IT"}
 """Kinds that begin a group where no other is open."""
 
-_RESTATED = frozenset({"NUMBER", "THING", "DIRECTION"})
+_RESTATED = frozenset({"NUMBER", "THING", "WHERE"})
 """Kinds of groups of which a second one behind a pause can only correct the first."""
 
-_OPEN = frozenset({"A", "AND_WITH", "AT", "BETWEEN", "BY", "FILLED_WITH", "FROM", "GAP", "IN",
-                   "INTO", "NEXT", "OF", "PART_OF", "RANGE", "RELATION", "THE", "TO_DO", "TO_LEVEL",
-                   "TOWARD", "UNTIL", "WITH", "WITHOUT"})  # fmt: skip
-"""Terminals that say nothing by themselves, so that one said twice is stammered."""
+_UNITS = frozenset({"ANGLE_UNIT", "FORCE_UNIT", "LENGTH_UNIT", "SPEED_UNIT", "TIME_UNIT"})
+_HESITATING = frozenset({",", "ah", "eh", "ehm", "er", "erm", "err", "oh", "uh", "uhh", "uhm", "um",
+                         "umm", "well"})  # fmt: skip
+"""Marks that may be nothing but a pause."""
 
 _SHAPES = {
+    "corrections": r"(?:(?<= )[.,;] )??(?<![^ ])(?:{0})(?:(?: ,)? (?:{0}))*(?: ,)?(?= )",
     "fillers": r"(?<![^ ])(?!(?<=you )like ,|(?<=do )you know|(?<=not )see ,)"
     r"(?:{0})(?:(?: ,)? (?:{0}))*(?= |$)",
-    "corrections": r"(?:(?<= )[.,;] )??(?<![^ ])(?:{0})(?:(?: ,)? (?:{0}))*(?: ,)?(?= )",
     "reasons": r"(?:^(?!so (?!that ))|(?<= ))(?:{0})(?= |$)",
     "statements": r"(?<=[^ ] )(?:{0})(?: [^,.;]+)?(?= [,.;] )",
     "restarts": r"(?:^|(?<=[.;] )|(?<=^no )(?:, )?)(?:{0})(?= )",
@@ -58,7 +62,6 @@ _SHAPES = {
 _OPENING = re.compile(r"(?:^|(?<=[.;] ))[^ ]+")
 _BEGINNING = re.compile(r"[(\[]")
 _OPTION = re.compile(r" \[([^\[\]]*)\]|\[([^\[\]]*)\] ")
-_DOUBLED = re.compile(r"(?<![^ ])((?:[a-z]+ ){0,2}[a-z]+|\d+(?: [a-z]+)?)(?: ,)?(?= \1(?: |$))")
 _TOPIC = re.compile(
     r"(?:[a-z]+ ){1,3}((?:the|my|your|our)(?: [a-z0-9]+){1,5}) "
     r"(?:is|are|was|stands|blocks|has|gets|might|could|will) [^,]* (?:, )?(?:[a-z]+ ){1,3}it(?= |$)"
@@ -90,6 +93,7 @@ class Asides:
         self._phrases = phrases
         self._courtesy = Courtesy(lexicon, phrases)
         self._reasons = Reasons(lexicon, phrases)
+        self._repeats = Repeats(lexicon, phrases)
         self._patterns: dict[str, re.Pattern[str]] = {}
 
     def left_out(self, sentence: Normalised) -> Normalised:
@@ -106,8 +110,10 @@ class Asides:
             near = _OPENING.findall(said.text) if kind == "before" else words
             if not self._first_words[kind].isdisjoint(near):
                 said = self._without_all(said, kind, self._pattern_of(kind))
+        if spoken.count(",") > 1:
+            said = self._without_courtesy(said)
         if len(words) < len(spoken):
-            said = self._without_all(said, "doubled", _DOUBLED)
+            said = self._without_repeats(said)
         if not words.isdisjoint(",.;"):
             said = self._without_all(said, "stray", _STRAY)
         if said is sentence:
@@ -135,7 +141,7 @@ class Asides:
         start = 0
         while match := pattern.search(said.text, start):
             shorter = None
-            if not self._is_named(said.text, match):
+            if not self._is_named(said.text, *match.span()):
                 shorter = self._without(said, kind, match)
             if shorter is None:
                 start = match.end() if match.end() > start else start + 1
@@ -143,10 +149,10 @@ class Asides:
                 said, start = shorter, 0 if kind in ("before", "after", "stray") else match.start()
         return said
 
-    def _is_named(self, text: str, match: re.Match[str]) -> bool:
+    def _is_named(self, text: str, start: int, end: int) -> bool:
         """Check for words within a quotation or a name."""
         spans = (named.span() for named in self._named.finditer(text))
-        return any(start < match.end() and match.start() < end for start, end in spans)
+        return any(first < end and start < last for first, last in spans)
 
     @cached_property
     def _named(self) -> re.Pattern[str]:
@@ -159,23 +165,13 @@ class Asides:
         if kind == "reasons":
             return self._without_reason(said, start, end)
         if kind == "corrections":
-            return self._corrected(said, start, end)
-        if kind == "fillers" and (corrected := self._corrected(said, start, end, _RESTATED)):
+            hesitates = _HESITATING.issuperset(match[0].split())
+            return self._corrected(said, start, end, _RESTATED if hesitates else frozenset())
+        restates = kind == "fillers" and "please" not in match[0]
+        if restates and (corrected := self._corrected(said, start, end, _RESTATED)):
             return corrected
-        if kind == "doubled":
-            first = match[1].split()[0]
-            known = self._lexicon.reserved_words | self._lexicon.first_words
-            if first not in known and not first.isdigit() and " " not in match[1]:
-                return None
-            if first in self._lexicon.terminals["IT"]:
-                return None  # "push it it" may lack a word between them
-            if self._goes_on(said.text, match):
-                return None
-        before, comma, _ = said.text[:start].rpartition(" ,")
-        if kind == "fillers" and comma and self._is_open(before.rpartition(" ")[2]):
-            start, end = len(before), end + 2 * said.text.startswith(" ,", end)  # "the, uh, mug"
-        elif kind == "fillers" and self._is_open(said.text[:start].rstrip().rpartition(" ")[2]):
-            end += 2 * said.text.startswith(" ,", end)  # "to uh, the left"
+        if kind == "fillers":
+            start, end = self._with_pauses(said.text, start, end)
         left = _joined(said, (0, start), (end, len(said.text)))
         if self._says_too_little(kind, left):
             return None
@@ -183,6 +179,37 @@ class Asides:
         tagged = kind in ("after", "fillers") and start > 0 and end == len(said.text)
         tagged = tagged and match[0] != "then"
         return replace(left, question=said.question and not (polite or tagged))
+
+    def _with_pauses(self, text: str, start: int, end: int) -> Span:
+        """A filler with the pauses around it that stand within a phrase, or within a name."""
+        before, comma, _ = text[:start].rpartition(" ,")
+        paused = 2 * text.startswith(" ,", end)
+        if (
+            comma
+            and not text[len(before) + 2 : start].strip()
+            and self._goes_on(before, text[end:])
+        ):
+            return len(before), end + paused  # "the, uh, mug"
+        if self._repeats.ends_open(text[:start].rstrip()):
+            return start, end + paused  # "to uh, the left"
+        return start, end
+
+    def _without_courtesy(self, said: Normalised) -> Normalised:
+        """The sentence without courtesy between commas: "the, mate, tin"."""
+        while span := self._courtesy.pause_in(said.text):
+            start, end = self._with_pauses(said.text, *span)
+            if (start, end) == span:
+                end += 2  # one of both commas
+            said = _joined(said, (0, start), (end, len(said.text)))
+        return said
+
+    def _without_repeats(self, said: Normalised) -> Normalised:
+        marks = self._pattern_of("corrections")
+        while (repeat := self._repeats.repeat_in(said.text, marks)) is not None:
+            if self._is_named(said.text, *repeat):
+                break
+            said = _joined(said, (0, repeat[0]), (repeat[1], len(said.text)))
+        return said
 
     def _without_reason(self, said: Normalised, start: int, opened: int) -> Normalised | None:
         if _NO_REASON_BEHIND.search(said.text, 0, start):
@@ -196,12 +223,6 @@ class Asides:
             return _joined(said, topic.span(1), (end, len(said.text)))
         return _joined(said, (0, start), (end, len(said.text)))
 
-    def _is_open(self, words: str) -> bool:
-        """Check for the beginning of a phrase, which says nothing by itself."""
-        found = self._phrases.phrases_at(words, 0) if words else []
-        kinds = [kinds for phrase, kinds in found if phrase == words]
-        return bool(kinds) and all(map(_OPEN.issuperset, kinds))
-
     def _says_too_little(self, kind: str, left: Normalised) -> bool:
         """Check for a rest that needs what is left out: "to the right now", "no, right"."""
         if kind == "restarts":
@@ -210,32 +231,13 @@ class Asides:
             return kind == "after" and left.question  # "can you?"
         marks = {*self._lexicon.terminals["NO"], *self._lexicon.terminals["I_MEANT"], ",", "not"}
         words = left.text.split()
-        return self._is_open(words[-1]) or marks.issuperset(words)
+        return self._repeats.ends_open(left.text) or marks.issuperset(words)
 
-    def _goes_on(self, text: str, doubled: re.Match[str]) -> bool:
-        """Check for words that say more the second time: "at the top at the top face"."""
-        words, phrases = doubled[1], self._phrases.phrases_at
-        start = text.index(words, doubled.end())
-        if self._is_open(words) and not self._phrases.has_terminal_at("BOUND", text, start):
-            return False
-        for word in WORD.finditer(text, doubled.start(), doubled.start() + len(words)):
-            longest = next((phrase for phrase, _ in phrases(text, word.start())), "")
-            if word.start() + len(longest) > doubled.start() + len(words):
-                return True
-        if self._phrases.has_terminal_at("VERB", text, start) and self._ends_phrase(text, doubled):
-            return True
-        again = [phrase for phrase, _ in phrases(text, start)]
-        more = self._phrases.has_terminal_at("BOUND", text, start + len(words) + 1)
-        return more or (words in again and words != again[0])
-
-    def _ends_phrase(self, text: str, doubled: re.Match[str]) -> bool:
-        """Check for words that end a phrase the first time: "with a gentle hand hand it over"."""
-        starts = (word.start() for word in WORD.finditer(text, 0, doubled.start()))
-        return any(
-            start + len(phrase) == doubled.end(1)
-            for start in starts
-            for phrase, _ in self._phrases.phrases_at(text, start)
-        )
+    def _goes_on(self, before: str, after: str) -> bool:
+        """Check for a pause within a phrase, or within a name: "the, uh, mug", "ice, uh, tea"."""
+        last, after = before.rpartition(" ")[2], after.lstrip(" ,")
+        within = not (self._begins_a_group(last, 0) or self._begins_a_group(after, 0))
+        return self._repeats.ends_open(before) or within
 
     # --- corrections --------------------------------------------------------------------------
 
@@ -248,14 +250,19 @@ class Asides:
         paused = said.text[start] in ",.;" or said.text[:end].endswith(",")
         start = len(said.text[:start].rstrip(" ,"))
         end = len(said.text) - len(said.text[end:].lstrip(" ,"))
-        if not paused and not self._begins_a_group(said.text, end):
+        if (only or not paused) and not self._begins_a_group(said.text, end):
             return None  # "push it left no matter what"
         before, after = self._groups(said.text, 0, start), self._groups(said.text, end)
+        if self._repeats.ends_open(said.text[:start]):
+            return None  # "in front of, hold on, the jar"
         if not before or not after or (only and not only & after[0].kinds & before[-1].kinds):
             return None
+        inner = self._within(said.text, before[-1], after[0].kinds)
+        if inner and (len(after) == 1 or not _are_alike(after[1].kinds, before[-1].kinds)):
+            return _joined(said, (0, inner), after[0][:2], (after[0].end, len(said.text)))
         for i in reversed(range(len(before))):
             wrong, between = before[i], before[i + 1 :]
-            if not wrong.kinds & after[0].kinds - {"WORD"}:
+            if not _are_alike(wrong.kinds, after[0].kinds):
                 continue
             rest = (after[0].end, len(said.text))
             if said.text[rest[0] :].startswith(" ,"):
@@ -272,6 +279,15 @@ class Asides:
         start = text.index(mark, start)
         phrases = self._phrases.phrases_at(text, start)
         return any(phrase.startswith(f"{mark} ") for phrase, _ in phrases)
+
+    def _within(self, text: str, group: _Group, kinds: frozenset[str]) -> int:
+        """Where a thing or a number begins that a group says more before; or 0: "left of the"."""
+        if not kinds & {"THING", "NUMBER"} or not group.kinds & _LEAD:
+            return 0
+        places = WORD.finditer(text, group.start, group.end)
+        return next(
+            (m.start() for m in places if _are_alike(self._phrase_at(text, m)[1], kinds)), 0
+        )
 
     def _begins_a_group(self, text: str, start: int) -> bool:
         """Check for a phrase of the language or a number, and not for any word."""
@@ -295,18 +311,29 @@ class Asides:
         start, lexicon = match.start(), self._lexicon
         number = lexicon.numbers.pattern.match(text, start) or DIGITS.match(text, start)
         if number and number[0] not in ("a", "an"):
-            return number.end(), frozenset({"NUMBER"})
+            units = self._phrases.phrases_at(text, number.end() + 1)
+            kinds = frozenset(units[0][1]) if units else frozenset()
+            return number.end(), (kinds & _UNITS) | {"NUMBER"}
         found = self._phrases.phrases_at(text, start)
         kinds = frozenset(found[0][1]) if found else frozenset({"WORD"})
         if not kinds & {"THE", "A", "THAT", "WORD"}:
+            kinds |= {"WHERE"} if kinds & _WHERE else set()
             return start + len(found[0][0]), kinds
         end = match.end()
         for word in WORD.finditer(text, end):
             ends = word[0] in lexicon.ends_names and word[0] not in lexicon.adjectives
+            phrase, leads = next(iter(self._phrases.phrases_at(text, word.start())), ("", ()))
+            ends = ends or (" " in phrase and not _LEAD.isdisjoint(leads))  # "left of"
             if not word[0][0].isalpha() or (ends and end > match.end()):
                 break
             end = word.end()
         return end, frozenset({"THING"})
+
+
+def _are_alike(one: frozenset[str], other: frozenset[str]) -> bool:
+    """Check for kinds of groups of which one can correct the other; not 2 cm and 5 N."""
+    common = one & other - {"WORD"}
+    return bool(common) and not (common == {"NUMBER"} and min(len(one), len(other)) > 1)
 
 
 def _joined(said: Normalised, *ranges: tuple[int, int]) -> Normalised:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection
 from dataclasses import replace
+from itertools import pairwise
 
 from grammar.frames.command import Span
 from grammar.words.lexicon import Lexicon
@@ -27,11 +28,18 @@ _REMARKS = frozenset({"DO", "I_MEANT", "MORE", "NO", "REPEAT", "REVERSE", "SEEN"
 """Terminals that ask for something even beside thanks."""
 
 _THING = frozenset({"THE", "THAT", "IT"})
+_ARTICLES = frozenset({"a", "an", "our", "that", "the", "this", "your"})
+_BEGS = re.compile("(?:please )?(?:can|could|may|might) (?:i|we) (?:please )?(?:get|have|see)")
+"""A request, if a thing and a participle follow: "could I have the jar pushed away"."""
+
 _BEHIND_TOPIC = re.compile(r" (?:[,.;?!]|and)(?: (?:and|then|please|now))* ")
 _READ = frozenset({"FILLER", "NEXT", "VOCATIVE"})
 _SAYS = frozenset({"AMOUNT", "DIRECTION", "FACE", "FROM_SIDE", "MANNER", "REGION",
-                   "REGION_OF_TABLE", "SENSE", "WAY"})  # fmt: skip
+                   "REGION_OF_TABLE", "SENSE", "WAY", "LENGTH_UNIT", "ANGLE_UNIT", "FORCE_UNIT",
+                   "SPEED_UNIT", "TOOL"})  # fmt: skip
 _PAUSES = frozenset(",.;!?")
+_LONGEST_CLOSING = 8
+"""Words of the longest courtesy behind a command without a pause before it."""
 
 
 class Courtesy:
@@ -76,7 +84,16 @@ class Courtesy:
         """Check for words of courtesy that do not just point at something."""
         if not known.issuperset(words) or self._words["pointing"].issuperset(words):
             return False
+        if self._names_a_thing(words):
+            return False
         return not self._is_read(words) and not self._says_something(" ".join(words))
+
+    def _names_a_thing(self, words: list[str]) -> bool:
+        """Check for words up to a pause that may be a thing's name: "the computer, push it"."""
+        words = words[words[0] in ("and", "or") :]
+        words = words[: next((i for i, word in enumerate(words) if word in _PAUSES), len(words))]
+        named = bool(words) and words[-1] in self._words["things"]
+        return named and (words[0] in _ARTICLES or words[:-1] == ["my"])
 
     def _says_something(self, text: str) -> bool:
         """Check for a phrase of several words about where, how or how far: "to the right"."""
@@ -115,9 +132,10 @@ class Courtesy:
             found = self._phrases.phrases_at(said.text, start)
             kinds = {kind for _, kinds in found for kind in kinds}
             instead = self._instead(words, kinds, said.text[start:])
-            asked = self._asks(words[_last_pause(words) :])
+            begs = _BEGS.fullmatch(" ".join(words)) is not None
+            asked = self._asks(words[_last_pause(words) :]) and not begs
             asked = asked or any(self._reaches(said.text, m.start(), start) for m in places[:i])
-            asked = asked or self._says_something(" ".join(words))
+            asked = asked or self._says_something(" ".join(words)) or self._names_a_thing(words)
             asked = asked or (words != ["so"] and self._is_read(words))
             if instead is not None and not asked:
                 return _begun_with(instead, said, start)
@@ -151,7 +169,7 @@ class Courtesy:
             return "try "
         if kinds & _COMMAND and self._asks_for(words):
             return ""
-        wishes = not self._words["wishing"].isdisjoint(words)
+        wishes = not self._words["wishing"].isdisjoint(words) or _BEGS.fullmatch(" ".join(words))
         if not (kinds & _THING and wishes and last in self._words["before_thing"]):
             return None
         passive = any(self._has_kind({"VERB_ED"}, rest, m.start()) for m in WORD.finditer(rest))
@@ -161,8 +179,18 @@ class Courtesy:
         """Check for a run behind which a verb is asked for: "… you could", not "do you"."""
         if words[-1] in self._words["behind_you"]:
             return words[-2:-1] in (["you"], ["we"], ["robot"])
-        statement = words[-2:] == ["do", "you"] or words == ["you"]
+        statement = words[-2:] == ["do", "you"] or words == ["you"] or words[0] == "did"
         return words[-1] in self._words["before_verb"] and not statement
+
+    def pause_in(self, text: str) -> Span | None:
+        """Courtesy between two commas, with no comma; None if there is none."""
+        commas = [m.start() for m in re.finditer(r"(?<![^ ]),(?= )", text)]
+        for start, end in pairwise(commas):
+            words = text[start + 1 : end].split()
+            named = words in (["robot"], ["please"])
+            if words and (named or self._is_courtesy(words, self._closing)):
+                return start + 2, end - 1
+        return None
 
     def _without_closing(self, said: Normalised) -> Normalised:
         """The sentence without courtesy behind its last pauses."""
@@ -175,7 +203,21 @@ class Courtesy:
             said = replace(said, text=said.text[:end], columns=said.columns[:end],
                            question=said.question and not tail)  # fmt: skip
             words = words[: pauses[-1]]
+        for i in range(len(words) - 1, max(2, len(words) - _LONGEST_CLOSING), -1):
+            if words[i] in self._words["ending"] and self._is_courtesy(words[i:], self._closing):
+                end = list(WORD.finditer(said.text))[i - 1].end()
+                if self._is_said(said.text[:end]):
+                    return replace(said, text=said.text[:end], columns=said.columns[:end])
         return said
+
+    def _is_said(self, text: str) -> bool:
+        """Check for a text that ends in a whole phrase about where, how or how far."""
+        starts = [m.start() for m in WORD.finditer(text)][-_LONGEST_CLOSING:]
+        return any(
+            start + len(phrase) == len(text) and not _SAYS.isdisjoint(kinds)
+            for start in starts
+            for phrase, kinds in self._phrases.phrases_at(text, start)
+        )
 
 
 def _last_pause(words: list[str]) -> int:
@@ -195,5 +237,7 @@ def _begun_with(words: str, said: Normalised, start: int) -> Normalised:
         said,
         text=words + said.text[start:],
         columns=(*((over,) * len(words)), *said.columns[start:]),
-        question=said.question and {"you", "we"}.isdisjoint(said.text[:start].split()),
+        question=said.question
+        and not words
+        and {"you", "we"}.isdisjoint(said.text[:start].split()),
     )

@@ -28,6 +28,7 @@ _READY = re.compile(r"[A-Za-z0-9 ,.'\"-]*")
 _MINUS = re.compile(r"(?<![^ ])-(?=[.\d])|(?<=\de)-(?=\d)")
 _ELLIPSIS = re.compile(r"\.(?:[ .]*\.)+")
 _DASH = re.compile(r"(?<= )-+(?= )")
+_DRAWN_OUT = re.compile(r"([a-z])\1(?=\1)", re.IGNORECASE)
 _RANGE = re.compile(r"(?<=\d)-(?=[.\d])")
 
 
@@ -58,8 +59,14 @@ class Normalised:
         return self.columns[start][0], self.columns[end - 1][1]
 
     def words_as_written(self, span: Span) -> str:
-        """The words of a span as they were written, one space apart."""
-        return " ".join(self.original[span[0] : span[1]].split())
+        """The words of a span as they were written, one space apart, asides left out."""
+        start, pieces = span[0], list[str]()
+        for aside in self.asides:
+            if start < aside[0] and aside[1] < span[1]:
+                pieces.append(self.original[start : aside[0]].strip(" ,.;-"))
+                start = aside[1]
+        last = self.original[start : span[1]]
+        return " ".join(" ".join([*pieces, last.lstrip(" ,.;-") if pieces else last]).split())
 
     def error_at(self, span: Span, code: str, message: str, hint: str, *more: str) -> ParseError:
         """The error about the words of a span, with which its message begins."""
@@ -84,6 +91,8 @@ def normalise(text: str, contractions: Mapping[str, str]) -> Normalised:
             ("say it in one short sentence",),
         )
     letters = _letters_of(text)
+    if _DRAWN_OUT.search(text):
+        letters = [each for i, each in enumerate(letters) if not _is_drawn_out(letters, i)]
     question = _text_of(letters).rstrip(" .!").endswith("?")
     while letters and letters[-1][0] in " .!?,;":
         letters.pop()
@@ -118,6 +127,12 @@ def _letters_of(text: str) -> list[_Letter]:
     if _READY.fullmatch(text):
         return list(zip(text.lower(), range(len(text)), range(1, len(text) + 1), strict=True))
     return [(c, i, i + 1) for i, char in enumerate(text) for c in _plain_letters(char, i)]
+
+
+def _is_drawn_out(letters: list[_Letter], i: int) -> bool:
+    """Check for the third of the same letters in a row: "uhhh"."""
+    char = letters[i][0]
+    return char.isalpha() and i > 1 and char == letters[i - 1][0] == letters[i - 2][0]
 
 
 def _require_one_script(letters: list[_Letter]) -> None:

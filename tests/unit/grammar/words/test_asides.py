@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from grammar import parse
+from grammar import ParseError, parse
 from grammar.parser import parser_for
 
 
@@ -105,3 +105,48 @@ def test_praise_alone_is_thanked_for() -> None:
 def test_as_soon_as_gives_no_reason() -> None:
     (frame,) = parse("push the jar away as soon as it gets about to tip over").frames
     assert [clause.kind for clause in frame.constraints] == ["until"]
+
+
+@pytest.mark.parametrize(
+    ("text", "plain"),
+    [
+        ("push the tin left of the lamp, no, right of the lamp", "push the tin right of the lamp"),
+        ("push the tin left of the lamp, no, the bowl", "push the tin left of the bowl"),
+        ("push the tin left of the lamp, no, the jar to the right", "push the jar to the right"),
+        ("push the tin next to the jar, no, to the left", "push the tin to the left"),
+        ("push the tin 2 cm away at 5 cm/s, no, 8 cm/s", "push the tin 2 cm away at 8 cm/s"),
+        ("push the tin away with 5 N, sorry, 8 N", "push the tin away with 8 N"),
+        ("push the tin in front of, hold on, the jar", "push the tin in front of the jar"),
+    ],
+)
+def test_a_correction_takes_the_place_of_what_is_like_it(text: str, plain: str) -> None:
+    assert parse(text).paraphrase == parse(plain).paraphrase
+
+
+@pytest.mark.parametrize(
+    ("text", "plain"),
+    [
+        ("push the, mate, tea, uhhh, box a, robot, little away", "push the tea box a little away"),
+        ("push the tin away, sorry about that, 5 cm", "push the tin 5 cm away"),
+        ("push the tin away dear robot", "push the tin away"),
+        ("could I have the tin pushed away?", "push the tin away"),
+    ],
+)
+def test_courtesy_may_stand_anywhere(text: str, plain: str) -> None:
+    assert parse(text).paraphrase == parse(plain).paraphrase
+
+
+def test_what_may_be_the_name_of_a_thing_is_no_courtesy() -> None:
+    assert parse("the computer, push it away").paraphrase == "push the computer away"
+    assert "friend" in parse("push the tin to the right of my friend").paraphrase
+    for text in (
+        "push the tin away, and the computer",
+        "push the tin, please, the jar and the cup",
+    ):
+        with pytest.raises(ParseError):
+            parse(text)
+
+
+def test_a_question_about_what_was_asked_for_is_no_request() -> None:
+    with pytest.raises(ParseError):
+        parse("did I ask you to push the tin away")

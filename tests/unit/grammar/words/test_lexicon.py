@@ -216,6 +216,11 @@ FORMS = {
     "uncover": ("uncovered", "uncovering"), "uncap": ("uncapped", "uncapping"),
     "hang": ("hung", "hanging"), "leave": ("left", "leaving"),
     "uncork": ("uncorked", "uncorking"), "unseal": ("unsealed", "unsealing"),
+    "propel": ("propelled", "propelling"), "impel": ("impelled", "impelling"),
+    "thrust": ("thrust", "thrusting"), "tug": ("tugged", "tugging"),
+    "yank": ("yanked", "yanking"), "slip": ("slipped", "slipping"),
+    "reorient": ("reoriented", "reorienting"),
+    "capsize": ("capsized", "capsizing"),
 }  # fmt: skip
 """Participle and gerund of every verb, from the dictionary."""
 
