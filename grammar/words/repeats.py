@@ -12,8 +12,8 @@ import re
 from collections.abc import Iterator
 
 from grammar.frames.command import Span
-from grammar.words.lexer_lookahead import WORD, Phrases
 from grammar.words.lexicon import Lexicon
+from grammar.words.phrase_places import WORD, Phrases
 
 _OPEN = frozenset({"A", "AND_WITH", "AT", "BETWEEN", "BY", "FILLED_WITH", "FROM", "GAP", "IN",
                    "INTO", "NEXT", "OF", "PART_OF", "RANGE", "RELATION", "THE", "TO_DO", "TO_LEVEL",
