@@ -281,7 +281,7 @@ class Asides:
         return any(phrase.startswith(f"{mark} ") for phrase, _ in phrases)
 
     def _within(self, text: str, group: _Group, kinds: frozenset[str]) -> int:
-        """Where a thing or a number begins that a group says more before; or 0: "left of the"."""
+        """Place of a thing or a number within a group, as in "left of the tin"; 0 if none is."""
         if not kinds & {"THING", "NUMBER"} or not group.kinds & _LEAD:
             return 0
         places = WORD.finditer(text, group.start, group.end)
