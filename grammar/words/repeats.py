@@ -33,6 +33,7 @@ class Repeats:
     def __init__(self, lexicon: Lexicon, phrases: Phrases) -> None:
         self._phrases = phrases
         self._doubles = frozenset(lexicon.asides["doubles"])
+        self._pronouns = lexicon.terminals["IT"].keys()
 
     def repeat_in(self, text: str, marks: re.Pattern[str]) -> Span | None:
         """The first words that are said again, up to where they are; None if there are none.
@@ -72,7 +73,8 @@ class Repeats:
         """Check for words that are meant both times: two commands, or a longer phrase."""
         words, phrases = text[slice(*said)], self._phrases.phrases_at
         after = text[second + len(words) + 1 :].partition(" ")[0]
-        if words in self._doubles:
+        lacks = words in self._pronouns and after  # "push it it away" may lack a word
+        if words in self._doubles or lacks:
             return True
         if (
             " " in words

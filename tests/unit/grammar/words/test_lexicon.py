@@ -217,7 +217,7 @@ FORMS = {
     "hang": ("hung", "hanging"), "leave": ("left", "leaving"),
     "uncork": ("uncorked", "uncorking"), "unseal": ("unsealed", "unsealing"),
     "propel": ("propelled", "propelling"), "impel": ("impelled", "impelling"),
-    "thrust": ("thrust", "thrusting"), "tug": ("tugged", "tugging"),
+    "thrust": ("thrust", "thrusting"),
     "yank": ("yanked", "yanking"), "slip": ("slipped", "slipping"),
     "reorient": ("reoriented", "reorienting"),
     "capsize": ("capsized", "capsizing"),
