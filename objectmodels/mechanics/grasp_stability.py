@@ -18,6 +18,7 @@ thumb's), z along the approach, y = z × x. The first contact is the thumb's. Ar
 
 from __future__ import annotations
 
+import functools
 import itertools
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -238,9 +239,9 @@ class GraspLoads:
         return GraspLoads(*(each[..., i] for each in vars(self).values()))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Lifted:
-    """An object in a hand, through a motion.
+    """An object in a hand, through a motion; what is found of the same is kept.
 
     Attributes:
         model: what is believed of it.
@@ -258,21 +259,25 @@ class Lifted:
     down_B: Array
     acceleration: float = 0.0
 
+    @functools.cached_property
+    def _content(self) -> tuple[object, ...]:
+        arrays = self.contacts.places, self.contacts.shares, self.p_BG, self.R_BG, self.down_B
+        parts = (each.tobytes() for each in arrays)
+        return self.model, self.contacts.press, self.acceleration, *parts
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Lifted) and self._content == other._content
+
+    def __hash__(self) -> int:
+        return hash(self._content)
+
     def hold_probability(self, squeeze: float) -> float:
         """Probability that a squeeze holds over the whole motion.
 
         Mass and centre of mass are averaged over a fixed sequence; given these, it holds if the
         friction is above a critical one, which integrates in closed form.
         """
-        model = self.model
-        z = normal_nodes(NODES)
-        mass = np.maximum(model.mass + model.mass_sd * z[:, 0], SMALLEST_SHARE * model.mass)
-        com = np.array(model.com) + np.array(model.com_sd) * z[:, 1:]
-        critical = self.loads(mass, com).critical_friction(squeeze).reshape(NODES, -1).max(axis=1)
-        mean, sd = model.finger_friction, model.finger_friction_sd
-        if sd <= 0.0:
-            return float(np.mean(critical <= mean))
-        return float(np.mean(normal_cdf((mean - critical) / sd)))
+        return _hold_probability(self, squeeze)
 
     def loads(self, mass: Array, com: Array) -> GraspLoads:
         """Weights of n cases through the m directions, a load each, n m in all.
@@ -289,6 +294,19 @@ class Lifted:
         return GraspLoads.on_contacts(self.contacts, force, np.repeat(place, m, axis=0))
 
 
+@functools.lru_cache(maxsize=1024)
+def _hold_probability(lifted: Lifted, squeeze: float) -> float:
+    model = lifted.model
+    z = normal_nodes(NODES)
+    mass = np.maximum(model.mass + model.mass_sd * z[:, 0], SMALLEST_SHARE * model.mass)
+    com = np.array(model.com) + np.array(model.com_sd) * z[:, 1:]
+    critical = lifted.loads(mass, com).critical_friction(squeeze).reshape(NODES, -1).max(axis=1)
+    mean, sd = model.finger_friction, model.finger_friction_sd
+    if sd <= 0.0:
+        return float(np.mean(critical <= mean))
+    return float(np.mean(normal_cdf((mean - critical) / sd)))
+
+
 def least_squeezes(grasps: Sequence[Lifted], *, sigmas: float = 2.0) -> tuple[Array, Array]:
     """Least squeezes that hold through each motion, as believed and at worst, each (n,) [N].
 
@@ -298,6 +316,12 @@ def least_squeezes(grasps: Sequence[Lifted], *, sigmas: float = 2.0) -> tuple[Ar
         grasps: n objects in a hand.
         sigmas: standard deviations of mass, friction and centre of mass of the worst case.
     """
+    return _least_squeezes(tuple(grasps), sigmas)
+
+
+@functools.lru_cache(maxsize=64)
+def _least_squeezes(grasps: tuple[Lifted, ...], sigmas: float) -> tuple[Array, Array]:
+    """See `least_squeezes`; kept, as the same are asked for in one plan after the other."""
     found = np.zeros(2 * len(grasps))
     for k in {len(each.contacts.shares) for each in grasps}:
         parts, friction, group = [], [], []
@@ -312,6 +336,7 @@ def least_squeezes(grasps: Sequence[Lifted], *, sigmas: float = 2.0) -> tuple[Ar
             np.concatenate(friction), np.concatenate(group)
         )
         found[: len(squeezes)] = np.maximum(found[: len(squeezes)], squeezes)
+    found.setflags(write=False)
     believed, worst = found.reshape(2, -1)
     return believed, worst
 
