@@ -5,7 +5,8 @@ is believed of the object, and one push on a random face at a random place, with
 the finger's friction cone. Its truth is the class by the exact tier for just that body: its mass,
 friction, centre of mass, and its support, wider or narrower as its friction radius says. With
 `--mujoco` it is what MuJoCo does with the body on its corners (`benchmarks.pushes`); there the
-support is known.
+support is known. The round one is left out: its rim is soft there, and just before tipping it
+rocks before it can be seen to turn.
 
 ECE is the expected calibration error of P(topple) over ten bins. A perfect forecaster, who states
 the same probabilities and is right, has one too, found by resampling; beside it stand the Brier
@@ -24,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels import BoxModel, ObjectModel, Registry
+from objectmodels.geometry.base_shapes import Disc
 from objectmodels.mechanics.exact.exact_thresholds import thresholds_of_sample
 from objectmodels.mechanics.friction_cone import contact_forces
 from objectmodels.mechanics.outcome_probability import Sample, sample_parameters
@@ -188,9 +190,13 @@ def main() -> None:
         rows += [by_exact_tier(model, sets, seed) for model, seed in some]
     if options.mujoco:
         some = zip(objects("corners"), seeds, strict=True)
-        seen = [by_mujoco(model, options.mujoco, seed) for model, seed in some]
+        seen = [
+            by_mujoco(model, options.mujoco, seed)
+            for model, seed in some
+            if not isinstance(model.base, Disc)
+        ]
         stated, came, right = (np.concatenate(part) for part in zip(*seen, strict=True))
-        rows.append(row("all in MuJoCo", stated, came, right, np.random.default_rng(0)))
+        rows.append(row("four in MuJoCo", stated, came, right, np.random.default_rng(0)))
     print(table(rows))
 
 
