@@ -40,6 +40,9 @@ MODES = np.array(["stick", "slip left", "slip right", "turn", "lost"])
 turns away from one of two; none touches."""
 
 _STICK, _LEFT, _RIGHT, _TURN, _LOST = range(len(MODES))
+BEYOND = 0.010
+"""Distance beyond the end of a face at which a round fingertip may still touch it [m]."""
+
 _SETTLING = 3  # looks at how the first push shifts the load
 
 
@@ -179,7 +182,8 @@ def touched_faces(model: PushedBody, places: Array, normals: Array) -> Array:
     Contacts (n, 2) [m] and horizontal outward unit normals there (n, 2) are in the table plane.
 
     Raises:
-        ModelError: `bad_array` if the object has no such face.
+        ModelError: `bad_array` if the object has no such face; `off_object` if it ends before the
+            contact.
     """
     rows = []
     for place, normal in zip(places, normals, strict=True):
@@ -197,6 +201,13 @@ def touched_faces(model: PushedBody, places: Array, normals: Array) -> Array:
                 suggestions=("take `face.normal` of one of `model.faces`",),
             )
         at = (place - face.centre[:2]) @ np.array(face.tangent[:2])
+        if abs(at) > face.width / 2.0 + BEYOND and face.curvature == 0.0:
+            raise ModelError(
+                "off_object",
+                f"the contact lies {1e3 * (abs(at) - face.width / 2.0):.0f} mm beyond the end of "
+                f"the face of the {model.name} that it should touch",
+                suggestions=("take a place between the ends of the face",),
+            )
         rows.append((at, face.width / 2.0, face.curvature))
     return np.array(rows).reshape(len(places), 3)
 

@@ -373,7 +373,7 @@ class ObjectModel(Parameters, ABC):
             tip_radius: of the round fingertips [m].
 
         Raises:
-            ModelError: `bad_array`, `bad_value`.
+            ModelError: `bad_array`, `bad_value`, `off_object`.
         """
         from objectmodels.mechanics.exact.loaded_points import LoadedPoints
         from objectmodels.mechanics.push_motion import LawOf, integrate_stroke

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 from benchmarks.pushing_logs.held_plates import held_motions
 from benchmarks.pushing_logs.log_errors import angle_errors, pose_errors
+from benchmarks.pushing_logs.planar_json import TIP_RADIUS, read_planar_push
 from benchmarks.pushing_logs.push_tables import write_recordings, write_touches
 from benchmarks.pushing_logs.triangle_logs import (
     _FOLDER,
@@ -99,6 +101,23 @@ def test_both_forms_are_fitted(tmp_path: Path, pushes: list[TrackedPush], write:
     # The mean force of a row is read off as the source does; the pushes turn by up to 15°.
     assert report.parameters["friction"].value == pytest.approx(TRUTH.friction, rel=0.05)
     assert sum(report.trials.values()) == 14
+
+
+def test_a_push_of_a_planar_file_is_read_into_the_body(tmp_path: Path) -> None:
+    """The body looks along y of the robot; the rod comes along y and takes it 20 mm ahead."""
+    file, t = tmp_path / "push.json", np.linspace(0.0, 4.0, 80)
+    y, gone = 0.01 * t - 0.075, np.maximum(0.01 * t - 0.02, 0.0)
+    told = {
+        "tip_pose": np.column_stack((t, 0.3 + 0.0 * t, y, 0.0 * t)).tolist(),
+        "object_pose": np.column_stack((t, 0.3 + 0.0 * t, gone, 0.0 * t + np.pi / 2)).tolist(),
+        "ft_wrench": np.column_stack((t, 0.1 + 0.0 * t, -3.0 * (t > 2.0), 0.0 * t)).tolist(),
+    }
+    file.write_text(json.dumps(told), encoding="utf-8")
+    push = read_planar_push(file)
+    np.testing.assert_allclose(push.pose, [0.02, 0.0, 0.0], atol=1e-9)
+    np.testing.assert_allclose(push.force[-1], [3.0, 0.0], atol=1e-9)
+    # The rod's axis is 75 mm behind at first, the contact one radius nearer.
+    np.testing.assert_allclose(push.tip[0], [-0.075 + TIP_RADIUS, 0.0], atol=1e-9)
 
 
 def test_a_plate_that_two_fingers_hold_stays_in_the_hand(tmp_path: Path) -> None:

@@ -146,6 +146,12 @@ def test_a_finger_runs_around_a_can() -> None:
     assert np.hypot(finger[0] - x, finger[1] - y) == pytest.approx(0.033, rel=2e-3)
 
 
+def test_a_contact_beside_the_face_is_refused() -> None:
+    with pytest.raises(ModelError) as raised:
+        BOX.stroke([[-0.045, 0.070, 0.05]], [REAR], [1, 0, 0], 0.05)
+    assert raised.value.code == "off_object"
+
+
 @pytest.mark.parametrize(
     ("points", "normals", "way", "travel"),
     [
