@@ -233,7 +233,8 @@ def _stage(step: Step, watch: Watch, turns: bool, models: Mapping[str, ObjectMod
     return Stage(
         goal="until" if until else frame.goal.kind,
         status=step.status,
-        planned=plan is not None,
+        # A plan whose step has no successor is not carried out.
+        planned=plan is not None and step.status not in ("refused", "unsupported"),
         reason=step.error.code if step.error else None,
         probability=plan.probability if plan else None,
         planning=watch.planning[0],

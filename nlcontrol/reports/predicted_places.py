@@ -5,13 +5,13 @@ All of it is belief. A pose is a row of a trace: quaternion (w, x, y, z) and pos
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sim.rotations import Array, axis_rotation, quaternion, rot_z
+from planner.predicted_states import fallen_pose
+from sim.rotations import Array, quaternion, rot_z
 from sim.views.run_story import ContactMark, Ghost
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ def end_poses(steps: Sequence[Step]) -> Iterator[Ghost]:
 def _end_pose(plan: Plan, before: PlanarPose) -> Array | None:
     """The predicted pose at the end, as a row of a trace; None if none was predicted."""
     if plan.task == "topple" and plan.pushes:
-        return _fallen(plan.push, before)
+        return _row(*fallen_pose(plan.push, before))
     if plan.aim is not None:
         return _row(_attitude(before, plan.aim), (plan.aim.x, plan.aim.y, 0.0))
     if plan.pushes and plan.push.displacement is not None:
@@ -46,16 +46,6 @@ def _end_pose(plan: Plan, before: PlanarPose) -> Array | None:
         height = sum(step.height for step in plan.steps if step.kind == "lift_up")
         return _row(_attitude(before), (before.x, before.y, height))
     return None
-
-
-def _fallen(push: PushAction, before: PlanarPose) -> Array:
-    """Tipped by a right angle about the edge of the base that is opposite of the contact."""
-    R_WB, n = _attitude(before), np.array(push.normal_W)
-    p_WB = np.array([before.x, before.y, 0.0])
-    depth = float((R_WB @ np.array(push.p_BC)) @ n)
-    edge = p_WB - depth * n
-    R = axis_rotation(np.cross([0.0, 0.0, 1.0], -n), math.pi / 2.0)
-    return _row(R @ R_WB, edge + R @ (p_WB - edge))
 
 
 def _attitude(before: PlanarPose, aim: Aim | None = None) -> Array:

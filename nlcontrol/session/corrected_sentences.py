@@ -30,8 +30,8 @@ from nlcontrol.session.remarks.merged_frames import without_spans
 from nlcontrol.session.stoppable_robot import StoppableRobot
 from planner import plan
 from planner.feasible_amounts import frame_with_less
+from planner.predicted_states import state_after
 from planner.problem.search_budget import SearchBudget
-from planner.types.plan import Reached
 from planner.types.refusal import Refusal
 from sim.supervision import Stopped
 
@@ -39,7 +39,6 @@ if TYPE_CHECKING:
     from grammar.frames.command import Command, Frame, Span
     from nlcontrol.results.result import Result
     from nlcontrol.session.executor import Planner
-    from planner.types.plan import Plan
     from planner.types.robot import Robot
     from planner.types.world_state import WorldState
     from sim.perception.last_look import LastLook
@@ -271,23 +270,11 @@ class _Trials:
                 self._left -= budget.done
                 if isinstance(made, Refusal):
                     return step, refusal_error(made)
-                foreseen = _state_after(made, state)
+                foreseen = state_after(made, state)
                 if foreseen is None:
                     return None
                 state = foreseen
         return None
-
-
-def _state_after(made: Plan | Reached, state: WorldState) -> WorldState | None:
-    """The belief after a plan that moves an object over the table; None if another is not known."""
-    if isinstance(made, Reached):
-        return state
-    if made.aim is None or made.task not in ("push", "place"):
-        return None
-    seen, aim = state.objects[made.object], made.aim
-    yaw = seen.pose.yaw if aim.yaw is None else aim.yaw
-    there = replace(seen, pose=replace(seen.pose, x=aim.x, y=aim.y, yaw=yaw))
-    return replace(state, objects={**state.objects, there.name: there})
 
 
 def _from_frames(parse: Parse, info: ErrorInfo, frames: Frames) -> Iterator[tuple[str, Frames]]:

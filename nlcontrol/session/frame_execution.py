@@ -16,6 +16,7 @@ what it held, and another plan is made, up to `Defaults.most_tries` of them
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -53,10 +54,10 @@ def run_command(
 ) -> Result:
     """Does what a command says, frame after frame, up to the first that fails.
 
-    With `plan_only` the first frame alone is planned: where the others start is not known yet. The
-    command's objects are resolved; the result has been begun by the controller. A question moves
-    the robot with the motion `simulate` alone. What was approved is carried out from where things
-    were seen last.
+    With `plan_only` nothing is carried out, and the plan of the first frame is told. The command's
+    objects are resolved; the result has been begun by the controller. A question moves the robot
+    with the motion `simulate` alone. What was approved is carried out from where things were seen
+    last.
     """
     result = result_with(result, frames=command.frames)
     for index, frame in enumerate(command.frames):
@@ -67,7 +68,7 @@ def run_command(
         elif frame.query is not None:
             result = _answer_question(controller, index, frame, result, supervisor)
         else:
-            run = FrameRun(controller, index, frame, result, supervisor)
+            run = FrameRun(controller, index, command.frames, result, supervisor)
             made = approval.made if approval is not None and approval.frame == index else None
             result = run.run(plan_only, made)
         if result.error or result.status == "planned":
@@ -141,18 +142,18 @@ def _explore_frame(
 
 
 class FrameRun:
-    """One frame, by its index in a command, on its way."""
+    """One of a command's frames, by its index, on its way."""
 
     def __init__(
         self,
         controller: Controller,
         index: int,
-        frame: g.Frame,
+        frames: Sequence[g.Frame],
         result: Result,
         supervisor: Supervisor,
     ) -> None:
         self.controller = controller
-        self.frame = frame
+        self.frame, self.ahead = frames[index], frames[index:]
         self.result = result
         self.supervisor = supervisor
         self.step = Step(frame=index, status="failed")
@@ -178,6 +179,9 @@ class FrameRun:
         for attempt in itertools.count():
             self.supervisor.stop.check()
             state, made = self._look_and_plan(previous, approved if attempt == 0 else None)
+            # What was approved was looked through before it was offered.
+            if attempt == 0 and approved is None and not isinstance(made, Refusal):
+                made = self._looked_through(made, state)
             if isinstance(made, Refusal):
                 if attempt == 0:
                     info = refusal_error(made)
@@ -231,6 +235,14 @@ class FrameRun:
             stop=self.supervisor.stop,
         )
         return state, made
+
+    def _looked_through(self, made: Plan | Reached, state: WorldState) -> PlanningResult:
+        """The plan by which the later frames can be done, too, or why they cannot."""
+        if len(self.ahead) == 1 or self.result.trace is not None:
+            return made
+        from nlcontrol.session.foreseen_steps import looked_through  # one frame does without it
+
+        return looked_through(self.controller, made, state, self.ahead, self.supervisor.stop)
 
     def _budget(self, made: Plan) -> int:
         """Pushes, or tries of a hand, that may be made; what is to be quick is not corrected."""

@@ -1,0 +1,67 @@
+"""What will be believed once a plan is carried out, if all comes as predicted.
+
+Frames: W is the world, B the object.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from objectmodels.geometry.base_shapes import Array
+from planner.types.actions import Grasp, LiftUp, PushAction
+from planner.types.plan import Plan, Reached
+from planner.types.world_state import Held, PlanarPose, SeenObject, WorldState
+
+
+def state_after(made: Plan | Reached, state: WorldState) -> WorldState | None:
+    """The belief after a plan; None if another one than of poses and of the hand would follow."""
+    if isinstance(made, Reached):
+        return state
+    seen = state.objects[made.object]
+    if made.task == "lift":
+        return replace(state, held=_held(made, state))
+    if made.task in ("push", "place") and made.aim is not None:
+        yaw = seen.pose.yaw if made.aim.yaw is None else made.aim.yaw
+        there = replace(seen, pose=replace(seen.pose, x=made.aim.x, y=made.aim.y, yaw=yaw))
+    elif made.task in ("topple", "tilt") and all(push.displacement for push in made.pushes[:-1]):
+        there = _prepared(seen, made.pushes[:-1])
+        if made.task == "topple":
+            R_WB, p_WB = fallen_pose(made.pushes[-1], there.pose)
+            x, y, _ = p_WB.tolist()
+            pose = PlanarPose(x, y, attitude=tuple(R_WB.ravel().tolist()))
+            there = SeenObject.lying(
+                seen.name, pose, seen.model, seen.colour, fragile=seen.fragile, lid=seen.lid
+            )
+    else:
+        return None
+    return replace(state, objects={**state.objects, there.name: there}, held=None)
+
+
+def fallen_pose(push: PushAction, before: PlanarPose) -> tuple[Array, Array]:
+    """R_WB, (3, 3), and p_WB, (3,) [m], tipped by a right angle over the edge beyond a contact."""
+    R_WB, n = before.R_WB, np.array(push.normal_W)
+    depth = float((R_WB @ np.array(push.p_BC)) @ n)
+    edge = before.p_WB - depth * n
+    x, y, _ = np.cross([0.0, 0.0, 1.0], -n).tolist()
+    quarter = np.array([[x * x, x * y, y], [x * y, y * y, -x], [-y, x, 0.0]])
+    return quarter @ R_WB, edge + quarter @ (before.p_WB - edge)
+
+
+def _held(made: Plan, state: WorldState) -> Held:
+    """What the hand holds after a lift."""
+    assert made.grasp is not None, "what is lifted is held"
+    grasp = Grasp(**{name: getattr(made.grasp, name) for name in Grasp.model_fields})
+    risen = sum(step.height for step in made.steps if isinstance(step, LiftUp))
+    return Held(made.object, grasp, risen + (state.held.height if state.held else 0.0))
+
+
+def _prepared(seen: SeenObject, pushes: tuple[PushAction, ...]) -> SeenObject:
+    """The object after pushes that bring it to where it is toppled."""
+    still = (0.0, 0.0, 0.0)
+    x, y, _ = np.sum([still, *(push.displacement or still for push in pushes)], axis=0).tolist()
+    turned = math.fsum(push.turn for push in pushes)
+    pose = seen.pose
+    return replace(seen, pose=replace(pose, x=pose.x + x, y=pose.y + y, yaw=pose.yaw + turned))

@@ -1,0 +1,41 @@
+"""Several steps are planned to their end before anything moves."""
+
+from __future__ import annotations
+
+import pytest
+
+from nlcontrol import Controller
+from planner.types.plan import Plan
+from sim.simulated_executor import simulation
+
+
+def test_a_later_step_that_cannot_be_done_is_told_before_anything_moves() -> None:
+    controller = Controller("kitchen")
+    result = controller.say("topple the ice tea box, then push it away")
+    assert (result.status, result.exit_status) == ("unsupported", 4)
+    assert result.error is not None
+    assert result.error.capability == "moving an object that lies"
+    assert "nothing is moved: after “topple the ice tea box”" in result.error.message
+    assert not simulation(controller.executor).is_built
+    assert [step.plan for step in result.steps] == [None]
+
+
+@pytest.mark.parametrize("then", ["push it 5 cm to the left", "topple it"])
+def test_a_first_step_is_planned_as_if_it_were_alone(then: str) -> None:
+    controller = Controller("kitchen")
+    alone = controller.say("push the ice tea box 5 cm away", plan_only=True)
+    result = controller.say(f"push the ice tea box 5 cm away, then {then}", plan_only=True)
+    assert isinstance(result.plan, Plan)
+    assert result.plan == alone.plan
+
+
+def test_something_is_held_so_that_it_can_be_put_down() -> None:
+    controller = Controller("kitchen")
+    alone = controller.say("pick up the mug", plan_only=True).plan
+    both = controller.say("pick up the mug and put it next to the coffee box", plan_only=True).plan
+    assert alone is not None
+    assert both is not None
+    assert alone.grasp is not None
+    assert both.grasp is not None
+    # The grasp that is best for a lift alone would bring the hand into the coffee box.
+    assert both.grasp.closing_W != alone.grasp.closing_W
