@@ -275,7 +275,8 @@ def _step(step: Action, plan: Plan) -> str:
     what = f"the {plan.object}"
     match step:
         case LiftUp():
-            up = f"lift it by {quantity(step.height, 'm')}"
+            verb = "lift" if step.height > 0.0 else "lower"
+            up = f"{verb} it by {quantity(abs(step.height), 'm')}"
             return f"{up} and hold it" if step.hold else up
         case Carry():
             return f"carry it to {place_text(step.to.x, step.to.y)}"

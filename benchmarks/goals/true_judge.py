@@ -144,7 +144,9 @@ def _is_met(frame: g.Frame, seen: _Truth) -> bool | None:
             said = {None: D.lift_height, "little": D.lift_little, "lot": D.lift_lot}[amount]
             asked = height if isinstance(height, float) else said
             hangs = tilt_at_end <= SLACK * D.upright
-            return hangs and _near(float(seen.moved[2]), asked, D.lift_tolerance, bound)
+            base = float(seen.corners(seen.name, -1)[:, 2].min())
+            high = base if frame.goal.above == "table" else float(seen.moved[2])
+            return hangs and _near(high, asked, D.lift_tolerance, bound)
         case g.Open():
             return _is_open(seen) and stands
     return None

@@ -304,4 +304,4 @@ def _with_lift_height(part: ph.Part, sentence: Normalised) -> ph.Part:
     touched = sentence.words_as_written(part.span).casefold().startswith("at ")
     if height is None or height.origin != "table" or height.bound != "exact" or touched:
         return part
-    return ph.Length(part.span, height.value, "exact")
+    return ph.Length(part.span, height.value, "exact", above="table")

@@ -222,8 +222,10 @@ def lift_goal(clause: Clause) -> g.Lift | g.Place:
     if place is not None and place.relation in _SOURCES:
         return _taking_goal(clause)
     clause.take_all(ph.FromTable)
+    length = clause.first_part(ph.Length)
+    above = None if length is None else length.above
     amount, (height, bound) = clause.take_amount(), clause.take_measure(ph.Length)
-    return g.Lift(height=height, bound=bound, amount=amount, spans=clause.all_spans)
+    return g.Lift(height=height, above=above, bound=bound, amount=amount, spans=clause.all_spans)
 
 
 def remove_goal(clause: Clause) -> g.Open | g.Place:

@@ -188,6 +188,7 @@ class Lift(BaseGoal):
 
     Attributes:
         height: how far [m], more than 0 and at most 10, or measured in objects; None if not said.
+        above: `table` if `height` is meant over the table; None if from where the object is.
         bound: whether `height` is meant exactly or as a bound.
         amount: `little` or `lot`, if the sentence says no more.
     """
@@ -195,6 +196,7 @@ class Lift(BaseGoal):
     words: ClassVar[GoalWords] = GoalWords(verbs={"lift": "lift"})
     kind: Literal["lift"] = "lift"
     height: Positive | RelativeLength | None = None
+    above: Literal["table"] | None = None
     bound: Bound = "exact"
     amount: Amount | None = None
     spans: Spans = ()

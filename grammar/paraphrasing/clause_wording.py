@@ -111,7 +111,10 @@ class Phrasing(Naming):
     def _lift_words(self, goal: g.Lift) -> list[str]:
         if goal.height is None:
             return self._amount_words(goal.amount)
-        return [f"by {self.bound_words(goal.bound)}{self.length_words(goal.height)}"]
+        length = f"{self.bound_words(goal.bound)}{self.length_words(goal.height)}"
+        if goal.above is None:
+            return [f"by {length}"]
+        return [f"{length} {self.phrase_for('HEIGHT_REFERENCE', goal.above)}"]
 
     def _turn_words(self, goal: g.Tilt | g.Rotate) -> list[str]:
         words = []

@@ -6,7 +6,7 @@ Quantities are in SI units and radians; spans are columns of the sentence as giv
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import dataclass_transform
+from typing import Literal, dataclass_transform
 
 from grammar.frames import command as g
 
@@ -172,11 +172,15 @@ class Into(Part):
 
 
 class Length(Part):
-    """A distance [m], or measured in objects; `most` is the other end of a range."""
+    """A distance [m], or measured in objects; `most` is the other end of a range.
+
+    It may be said from where it is measured, if that is the table.
+    """
 
     value: float | g.RelativeLength
     bound: g.Bound
     most: float | None = None
+    above: Literal["table"] | None = None
 
 
 class Angle(Part):

@@ -55,10 +55,12 @@ def lift_check(goal: g.Lift, e: Evidence) -> Iterator[Check]:
     by_default = {None: d.lift_height, "little": d.lift_little, "lot": d.lift_lot}
     asked = by_default[goal.amount] if goal.height is None else goal.height
     assert isinstance(asked, float), "lengths are in metres by now"
-    rise = float(e.trace.displacement(e.name)[2])
     relation: Relation = "about" if goal.bound == "exact" else goal.bound
     tolerance = d.lift_tolerance if goal.bound == "exact" else 0.0
-    yield compare(goal, relation, "held higher at the end", asked, rise, tolerance, "m")
+    rise, quantity = float(e.trace.displacement(e.name)[2]), "held higher at the end"
+    if goal.above == "table":
+        rise, quantity = float(e.trace.poses[e.name][-1, 6]), "held over the table at the end"
+    yield compare(goal, relation, quantity, asked, rise, tolerance, "m")
     yield stands_on_base(goal, e, d.upright)
 
 

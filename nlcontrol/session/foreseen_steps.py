@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from grammar import paraphrase
 from nlcontrol.session.stoppable_robot import StoppableRobot
@@ -23,7 +23,9 @@ from planner.types.robot import ReachAnswer
 
 if TYPE_CHECKING:
     from grammar.frames import command as g
-    from nlcontrol.session.controller import Controller
+    from nlcontrol.session.executor import Planner
+    from planner.types.defaults import Defaults
+    from planner.types.robot import Robot
     from planner.types.world_state import WorldState
     from sim.supervision import StopToken
 
@@ -33,8 +35,25 @@ MOST_EACH = 500
 """Work of planning what comes after one way to hold something."""
 
 
+class StepPlanner(Protocol):
+    """Robot that plans single steps: a `nlcontrol.session.controller.Controller`."""
+
+    planner: Planner | None
+    defaults: Defaults
+    time_limit: float | None
+
+    @property
+    def robot(self) -> Robot:
+        """Arm and hand."""
+
+    def plan(
+        self, frame: g.Frame, state: WorldState | None = None, *, stop: StopToken | None = None
+    ) -> PlanningResult:
+        """A plan of one frame, or why there is none."""
+
+
 def looked_through(
-    controller: Controller,
+    controller: StepPlanner,
     made: Plan | Reached,
     state: WorldState,
     frames: Sequence[g.Frame],
@@ -90,7 +109,7 @@ def _refused_ahead(
 class _ForesightedRobot(StoppableRobot):
     """A robot that gets to a grasp only if it can do what comes after it."""
 
-    def __init__(self, controller: Controller, frames: Sequence[g.Frame], stop: StopToken) -> None:
+    def __init__(self, controller: StepPlanner, frames: Sequence[g.Frame], stop: StopToken) -> None:
         super().__init__(controller.robot, stop, controller.time_limit)
         self._controller, self._frames = controller, frames
 

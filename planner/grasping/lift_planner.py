@@ -30,7 +30,7 @@ from planner.problem.place_regions import object_at
 from planner.problem.planning_problem import GraspProblem, value_in_bound
 from planner.refusals.refusal_builder import Spans, no_plan
 from planner.types.actions import Action, Aim, Carry, LiftUp, SetDown
-from planner.types.plan import DefaultUsed, Plan
+from planner.types.plan import DefaultUsed, Plan, Reached
 from planner.types.refusal import Alternatives, NoPlanError
 from planner.types.world_state import SeenObject
 
@@ -40,14 +40,16 @@ TO_THE_SIDE = math.cos(math.radians(50.0))
 _CLOSER = 0.5  # share of a wanted gap that must be left where something is put
 
 
-def lift(problem: GraspProblem, goal: g.Lift) -> Plan:
-    """Straight up, from the table or from where it is held.
+def lift(problem: GraspProblem, goal: g.Lift) -> Plan | Reached:
+    """Straight up, from the table or from where it is held; down if it is held too high.
 
     Raises:
         NoPlanError: it cannot be held, or not be lifted so far.
     """
     require_liftable(problem)
     height, used = _lift_height(problem, goal)
+    if abs(height) < problem.defaults.aim_position:
+        return Reached()
     draft = MotionDraft((LiftUp(height=height),), defaults=used)
 
     def lifted(grasps: list[StableGrasp]) -> Plan:
@@ -183,4 +185,7 @@ def _lift_height(problem: GraspProblem, goal: g.Lift) -> tuple[float, tuple[Defa
         }[goal.amount]
         return value, (DefaultUsed(name="lift_height", value=value, unit="m", reason=reason),)
     assert isinstance(height, float), "lengths measured in objects are resolved by now"
-    return value_in_bound(height, goal.bound, d.distance_tolerance), ()
+    now = 0.0
+    if goal.above == "table" and problem.state.held is not None:
+        now = problem.state.held.height
+    return value_in_bound(height, goal.bound, d.distance_tolerance) - now, ()

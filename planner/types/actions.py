@@ -250,7 +250,7 @@ class LiftUp(Value):
     """Straight up with what is held.
 
     Attributes:
-        height: how far [m].
+        height: how far [m]; less than 0 if it is held too high.
         hold: how long it is then held still [s].
         prediction: what pulls a lid off on the way; None if nothing is pulled off.
     """

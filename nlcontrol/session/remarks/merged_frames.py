@@ -18,7 +18,7 @@ Part = TypeVar("Part", bound=BaseModel)
 Rename = Callable[[g.ObjectRef], g.ObjectRef]
 
 _WHERE = ("direction", "heading", "toward", "away_from")
-FAR_FIELDS = ("distance", "angle", "height", "bound", "fraction", "amount")
+FAR_FIELDS = ("distance", "angle", "height", "above", "bound", "fraction", "amount")
 _TURNS = {"left": "ccw", "right": "cw"}
 _BESIDE_ON = {"left": "left_of", "right": "right_of", "away": "behind", "toward": "in_front_of"}
 _BESIDE = frozenset({"next_to", *_BESIDE_ON.values()})

@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from grammar.frames import command as g
@@ -55,6 +56,17 @@ def test_height_of_a_lift(kitchen: Controller, goal: g.Lift, up: float, ok: bool
     assert found.ok is ok
     # The trace is exact; only rounding stands between it and the measured value.
     assert found.measured == pytest.approx(up)
+
+
+@pytest.mark.parametrize(("asked", "ok"), [(0.2, True), (0.1, False)])
+def test_a_height_over_the_table_is_no_matter_of_where_it_was(
+    kitchen: Controller, asked: float, ok: bool
+) -> None:
+    trace = hand_trace("ice tea", up=0.1)
+    before = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.1])
+    trace = replace(trace, poses={**trace.poses, "ice tea": trace.poses["ice tea"] + before})
+    found = _checks(kitchen, g.Lift(height=asked, above="table"), trace)
+    assert found["lift: held over the table at the end"].ok is ok
 
 
 def test_what_fell_out_of_the_hand_was_not_lifted(kitchen: Controller) -> None:

@@ -24,7 +24,7 @@ from planner.problem.planning_problem import (
 )
 from planner.types.actions import Carry, Grasp, LiftUp, SetDown
 from planner.types.defaults import DEFAULTS
-from planner.types.plan import Plan
+from planner.types.plan import Plan, Reached
 from planner.types.refusal import NoPlanError, Refusal
 from planner.types.world_state import Held, PlanarPose, SeenObject, WorldState
 from tests.unit.planner.conftest import RuledReach, frame_of, world
@@ -215,6 +215,22 @@ def test_what_is_held_is_lifted_on(holding: WorldState, hand: RuledHand) -> None
     for field in Grasp.model_fields:
         assert getattr(made.grasp, field) == getattr(holding.held.grasp, field)
     assert made.steps == (LiftUp(height=0.05),)
+
+
+@pytest.mark.parametrize(("held", "up"), [(0.10, 0.10), (0.25, -0.05)])
+def test_a_height_above_the_table_is_measured_from_there(
+    held: float, up: float, holding: WorldState, hand: RuledHand
+) -> None:
+    assert holding.held is not None
+    state = replace(holding, held=replace(holding.held, height=held))
+    (step,) = planned("hold the ice tea 20 cm above the table", state, hand).steps
+    assert isinstance(step, LiftUp)
+    assert step.height == pytest.approx(up)
+
+
+def test_what_is_held_so_high_already_is_left_there(holding: WorldState, hand: RuledHand) -> None:
+    made = plan(frame_of("hold the ice tea 10 cm above the table"), holding, hand)
+    assert isinstance(made, Reached)
 
 
 def test_what_is_held_is_placed_from_there(holding: WorldState, hand: RuledHand) -> None:
