@@ -48,7 +48,7 @@ def final(frame: g.Frame, trace: Trace, plan: Plan, *, turns: bool = True) -> di
 def _errors(frame: g.Frame, trace: Trace, plan: Plan) -> dict[str, float]:
     if any(isinstance(clause, g.Until) for clause in frame.constraints):
         return {}
-    name = plan.push.object
+    name = plan.object
     lies = measures.tilt_at_end(trace, name)[1] > _LYING
     match frame.goal:
         case g.Topple(direction=direction):
@@ -121,7 +121,7 @@ def _distance(goal: g.Displace) -> float | None:
 
 
 def _placed(goal: g.Place, trace: Trace, plan: Plan) -> dict[str, float]:
-    pose = trace.poses[plan.push.object][-1]
+    pose = trace.poses[plan.object][-1]
     x, y = pose[4:6].tolist()
     aim = plan.aim
     if isinstance(goal.reference, g.Point) and goal.fraction is None:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 from benchmarks.goals.final import final
-from planner.types.actions import Aim, Push
+from planner.types.actions import Aim, LiftUp, Push
 from tests.plans import push_plan
 from tests.unit.benchmarks.box_traces import BOX, frame, trace
 
@@ -32,6 +32,11 @@ PLAN = push_plan(PUSH, aim=Aim(x=0.6, y=0.1, yaw=0.5))
 def test_displacements(words: str, moved: dict[str, float], expected: dict[str, float]) -> None:
     errors = final(frame(words), trace(**moved, yaw=0.1), PLAN)
     assert errors == pytest.approx({**expected, "yaw": 0.1})
+
+
+def test_what_a_hand_does_has_no_errors_of_a_push() -> None:
+    lifted = PLAN.model_copy(update={"task": "lift", "actions": (LiftUp(height=0.1),)})
+    assert final(frame("lift {} 10 cm"), trace(), lifted) == {}
 
 
 def test_a_round_thing_has_no_yaw() -> None:
