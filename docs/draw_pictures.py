@@ -4,7 +4,8 @@
     python -m docs.draw_pictures pour.png   # by name; some take minutes
     python -m docs.draw_pictures --check    # are those that take seconds what stands in the guides?
 
-The pictures of the page need a browser: `python -m docs.take_page_pictures` takes them.
+The pictures of the page need a browser: `python -m docs.take_page_pictures` takes them. That
+beside an experiment takes ten minutes; the guide to predictions has its commands.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Takes the pictures of `docs/page.md` and the README's first one from the page as it runs.
 
-    python -m docs.take_page_pictures
+    python -m docs.take_page_pictures [FOLDER]
 
-It serves, opens the page in Chromium without a display and says sentences, so a push takes as long
-as on a real table.
+They go where the guides have theirs, or into the folder. It serves, opens the page in Chromium
+without a display and says sentences, so a push takes as long as on a real table.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ SENTENCE = "push the ice tea box away without toppling it"
 REFUSED = "push the ice tea box away at the top without toppling it"
 
 
-def main() -> None:
+def main(folder: Path = IMAGES) -> None:
     """Takes all pictures."""
     from playwright.sync_api import sync_playwright
 
@@ -37,31 +37,31 @@ def main() -> None:
         sys.exit(f"no browser: none of {', '.join(NAMES)} is installed")
     with serving() as server, sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=path, args=FLAGS)
-        _take_all(browser, server.url)
+        _take_all(browser, server.url, folder)
         browser.close()
 
 
-def _take_all(browser: Browser, url: str) -> None:
+def _take_all(browser: Browser, url: str, folder: Path) -> None:
     opened = OpenPage.opened(browser, url, viewport=DESKTOP)
     opened.wait("page.view.viewer?.frames > 0")
-    _take(opened, "page_start")
+    _take(opened, folder / "page_start.png")
     _say(opened, REFUSED)
-    _take(opened, "page_refusal")
+    _take(opened, folder / "page_refusal.png")
     _say(opened, SENTENCE)
-    _take(opened, "page_plan")
-    _take(opened, "page_plan_phone", scheme="dark", size=PHONE)
+    _take(opened, folder / "page_plan.png")
+    _take(opened, folder / "page_plan_phone.png", scheme="dark", size=PHONE)
     opened.page.click("#do-it")
     opened.wait("page.state.get('events').some(({ event }) => event.phase === 'push')")
     opened.wait(
         "page.state.get('events').at(-1).event.time > page.state.get('events')"
         ".findLast(({ event }) => event.phase === 'push').event.time + 2"
     )
-    _take(opened, "page_run", settled=False)
-    _take(opened, "page_run_dark", scheme="dark", settled=False)
+    _take(opened, folder / "page_run.png", settled=False)
+    _take(opened, folder / "page_run_dark.png", scheme="dark", settled=False)
     opened.wait("page.state.get('result') && !document.querySelector('#controls').hidden")
     opened.page.locator("#time").fill("9")
-    _take(opened, "page_verdict")
-    _take(opened, "page_verdict_phone", size=PHONE)
+    _take(opened, folder / "page_verdict.png")
+    _take(opened, folder / "page_verdict_phone.png", size=PHONE)
 
 
 def _say(opened: OpenPage, text: str) -> None:
@@ -72,7 +72,7 @@ def _say(opened: OpenPage, text: str) -> None:
 
 def _take(
     opened: OpenPage,
-    name: str,
+    path: Path,
     *,
     scheme: Literal["light", "dark"] = "light",
     size: ViewportSize = DESKTOP,
@@ -87,9 +87,9 @@ def _take(
     time.sleep(0.3)  # in which the page takes its form
     if settled:
         opened.wait("page.view.viewer.holder.dataset.settled === String(page.view.viewer.frames)")
-    opened.page.screenshot(path=IMAGES / f"{name}.png")
+    opened.page.screenshot(path=path)
     opened.ask(f"page.view.viewer.quality.level = {level}")
 
 
 if __name__ == "__main__":
-    main()
+    main(*map(Path, sys.argv[1:2]))
