@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels.errors import ModelError
-from objectmodels.geometry.base_shapes import Array, Disc
+from objectmodels.geometry.base_shapes import Array, Disc, Polygon
 from objectmodels.geometry.vector_arrays import cross
 from objectmodels.mechanics.friction_limit import friction_limit
 from objectmodels.mechanics.push_thresholds import force_at, push_axes, push_moment, ratio_at
@@ -155,7 +155,7 @@ def _interior_shares(x: Array, step: Array, lift: Array, v_x: Array, v_y: Array)
 def worst_case_onset(t: ExactThresholds) -> Array:
     """Onset under the worst sharing of the load, shape (n,) [N]."""
     _require_known(t)
-    (p, u), (_, c, _, weight) = t.push, t.body
+    (p, u), (base, c, _, weight) = t.push, t.body
     points = t.support[0]
     if len(points) > MOST_POINTS:
         return np.minimum(_onset_on_a_spot(t), t.topple)
@@ -167,6 +167,10 @@ def worst_case_onset(t: ExactThresholds) -> Array:
         tips = ratio_at(t.topple[b], u[b, 2], weight)
         worst[b] = _smallest_ratio(points, threes, c[:2], p[b], u[b], t.coefficient, tips)
     found = force_at(worst, u[:, 2], weight)
+    if isinstance(base, Disc):
+        # Between the points and the rim the load rests on an edge of theirs, or on none.
+        leaves = Polygon(points).topple_force(weight * c[:2], push_moment(p, u), u[:, 2], weight)
+        found = np.minimum(found, leaves)
     return np.asarray(np.minimum(np.where(found > 0.0, found, np.inf), t.topple))
 
 

@@ -278,6 +278,19 @@ def test_near_tipping_one_point_of_a_rim_bears_nearly_all(
     assert 0.98 < (t.slide / t.topple).item() < 1.0
 
 
+def test_the_pessimistic_bound_holds_between_the_points_of_a_rim_and_the_rim() -> None:
+    """There the load rests on no three of the points, and it slides before it tips."""
+    can = CylinderModel(
+        name="c", radius=0.069446, height=0.1111, mass=0.9701, friction=0.6454,
+        com=(-0.0005974, -0.0031876, 0.06885), support="corners",
+    )  # fmt: skip
+    u = np.array([[-0.0520235, -0.0862475, 0.99491453]])
+    p = [[-0.049514, -0.048694, 0.103374]]
+    t = can.thresholds(p, u / np.linalg.norm(u), exact=True)
+    assert t.slide.item() < t.topple.item()
+    assert 0.99 < (t.pessimistic / t.onset).item() <= 1.0
+
+
 def test_what_is_not_certain_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(exact_thresholds, "CERTAIN", 1e-18)
     with pytest.raises(ModelError) as caught:
