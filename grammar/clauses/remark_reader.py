@@ -77,11 +77,13 @@ class RemarkReader:
             ParseError: `incomplete`, or with the words that do not fit.
         """
         for remark in self._remarks:
-            if remark.dialogue not in ("do", "same", "repeat"):
+            if remark.dialogue not in ("do", "same", "repeat", "correct"):
                 raise unexpected_part(remark, self._sentence)
         self._things = [*([ask.thing] if ask.thing else []), *self._things]
         asks_more = self._things or self._remarks or self._parts
-        if ask.query not in _ASKED_OF_LAST or not (asks_more or ask.query == "possible"):
+        words = self._sentence.words_as_written(ask.span).casefold()
+        asks_more = asks_more or ask.query == "possible" or words.startswith("how much force")
+        if ask.query not in _ASKED_OF_LAST or not asks_more:
             raise ParseError(
                 "incomplete",
                 "the question does not say what is done to the object",
@@ -100,6 +102,7 @@ class RemarkReader:
         """
         if self._sentence.question and (superlative := self._superlative()):
             return [superlative]
+        self._require_what_is_not_meant()
         self._take_back()
         dialogue = self._dialogue()
         if dialogue is None:
@@ -120,6 +123,13 @@ class RemarkReader:
             return None
         goal = g.Parameters(which=(which.split()[0],), spans=(thing.span,))
         return g.Frame(query="compare", object=thing.ref, goal=goal, spans=(thing.span,))
+
+    def _require_what_is_not_meant(self) -> None:
+        """Refuses "not that gently", which is not "not that one"."""
+        for part in self._excluded:
+            after = self._sentence.original[part.span[1] :].strip()
+            if part.thing.ref.text.casefold() == "that" and after[:1].isalpha():
+                raise unexpected_part(part, self._sentence)
 
     def _take_back(self) -> None:
         """Takes "back" alone for the other way, unless it corrects, or goes farther."""

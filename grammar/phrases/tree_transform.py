@@ -45,6 +45,7 @@ _PLAIN: dict[str, tuple[Callable[..., ph.Part], str]] = {
     "let_go": (ph.LetGo, ""),  # and let it go
     "settles": (ph.Settles, ""),  # and let it fall back
     "method": (ph.Method, "METHOD"),  # by lifting it
+    "lid": (ph.Lid, "WITH_LID"),  # with its lid
     "if": (ph.If, ""),  # if, when
     **{
         dialogue: (ph.Remark, dialogue)
@@ -183,6 +184,10 @@ class Parts(Names, Manners, Outcomes, Questions):
         """Next to the mug; between the mug and the box."""
         things = tuple(thing.ref for thing in things_in(children))
         relation = self.value_of(children, "RELATION")
+        if beside := self.value_of(children, "BESIDE_IT"):
+            span = self.span_of(children)
+            it = g.ObjectRef(text="it", spans=(span,), pronoun=True)
+            return ph.Place(span, beside, (it,))
         if children[0].type == "BETWEEN":
             relation, (_, first, *joint) = "between", children
             two = len(things) > 1 or first.ref.quantifier in ("both", "all")

@@ -11,7 +11,7 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 from grammar.frames.command import Span
 from grammar.words.courtesy import Courtesy
@@ -71,6 +71,8 @@ _TOPIC = re.compile(
 _NO_REASON_BEHIND = re.compile(r"(?<![^ ])(?:as [a-z]+|is|are) $")
 """Words with which what looks like a reason is none: "as soon as it is", "what is for dinner"."""
 
+_CONTRAST = re.compile(r"(?: ,)? (?:and |but )?not ([^,.;]+)$")
+_SET_AGAINST = frozenset({"DIRECTION", "FACE", "FROM_SIDE", "NUMBER", "REGION", "SENSE"})
 _STRAY = re.compile(
     r"(?<= the) ,(?= )|(?<=^the) ,(?= )|"
     r"^[,.;](?= |$)|(?<= )[,.;]$|(?<= ),(?= [,.;] )|(?<=[.;] )[,.;](?= )"
@@ -112,6 +114,8 @@ class Asides:
                 said = self._without_all(said, kind, self._pattern_of(kind))
         if spoken.count(",") > 1:
             said = self._without_courtesy(said)
+        if "not" in words:
+            said = self._without_contrast(said)
         if len(words) < len(spoken):
             said = self._without_repeats(said)
         if not words.isdisjoint(",.;"):
@@ -239,6 +243,15 @@ class Asides:
         within = not (self._begins_a_group(last, 0) or self._begins_a_group(after, 0))
         return self._repeats.ends_open(before) or within
 
+    def _without_contrast(self, said: Normalised) -> Normalised:
+        """The sentence without what it is set against: "to the left, not to the right"."""
+        contrast = _CONTRAST.search(said.text)
+        if contrast is None:
+            return said
+        before, against = self._groups(said.text, 0, contrast.start()), self._groups(contrast[1], 0)
+        alike = len(against) == 1 and before and before[-1].kinds & against[0].kinds & _SET_AGAINST
+        return _joined(said, (0, contrast.start())) if alike else said
+
     # --- corrections --------------------------------------------------------------------------
 
     def _corrected(
@@ -255,13 +268,16 @@ class Asides:
         before, after = self._groups(said.text, 0, start), self._groups(said.text, end)
         if self._repeats.ends_open(said.text[:start]):
             return None  # "in front of, hold on, the jar"
-        if not before or not after or (only and not only & after[0].kinds & before[-1].kinds):
+        if not before or not after:
+            return None
+        last = self._measure_of(said.text, before[-1], after[0])
+        if only and not only & after[0].kinds & last.kinds:
             return None
         inner = self._within(said.text, before[-1], after[0].kinds)
         if inner and (len(after) == 1 or not _are_alike(after[1].kinds, before[-1].kinds)):
             return _joined(said, (0, inner), after[0][:2], (after[0].end, len(said.text)))
         for i in reversed(range(len(before))):
-            wrong, between = before[i], before[i + 1 :]
+            wrong, between = self._measure_of(said.text, before[i], after[0]), before[i + 1 :]
             if not _are_alike(wrong.kinds, after[0].kinds):
                 continue
             rest = (after[0].end, len(said.text))
@@ -272,6 +288,13 @@ class Asides:
             kept = [(wrong.end, start)] if between and len(after) == 1 else []
             return _joined(said, (0, wrong.start), after[0][:2], *kept, rest)
         return None
+
+    def _measure_of(self, text: str, group: _Group, other: _Group) -> _Group:
+        """The number of "with at most 9 N" for another number, else the group as it is."""
+        for word in WORD.finditer(text, group.start, group.end):
+            if "NUMBER" in other.kinds and "NUMBER" in self._phrase_at(text, word)[1]:
+                return _Group(word.start(), group.end, other.kinds)
+        return group
 
     def _goes_beyond(self, text: str, start: int, end: int) -> bool:
         """Check for a mark of correction that is the beginning of a phrase."""
@@ -316,6 +339,9 @@ class Asides:
             return number.end(), (kinds & _UNITS) | {"NUMBER"}
         found = self._phrases.phrases_at(text, start)
         kinds = frozenset(found[0][1]) if found else frozenset({"WORD"})
+        measure = start + len(found[0][0]) + 1 if "BOUND" in kinds else len(text)
+        if lexicon.numbers.pattern.match(text, measure) or DIGITS.match(text, measure):
+            return self._phrase_at(text, cast("re.Match[str]", WORD.match(text, measure)))
         if not kinds & {"THE", "A", "THAT", "WORD"}:
             kinds |= {"WHERE"} if kinds & _WHERE else set()
             return start + len(found[0][0]), kinds

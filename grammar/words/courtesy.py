@@ -32,7 +32,7 @@ _ARTICLES = frozenset({"a", "an", "our", "that", "the", "this", "your"})
 _BEGS = re.compile("(?:please )?(?:can|could|may|might) (?:i|we) (?:please )?(?:get|have|see)")
 """A request, if a thing and a participle follow: "could I have the jar pushed away"."""
 
-_BEHIND_TOPIC = re.compile(r" (?:[,.;?!]|and)(?: (?:and|then|please|now))* ")
+_BEHIND_TOPIC = re.compile(r" (?:[,.;?!]|and)(?: (?:and|then|please|now|(?:could|would) you))* ")
 _READ = frozenset({"FILLER", "NEXT", "VOCATIVE"})
 _SAYS = frozenset({"AMOUNT", "DIRECTION", "FACE", "FROM_SIDE", "MANNER", "REGION",
                    "REGION_OF_TABLE", "SENSE", "WAY", "LENGTH_UNIT", "ANGLE_UNIT", "FORCE_UNIT",
@@ -152,7 +152,8 @@ class Courtesy:
                 columns = said.columns[: pause.start()], said.columns[pause.end() :]
                 between = ((said.columns[pause.start() + 1]),) * 3
                 whole = replace(said, text=text, columns=(*columns[0], *between, *columns[1]))
-                return _begun_with("", whole, topic.end())
+                asked = said.question and "you" not in pause[0].split()
+                return replace(_begun_with("", whole, topic.end()), question=asked)
         return said
 
     def _has_kind(self, kinds: Collection[str], text: str, start: int) -> bool:

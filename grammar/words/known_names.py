@@ -18,7 +18,7 @@ from grammar.words.phrase_places import WORD
 
 _ONE = re.compile(r" ones?(?= |$)")
 _GROUP = re.compile(r"(?:the )?both(?: of (?:them|these|those))?(?= |$)")
-_AGAIN = frozenset({"again", "too", "also", "as", "well", "please", "instead"})
+_AGAIN = frozenset({"again", "too", "also", "as", "well", "please"})
 
 
 class KnownNames:
@@ -28,12 +28,13 @@ class KnownNames:
         plain = {" ".join(name.casefold().replace("-", " ").split()) for name in names}
         own = sorted(plain - lexicon.first_words - lexicon.verb_words["VERB"].keys(), key=len)
         either = "|".join(map(re.escape, reversed(own))) or "(?!)"
-        self._name = re.compile(rf"(?<![^ ])(?:{either})(?= |$)")
+        told = lexicon.adjectives.keys() | lexicon.numbers.ordinals.keys()
+        one = rf"(?:{'|'.join(sorted(told))}) ones?"
+        self._name = re.compile(rf"(?<![^ ])(?:{either}|{one})(?= |$)")
         self._words = {word for name in own for word in name.split()}
         determining = (
             w for kind in ("THE", "A", "THAT", "QUANTIFIER") for w in lexicon.terminals[kind]
         )
-        told = lexicon.adjectives.keys() | lexicon.numbers.ordinals.keys()
         self._before_name = {*(w.split()[-1] for w in determining), *told, *self._words}
         self._told = {"the", "other", *told, *self._words, "one", "ones"}
         self._silent = lexicon.silent_words - {"the"}
@@ -65,6 +66,8 @@ class KnownNames:
         words = list(WORD.finditer(said.text))
         while words and words[0][0] in self._silent:
             words.pop(0)
+        if words and words[-1][0] in ("next", "then"):
+            said = _with_words(said, words.pop().start() - 1, len(said.text), "")
         again = bool(words) and words[-1][0] in _AGAIN
         while words and words[-1][0] in _AGAIN:
             words.pop()

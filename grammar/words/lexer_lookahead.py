@@ -68,13 +68,17 @@ class Lookahead:
             "FILLER": self._before_what_it_fills,
             "AND_WITH": self._and_with_another_thing,
             "QUALITY": lambda _phrase, text, end, _last: text[end + 1 : end + 2] in ",.;",
-            "STOP": lambda phrase, text, end, _last: not phrase.endswith("not") or end == len(text),
+            "STOP": lambda phrase, text, end, _last: (
+                end == len(text) or not (phrase.endswith("not") or phrase.startswith("leave"))
+            ),
             **dict.fromkeys(("FILLED", "FILLED_WITH"), self._behind_fill),
             "ON_TABLE": self._put_there,
             "PARTICLE": self._not_off_a_thing,
             "PART_OF": lambda _phrase, _text, _end, last: last == "VOLUME_UNIT",
             "PORTION": self._of_a_liquid,
-            "THAT_IS": lambda _phrase, _text, _end, last: bool(last),
+            "THAT_IS": lambda _phrase, text, end, last: (
+                bool(last) and not self._any("COMPARATIVE", text, end + 1)
+            ),
             "WHICH_IS": lambda _phrase, text, end, _last: (
                 self._any("COMPARATIVE", text, end + 1) or self._any("SUPERLATIVE", text, end + 1)
             ),
@@ -268,7 +272,8 @@ class Lookahead:
     def _to_another_thing(self, phrase: str, text: str, end: int, last: str) -> bool:
         """The same to the mug, but not the same, to the left; nor do it with one finger."""
         if phrase.endswith(" do"):
-            return not last and stands_at("the", text, end + 1)
+            the = stands_at("the", text, end + 1) and not stands_at("the same", text, end + 1)
+            return not last and the
         if phrase.endswith("with") and self._follows(("TOOL", *_AMOUNTS), text, end):
             return False
         start = end - len("to")
