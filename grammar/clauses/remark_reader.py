@@ -80,7 +80,7 @@ class RemarkReader:
             if remark.dialogue not in ("do", "same", "repeat", "correct"):
                 raise unexpected_part(remark, self._sentence)
         self._things = [*([ask.thing] if ask.thing else []), *self._things]
-        asks_more = self._things or self._remarks or self._parts
+        asks_more = bool(self._things or self._remarks or self._parts)
         words = self._sentence.words_as_written(ask.span).casefold()
         asks_more = asks_more or ask.query == "possible" or words.startswith("how much force")
         if ask.query not in _ASKED_OF_LAST or not asks_more:

@@ -86,6 +86,7 @@ class Conversation:
         self._last: Result | None = None  # what "why" is about
         self._said: Result | None = None  # what "no, …" is about; None if it was not understood
         self._done: Result | None = None  # the last command, what "a bit more" is about
+        self._asked_in_vain = False  # whether a question was not understood since
         self._lost = False  # whether what was not understood since was about another object
 
     @in_turn
@@ -227,7 +228,8 @@ class Conversation:
             return self._plain_result(command, self._explain_last(command), "answered")
         if remark == "undo":
             return self._way_back(command)
-        if self._lost and follow_up.leaves_object_open(command):
+        asks_on = self._asked_in_vain and follow_up.asks_further(command)
+        if asks_on or (self._lost and follow_up.leaves_object_open(command)):
             nothing_before("what was said last was not understood, so this may be about that")
         meant = follow_up.meant_command(command, self._said, self._done)
         return Intention(meant, self._notes(command), joins=follow_up.joins_last(command))
@@ -269,7 +271,7 @@ class Conversation:
     def _remember(self, result: Result, *, proposed: bool, joins: bool) -> None:
         # Remarks are about what was said and what came of it; a trace is megabytes.
         self._last = self._said = kept = result_with(result, trace=None)
-        self._lost = False
+        self._lost = self._asked_in_vain = False
         if not proposed and any(frame.query is None for frame in kept.frames):
             self._done = kept
         self._speak_of(kept.frames, joins=joins)
@@ -294,12 +296,12 @@ class Conversation:
     def _note_lost(self, text: str, code: str) -> None:
         """Remembers what was named where nothing else was understood.
 
-        It is what a correction would be about, if it may have been a command: it has a verb, or
-        tells of another object. In the latter case so is any remark that names none.
+        A correction would be about that, if it may have been a command: it has a verb, or names
+        another object; then so would any remark that names none.
         """
-        spoken = self.context.latest
-        named = self._recall_names(text)
-        other = not text.rstrip().endswith("?") and not set(named) <= set(spoken)
+        spoken, named = self.context.latest, self._recall_names(text)
+        self._asked_in_vain = text.rstrip().endswith("?")
+        other = not self._asked_in_vain and not set(named) <= set(spoken)
         self._lost = self._lost or other
         if other or code == "unknown_verb" or follow_up.has_verb(text):
             self._said = None

@@ -264,6 +264,13 @@ def has_verb(text: str) -> bool:
     return not lexicon.verb_words["VERB"].keys().isdisjoint(text.casefold().split())
 
 
+def asks_further(command: g.Command) -> bool:
+    """Check for a question that goes on with one before: "and the mug?"."""
+    first = command.frames[0]
+    asked = command.text.rstrip().endswith("?")
+    return asked and first.dialogue == "repeat" and first.query is None
+
+
 def joins_last(command: g.Command) -> bool:
     """Check for a remark about one more object: "and the mug too"."""
     first = command.frames[0]

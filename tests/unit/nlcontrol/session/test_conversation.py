@@ -619,3 +619,51 @@ def test_pushed_and_pushed_back(conversation: Conversation) -> None:
     end = conversation.controller.look().objects["ice tea box"].pose
     # Each way holds its distance within the 1 cm that a bare distance is checked with.
     assert math.hypot(end.x - start.x, end.y - start.y) < 0.01
+
+
+def test_behind_what_named_another_object_a_bare_remark_is_asked_back(
+    conversation: Conversation,
+) -> None:
+    result = plan(conversation, AWAY, "blorp the mug", "faster")
+    assert result.error is not None
+    assert result.error.code == "nothing_before"
+    assert goal(plan(conversation, "the mug again"))[0] == "mug"
+
+
+def test_behind_a_question_in_vain_a_further_question_does_nothing(
+    conversation: Conversation,
+) -> None:
+    result = plan(conversation, AWAY, "what colour has the mug?", "and the cereal box?")
+    assert result.error is not None
+    assert result.error.code == "nothing_before"
+
+
+@pytest.mark.parametrize(
+    ("remark", "constraint"),
+    [("do it with one finger", "effector"), ("do that gently", "gentle"), ("quicker", "fast")],
+)
+def test_the_last_command_is_done_as_a_remark_says(
+    conversation: Conversation, remark: str, constraint: str
+) -> None:
+    result = plan(conversation, AWAY, remark)
+    assert [c.kind for c in result.frames[0].constraints] == [constraint]
+
+
+def test_a_question_is_about_the_last_command(conversation: Conversation) -> None:
+    asked = plan(conversation, AWAY, "would it topple?").frames[0]
+    assert (asked.query, asked.event, asked.action) == ("predict", "tips", "push")
+    (lower,) = plan(conversation, "and lower?").frames
+    assert [c.kind for c in lower.constraints] == ["contact"]
+    assert lower.query == "predict"
+
+
+def test_back_is_the_other_way(conversation: Conversation) -> None:
+    left = plan(conversation, "push the mug 3 cm to the left", "and back again")
+    assert goal(left) == ("mug", ("right", 0.03, None))
+
+
+def test_the_other_one_and_both_are_of_two_that_were_spoken_of(conversation: Conversation) -> None:
+    said = ("push the mug 3 cm away", "push the cereal box 4 cm away", "now the other one")
+    assert goal(plan(conversation, *said)) == ("mug", ("away", 0.04, None))
+    both = plan(conversation, "both of them").frames
+    assert {f.object.id for f in both if f.object} == {"mug", "cereal box"}

@@ -1,0 +1,51 @@
+"""Words of courtesy: what closes, what only opens, and what asks for something all the same."""
+
+from __future__ import annotations
+
+import pytest
+
+from grammar.errors import ParseError
+from grammar.parser import parse
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["good job, robot", "we're done", "that's all folks", "thank you ever so much", "ok bye",
+     "that's enough for today, goodbye", "thank you, it is good so"],
+)  # fmt: skip
+def test_who_closes_thanks(text: str) -> None:
+    assert [frame.dialogue for frame in parse(text).frames] == ["thank"]
+
+
+@pytest.mark.parametrize(
+    ("text", "dialogue"),
+    [("all right, please do", "do"), ("thanks, again", "repeat"),
+     ("no thanks", "stop"), ("thank you, stop", "stop"), ("can you?", "repeat"),
+     ("no, right", "correct"), ("okay do that, but gently", "do")],
+)  # fmt: skip
+def test_what_asks_for_something_is_no_courtesy(text: str, dialogue: str) -> None:
+    assert [frame.dialogue for frame in parse(text).frames] == [dialogue]
+
+
+@pytest.mark.parametrize("text", ["good morning", "too far", "too much"])
+def test_greetings_and_complaints_ask_for_nothing(text: str) -> None:
+    with pytest.raises(ParseError):
+        parse(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "plain"),
+    [
+        ("wait, push the jar away", "push the jar away"),
+        ("too far, push it toward me", "push it toward me"),
+        ("that was the wrong one, push the jar away", "push the jar away"),
+        ("let's start with the jar: push it away", "push the jar away"),
+        ("what about the jar, could you push it away?", "push the jar away"),
+        ("push the jar to the left, not to the right", "push the jar to the left"),
+        ("push the jar with at most 9 N, er, at most 5 N", "push the jar with at most 5 N"),
+        ("push the jar with 9 N for 3 s, er, 4 s", "push the jar with 9 N for 4 s"),
+        ("not that far, push the jar 3 cm away", "push the jar 3 cm away"),
+    ],
+)
+def test_what_stands_around_a_command_changes_nothing(text: str, plain: str) -> None:
+    assert parse(text).paraphrase == parse(plain).paraphrase
