@@ -182,7 +182,7 @@ def _is_request(parts: Sequence[ph.Part]) -> bool:
 
 def _unclear_question_error(sentence: Normalised) -> ParseError:
     span = len(sentence.original.rstrip()) - 1, len(sentence.original.rstrip())
-    written = sentence.words_as_written((0, span[0]))
+    written = sentence.words_as_written((0, span[0])).rstrip("?! ")
     return ParseError(
         "unsupported_question",
         "with a question mark it is not clear whether this is to be done or to be answered",

@@ -71,8 +71,6 @@ _TOPIC = re.compile(
 _NO_REASON_BEHIND = re.compile(r"(?<![^ ])(?:as [a-z]+|is|are) $")
 """Words with which what looks like a reason is none: "as soon as it is", "what is for dinner"."""
 
-_CONTRAST = re.compile(r"(?: ,)? (?:and |but )?not ([^,.;]+)$")
-_SET_AGAINST = frozenset({"DIRECTION", "FACE", "FROM_SIDE", "NUMBER", "REGION", "SENSE"})
 _STRAY = re.compile(
     r"(?<= the) ,(?= )|(?<=^the) ,(?= )|"
     r"^[,.;](?= |$)|(?<= )[,.;]$|(?<= ),(?= [,.;] )|(?<=[.;] )[,.;](?= )"
@@ -114,8 +112,6 @@ class Asides:
                 said = self._without_all(said, kind, self._pattern_of(kind))
         if spoken.count(",") > 1:
             said = self._without_courtesy(said)
-        if "not" in words:
-            said = self._without_contrast(said)
         if len(words) < len(spoken):
             said = self._without_repeats(said)
         if not words.isdisjoint(",.;"):
@@ -243,15 +239,6 @@ class Asides:
         within = not (self._begins_a_group(last, 0) or self._begins_a_group(after, 0))
         return self._repeats.ends_open(before) or within
 
-    def _without_contrast(self, said: Normalised) -> Normalised:
-        """The sentence without what it is set against: "to the left, not to the right"."""
-        contrast = _CONTRAST.search(said.text)
-        if contrast is None:
-            return said
-        before, against = self._groups(said.text, 0, contrast.start()), self._groups(contrast[1], 0)
-        alike = len(against) == 1 and before and before[-1].kinds & against[0].kinds & _SET_AGAINST
-        return _joined(said, (0, contrast.start())) if alike else said
-
     # --- corrections --------------------------------------------------------------------------
 
     def _corrected(
@@ -270,14 +257,13 @@ class Asides:
             return None  # "in front of, hold on, the jar"
         if not before or not after:
             return None
-        last = self._measure_of(said.text, before[-1], after[0])
-        if only and not only & after[0].kinds & last.kinds:
-            return None
         inner = self._within(said.text, before[-1], after[0].kinds)
+        if only and not only & after[0].kinds & (only if inner else before[-1].kinds):
+            return None
         if inner and (len(after) == 1 or not _are_alike(after[1].kinds, before[-1].kinds)):
             return _joined(said, (0, inner), after[0][:2], (after[0].end, len(said.text)))
         for i in reversed(range(len(before))):
-            wrong, between = self._measure_of(said.text, before[i], after[0]), before[i + 1 :]
+            wrong, between = before[i], before[i + 1 :]
             if not _are_alike(wrong.kinds, after[0].kinds):
                 continue
             rest = (after[0].end, len(said.text))
@@ -288,13 +274,6 @@ class Asides:
             kept = [(wrong.end, start)] if between and len(after) == 1 else []
             return _joined(said, (0, wrong.start), after[0][:2], *kept, rest)
         return None
-
-    def _measure_of(self, text: str, group: _Group, other: _Group) -> _Group:
-        """The number of "with at most 9 N" for another number, else the group as it is."""
-        for word in WORD.finditer(text, group.start, group.end):
-            if "NUMBER" in other.kinds and "NUMBER" in self._phrase_at(text, word)[1]:
-                return _Group(word.start(), group.end, other.kinds)
-        return group
 
     def _goes_beyond(self, text: str, start: int, end: int) -> bool:
         """Check for a mark of correction that is the beginning of a phrase."""

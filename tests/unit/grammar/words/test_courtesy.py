@@ -41,7 +41,6 @@ def test_greetings_and_complaints_ask_for_nothing(text: str) -> None:
         ("that was the wrong one, push the jar away", "push the jar away"),
         ("let's start with the jar: push it away", "push the jar away"),
         ("what about the jar, could you push it away?", "push the jar away"),
-        ("push the jar to the left, not to the right", "push the jar to the left"),
         ("push the jar with at most 9 N, er, at most 5 N", "push the jar with at most 5 N"),
         ("push the jar with 9 N for 3 s, er, 4 s", "push the jar with 9 N for 4 s"),
         ("not that far, push the jar 3 cm away", "push the jar 3 cm away"),
