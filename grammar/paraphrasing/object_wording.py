@@ -121,6 +121,7 @@ class Naming:
             or words[0] in _NO_NAMES
             or f"the {words[0]}" in self.lexicon.terminals["YOU"]
             or self._ends_a_phrase(words)
+            or _is_said_twice(words)
         ):
             return False
         return all(self._stays_a_name(words, i) for i in range(len(words)))
@@ -149,6 +150,15 @@ class Naming:
 
 def _name_words(name: str) -> list[str]:
     return name.replace("-", " ").casefold().split()
+
+
+def _is_said_twice(words: Sequence[str]) -> bool:
+    """Check for words that are read as stammered: "aye aye"."""
+    return any(
+        words[i - n : i] == words[i : i + n]
+        for i in range(1, len(words))
+        for n in range(1, min(i, len(words) - i) + 1)
+    )
 
 
 def _is_joining_of(words: Sequence[str], i: int) -> bool:

@@ -59,6 +59,9 @@ _SHAPES = {
 "Like," is a filler, but not in "as fast as you like, then".
 """
 
+_MOST_REPEATS = 4
+"""Repeats that are left out of one sentence, so that no text takes long."""
+
 _OPENING = re.compile(r"(?:^|(?<=[.;] ))[^ ]+")
 _BEGINNING = re.compile(r"[(\[]")
 _OPTION = re.compile(r" \[([^\[\]]*)\]|\[([^\[\]]*)\] ")
@@ -205,8 +208,9 @@ class Asides:
 
     def _without_repeats(self, said: Normalised) -> Normalised:
         marks = self._pattern_of("corrections")
-        while (repeat := self._repeats.repeat_in(said.text, marks)) is not None:
-            if self._is_named(said.text, *repeat):
+        for _ in range(_MOST_REPEATS):
+            repeat = self._repeats.repeat_in(said.text, marks)
+            if repeat is None or self._is_named(said.text, *repeat):
                 break
             said = _joined(said, (0, repeat[0]), (repeat[1], len(said.text)))
         return said

@@ -73,6 +73,7 @@ class Lookahead:
             ),
             **dict.fromkeys(("FILLED", "FILLED_WITH"), self._behind_fill),
             "ON_TABLE": self._put_there,
+            "OR_MORE": lambda _phrase, text, end, _last: not stands_at("than", text, end + 1),
             "PARTICLE": self._not_off_a_thing,
             "PART_OF": lambda _phrase, _text, _end, last: last == "VOLUME_UNIT",
             "PORTION": self._of_a_liquid,

@@ -28,7 +28,6 @@ _READY = re.compile(r"[A-Za-z0-9 ,.'\"-]*")
 _MINUS = re.compile(r"(?<![^ ])-(?=[.\d])|(?<=\de)-(?=\d)")
 _ELLIPSIS = re.compile(r"\.(?:[ .]*\.)+")
 _DASH = re.compile(r"(?<= )-+(?= )")
-_DRAWN_OUT = re.compile(r"([a-z])\1(?=\1)", re.IGNORECASE)
 _RANGE = re.compile(r"(?<=\d)-(?=[.\d])")
 
 
@@ -91,8 +90,6 @@ def normalise(text: str, contractions: Mapping[str, str]) -> Normalised:
             ("say it in one short sentence",),
         )
     letters = _letters_of(text)
-    if _DRAWN_OUT.search(text):
-        letters = [each for i, each in enumerate(letters) if not _is_drawn_out(letters, i)]
     question = _text_of(letters).rstrip(" .!").endswith("?")
     while letters and letters[-1][0] in " .!?,;":
         letters.pop()
@@ -127,12 +124,6 @@ def _letters_of(text: str) -> list[_Letter]:
     if _READY.fullmatch(text):
         return list(zip(text.lower(), range(len(text)), range(1, len(text) + 1), strict=True))
     return [(c, i, i + 1) for i, char in enumerate(text) for c in _plain_letters(char, i)]
-
-
-def _is_drawn_out(letters: list[_Letter], i: int) -> bool:
-    """Check for the third of the same letters in a row: "uhhh"."""
-    char = letters[i][0]
-    return char.isalpha() and i > 1 and char == letters[i - 1][0] == letters[i - 2][0]
 
 
 def _require_one_script(letters: list[_Letter]) -> None:

@@ -23,6 +23,9 @@ _OPEN = frozenset({"A", "AND_WITH", "AT", "BETWEEN", "BY", "FILLED_WITH", "FROM"
 _LONGEST_OPEN = 4
 """Words of the longest of them that are looked at: "on the left of"."""
 
+_LONGEST = 10
+"""Words of the longest repeat that is looked for, so that no text takes long."""
+
 _PAUSES = frozenset(",.;!?")
 _JOINTS = _PAUSES | {"and", "then"}
 
@@ -111,7 +114,7 @@ def _repeats(words: list[str], marked: dict[int, int]) -> Iterator[tuple[int, in
         end = marked.get(again, again)
         while end > 1 and words[end - 1] in _PAUSES:
             end -= 1
-        for i in range(end):
+        for i in range(max(end - _LONGEST, 0), end):
             n = end - i
             if words[i] == words[again] and words[i:end] == words[again : again + n]:
                 found.append((-n, i, end, again))

@@ -284,10 +284,12 @@ def _require_no_more_than_a_name(ref: ObjectRef, around: Surroundings, *, misspe
     from grammar.words.lexicon_plugins import installed_lexicon
 
     said_words = ref.text.split()
+    of_names = {word.casefold() for name in around.names for word in name.split()}
     for i in range(len(said_words) - 1, 0, -1):
         name, more = " ".join(said_words[:i]), " ".join(said_words[i:])
         lexicon, _ = installed_lexicon()
-        meant = words_like(said_words[i], lexicon)
+        is_of_name = said_words[i].casefold() in of_names
+        meant = () if is_of_name else words_like(said_words[i], lexicon)
         found = find_by_name(name, around.on_table)
         if not found or not (meant or (len(found) == 1 and not misspelt)):
             continue

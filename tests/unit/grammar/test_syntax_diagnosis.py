@@ -16,7 +16,7 @@ def refusal(text: str) -> ParseError:
 
 @pytest.mark.parametrize(
     ("text", "verb"),
-    [("psuh the box", "push"), ("topel the box", "topple"), ("sldie the box", "slide")],
+    [("psuh the box", "push"), ("toppel the box", "topple"), ("sldie the box", "slide")],
 )
 def test_misspelt_verb_is_asked_back(text: str, verb: str) -> None:
     assert refusal(text).suggestions == (f"did you mean '{verb}'?",)

@@ -86,7 +86,6 @@ def test_names_that_end_phrases_are_quoted(name: str, said_as: str) -> None:
         ("what if I tilt it, actually", "actually"),
         ("pull what is the size of it?", "pull"),
         ("will it topple if you push it the box", "box"),
-        ("will it topple if you push it it", "it"),
         ("this again", "this"),
         ("the mug again", "mug"),
         ("topple the box that is at the edge", "that is"),

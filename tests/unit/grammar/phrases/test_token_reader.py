@@ -59,7 +59,11 @@ LENGTHS = {
     "yard": ("yd", "yard", "yards"),
 }
 ANGLES = {
-    "degree": ("degrees", "°", "deg", "degree"),
+    "degree": (
+        "degrees", "°", "deg", "degs", "degree", "angular degrees", "degree of arc",
+        "degrees of arc", "degree of angle", "degrees of angle", "degree of rotation",
+        "degrees of rotation",
+    ),
     "radian": ("radians", "rad", "radian"),
     "turn": (
         "turns", "turn", "of a turn", "of a full turn", "rotation", "rotations", "revolution",
