@@ -17,7 +17,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from PIL import Image
 
-from docs import draw_architecture
+from docs import draw_architecture, draw_free_bodies
 from nlcontrol.cli import run
 
 IMAGES = Path(__file__).parent / "images"
@@ -60,6 +60,10 @@ def outdated() -> list[str]:
     """Names of the quick pictures that the code of today draws otherwise."""
     with TemporaryDirectory() as folder:
         found = [name for name in QUICK if not are_alike(draw(name, Path(folder)), IMAGES / name)]
+        forces = Path(folder) / draw_free_bodies.PICTURE.name
+        draw_free_bodies.draw(forces)
+        if not are_alike(forces, draw_free_bodies.PICTURE):
+            found.append(forces.name)
     if draw_architecture.PICTURE.read_text("utf-8") != draw_architecture.draw():
         found.append(draw_architecture.PICTURE.name)
     return found
@@ -74,6 +78,7 @@ def main(args: list[str]) -> None:
     for name in args or QUICK:
         draw(name, IMAGES)
     if not args:
+        draw_free_bodies.draw()
         draw_architecture.PICTURE.write_text(draw_architecture.draw(), "utf-8")
 
 
