@@ -44,3 +44,15 @@ def test_a_name_is_written_without_what_stands_within_it() -> None:
     (frame,) = parse("push the ice, uh, tea box away").frames
     assert frame.object is not None
     assert frame.object.text == "ice tea box"
+
+
+def test_a_name_of_the_same_letters_stays() -> None:
+    (frame,) = parse("push the aaa battery away").frames
+    assert frame.object is not None
+    assert frame.object.text == "aaa battery"
+
+
+def test_a_name_that_is_read_as_stammered_is_said_in_quotation_marks() -> None:
+    said = parse('push the "aa aa" away').paraphrase
+    assert said == 'push "aa aa" away'
+    assert parse(said).paraphrase == said
