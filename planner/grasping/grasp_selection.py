@@ -146,36 +146,8 @@ def stable_grasps(problem: GraspProblem, bearings: Sequence[GraspLoad]) -> list[
         raise _hangs_askew(problem, [leans[i] for i in np.flatnonzero(holds)])
     if not good.any():
         best = int(np.where(spare >= 1.0, probability, -1.0).argmax())
-        if free := _free_squeeze(problem, bearings):
-            raise _too_heavy(problem, bearings[best].candidate, free)
-        learn, then = _best_experiment(
-            problem.target.model, bearings[best], squeeze[best], d.found_to
-        )
-        numbers = {
-            "squeeze": float(squeeze[best]),
-            "probability": float(probability[best]),
-            "probability_then": then,
-            "asked_probability": problem.effort.probability,
-        }
-        raise no_plan("may_slip", numbers, object=problem.target.name, learn=learn)
-    crowded = [each.candidate.is_crowded(problem.target, problem.state) for each in bearings]
-    # Height does not matter to a hold; in the middle there is most room for the hand.
-    heights = np.array([each.candidate.middle[2] for each in bearings])
-    off = np.abs(heights - 0.5 * (heights.min() + heights.max()))
-    # Except for a hand that comes down askew: its palm is low, which counts before any squeeze.
-    steep = np.array([-each.candidate.approach[2] for each in bearings])
-    askew = (steep > 0.0) & (steep < 1.0)
-    low = np.where(askew, heights.max() - heights, 0.0)
-    order = sorted(
-        np.flatnonzero(good).tolist(),
-        key=lambda i: (
-            crowded[i],
-            low[i],
-            -round(float(upright[i]), 3),
-            -round(float(spare[i]), 2),
-            off[i],
-        ),
-    )
+        raise _may_slip(problem, bearings, best, float(squeeze[best]), float(probability[best]))
+    order = _order(problem, bearings, upright, spare)
     return [
         StableGrasp(
             _grasp_value(problem, bearings[i].candidate, float(squeeze[i]), float(just[i])),
@@ -184,7 +156,46 @@ def stable_grasps(problem: GraspProblem, bearings: Sequence[GraspLoad]) -> list[
             leans[i],
         )
         for i in order
+        if good[i]
     ]
+
+
+def _order(
+    problem: GraspProblem, bearings: Sequence[GraspLoad], upright: Array, spare: Array
+) -> list[int]:
+    """Indices of the grasps: with room, upright and with squeeze to spare first."""
+    candidates = [each.candidate for each in bearings]
+    crowded = [each.is_crowded(problem.target, problem.state) for each in candidates]
+    # Height does not matter to a hold; in the middle there is most room for the hand.
+    heights = np.array([each.middle[2] for each in candidates])
+    off = np.abs(heights - 0.5 * (heights.min() + heights.max()))
+    # Except for a hand that comes down askew: its palm is low, which counts before any squeeze.
+    steep = np.array([-each.approach[2] for each in candidates])
+    askew = (steep > 0.0) & (steep < 1.0)
+    low = np.where(askew, heights.max() - heights, 0.0)
+    keys = np.array([off, -spare.round(2), -upright.round(3), low, crowded])
+    return [int(i) for i in np.lexsort(keys)]
+
+
+def _may_slip(
+    problem: GraspProblem,
+    bearings: Sequence[GraspLoad],
+    best: int,
+    squeeze: float,
+    probability: float,
+) -> NoPlanError:
+    """Dead end since even the best of the grasps is not sure enough."""
+    if free := _free_squeeze(problem, bearings):
+        return _too_heavy(problem, bearings[best].candidate, free)
+    found_to = problem.defaults.found_to
+    learn, then = _best_experiment(problem.target.model, bearings[best], squeeze, found_to)
+    numbers = {
+        "squeeze": squeeze,
+        "probability": probability,
+        "probability_then": then,
+        "asked_probability": problem.effort.probability,
+    }
+    return no_plan("may_slip", numbers, object=problem.target.name, learn=learn)
 
 
 def _lean(problem: GraspProblem, candidate: Candidate) -> Lean | None:

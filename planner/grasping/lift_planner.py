@@ -52,11 +52,11 @@ def lift(problem: GraspProblem, goal: g.Lift) -> Plan | Reached:
         return Reached()
     draft = MotionDraft((LiftUp(height=height),), defaults=used)
 
-    def lifted(grasps: list[StableGrasp]) -> Plan:
+    def lift_plan(grasps: list[StableGrasp]) -> Plan:
         ways = sorted(grasps, key=partial(_pours_beside, problem))
         return first_reachable_plan(problem, "lift", each_with_each(ways, [draft]))
 
-    return _plan_with_grasps(problem, lifted)
+    return _plan_with_grasps(problem, lift_plan)
 
 
 def set_down(problem: GraspProblem) -> Plan:

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nlcontrol.cli.console.terminal_text import wrapped
+from nlcontrol.cli.console.terminal_text import lines_within
 from tests.cli.terminal import COMMANDS, GOLDEN, in_terminal
 
 SENTENCE = "push the mug 3 cm away"
@@ -57,6 +57,6 @@ def test_quiet_tells_what_came_of_it_alone() -> None:
 
 @given(st.text("ab ✓.", max_size=300), st.integers(20, 130))
 def test_wrapping_keeps_every_word(line: str, columns: int) -> None:
-    pieces = wrapped(line, columns).splitlines()
+    pieces = lines_within(line, columns).splitlines()
     assert "".join(" ".join(pieces).split()) == "".join(line.split())
     assert all(len(piece) <= columns for piece in pieces)

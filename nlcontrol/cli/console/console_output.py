@@ -132,11 +132,11 @@ class Narrator:
     def line(self, text: str) -> None:
         """Print a line that stays."""
         if self._detail != "quiet":
-            with self.paused():
+            with self.pause():
                 print_lines([text], err=True)
 
     @contextmanager
-    def paused(self) -> Iterator[None]:
+    def pause(self) -> Iterator[None]:
         """Context in which the line that changes is not there, so that others can be printed."""
         if self._status is not None:
             self._status.stop()

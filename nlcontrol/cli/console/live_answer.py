@@ -50,7 +50,7 @@ class LiveAnswer(Narrator):
     def take(self, event: Event) -> None:
         """Take one event of the sentence."""
         if self._live and (lines := list(self._lines_of(event))):
-            with self.paused():
+            with self.pause():
                 print_lines(lines)
 
     def _lines_of(self, event: Event) -> Iterator[str]:

@@ -55,14 +55,14 @@ def print_lines(lines: Iterable[str], *, err: bool = False) -> None:
     for line in chain.from_iterable(text.splitlines() or [""] for text in lines):
         # Carets below words that do not fit into one line would point at others.
         if not (_CARETS.fullmatch(line) and len(before) > columns):
-            click.echo(styled(wrapped(line, columns)), err=err)
+            click.echo(with_style(lines_within(line, columns)), err=err)
         before = line
 
 
 _CARETS = re.compile(r" +\^[ ^]*")
 
 
-def wrapped(line: str, columns: int) -> str:
+def lines_within(line: str, columns: int) -> str:
     """The line in as many lines as it takes; those after the first stand below its last column."""
     if len(line) <= columns:
         return line
@@ -86,7 +86,7 @@ def _hanging(line: str, columns: int) -> int:
     return max(gaps, default=indent + 2)
 
 
-def styled(text: str) -> str:
+def with_style(text: str) -> str:
     """The text with its beginning in the style of what it tells."""
     if "NO_COLOR" in os.environ or os.environ.get("TERM") == "dumb":
         return text

@@ -3,33 +3,20 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import pytest
 
 from grammar.frames import command as g
-from nlcontrol import Controller, Conversation
+from nlcontrol import Conversation
 from nlcontrol.results.result import Result
-from nlcontrol.session.remarks.follow_up_frames import (
-    continue_frame,
-    correct_frame,
-    repeat_frames,
-)
-from nlcontrol.session.remarks.merged_frames import merge_frames
-from nlcontrol.session.remarks.undo_frames import PastPush, undo_frames
-from objectmodels import Registry
-from planner.geometry.directions import angle_between
-from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan
-from planner.types.world_state import PlanarPose, SeenObject, WorldState
-from sim.traces.trace import Trace
 from tests.fakes.played_executor import PlayedExecutor, played
-from tests.unit.nlcontrol.pushes import BOX, FORWARDS, Happens
+from tests.unit.nlcontrol.pushes import Happens
 
 AWAY = "push the coffee box away"
+PUSH = "push the ice tea box away"
 IT = g.ObjectRef(text="it", pronoun=True)
 COFFEE = g.ObjectRef(text="coffee box")
 CEREAL = g.ObjectRef(text="cereal box")
@@ -38,16 +25,6 @@ ICE_TEA = g.ObjectRef(text="ice tea box", id="ice tea box")
 
 def said(dialogue: Any = None, **fields: Any) -> g.Frame:
     return g.Frame(dialogue=dialogue, **fields)
-
-
-def displace(**fields: Any) -> g.Displace:
-    return g.Displace(**fields)
-
-
-@pytest.fixture
-def conversation() -> Conversation:
-    """In the kitchen."""
-    return Conversation(Controller("kitchen", seed=1))
 
 
 def plan(conversation: Conversation, *sentences: str) -> Result:
@@ -237,21 +214,12 @@ def test_of_several_frames_the_first_is_planned(conversation: Conversation) -> N
     assert result.notes[0] in str(result)
 
 
-def test_an_undo_is_a_sentence_of_its_own(conversation: Conversation) -> None:
-    result = plan(conversation, "push the coffee box away, then undo that")
-    assert result.error is not None
-    assert result.error.code == "not_alone"
-
-
 def test_stop_is_answered_quietly(conversation: Conversation) -> None:
     result = plan(conversation, "stop")
     assert (result.ok, result.status, result.exit_status) == (True, "done", 0)
     assert result.answer is not None
     assert result.answer.text in str(result)
     assert "every clause held" not in str(result)
-
-
-# --- why -------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("question", ["why?", "why did you push it there?"])
@@ -285,96 +253,6 @@ def test_why_another_push_would_not_do(conversation: Conversation) -> None:
     assert result.answer.text.startswith("I cannot: at the top means 153 mm or higher")
 
 
-# --- undo, with the simulator's part played by traces made by hand ----------------------------
-
-
-PUSH = "push the ice tea box away"
-
-
-@pytest.fixture
-def stage(
-    conversation: Conversation, goes: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
-) -> PlayedExecutor:
-    """Where every push goes as predicted."""
-    return played(conversation.controller, goes())
-
-
-def test_undo_pushes_it_back(conversation: Conversation, stage: PlayedExecutor) -> None:
-    before = conversation.controller.look().objects[BOX].pose
-    assert conversation.say(PUSH).steps[0].before == before
-    result = conversation.say("undo that")
-    assert (result.status, result.notes) == ("done", (f"undone: “{PUSH}”",))
-    assert result.paraphrase == f"to undo “{PUSH}”, push the ice tea box by 100 mm toward the robot"
-    assert stage.moved == pytest.approx((0.0, 0.0), abs=1e-6)
-    assert conversation.past == []
-    # What was undone may be asked for otherwise, and is not told as done any more.
-    assert conversation.say("no, to the right", plan_only=True).notes == ()
-    assert conversation.say("undo that").error is not None
-
-
-def test_undo_turns_it_back(conversation: Conversation, stage: PlayedExecutor) -> None:
-    before = stage.poses[BOX]
-    assert conversation.say("turn the ice tea box by 40 degrees to the left").ok
-    assert angle_between(stage.poses[BOX].yaw, before.yaw) == pytest.approx(
-        math.radians(40.0), abs=DEFAULTS.aim_angle
-    )
-    result = conversation.say("undo that")
-    assert result.status == "done"
-    assert result.paraphrase is not None
-    assert re.search(r"turn the ice tea box by (39|40)\.\d° to the right", result.paraphrase)
-    assert stage.poses[BOX].yaw == pytest.approx(before.yaw, abs=2 * DEFAULTS.aim_angle)
-    assert math.hypot(*stage.moved) < 2 * DEFAULTS.aim_drift  # of the turn, and of the way back
-    assert conversation.past == []
-
-
-def test_what_turned_and_moved_is_turned_and_pushed_back(
-    conversation: Conversation, stage: PlayedExecutor
-) -> None:
-    before = stage.poses[BOX]
-    conversation.say(PUSH)
-    stage.move(0.0, 0.0, math.radians(15))
-    result = conversation.say("undo that")
-    assert (result.status, [f.action for f in result.frames]) == ("done", ["turn", "push"])
-    assert stage.poses[BOX].yaw == pytest.approx(before.yaw, abs=2 * DEFAULTS.aim_angle)
-    # What the turn back displaced was not known when the way back was said.
-    assert math.hypot(*stage.moved) < DEFAULTS.aim_drift + DEFAULTS.aim_position
-    assert conversation.past == []
-
-
-def test_half_a_way_back_can_be_gone_on_with(
-    conversation: Conversation,
-    goes: Callable[..., Happens],
-    stands: Callable[..., Happens],
-    stage: PlayedExecutor,
-) -> None:
-    conversation.say(PUSH)
-    stage.move(0.0, 0.0, math.radians(15))
-
-    def turns_only(plan: Plan) -> Trace:
-        turned = plan.push.ends_on == "turned" or len(stage.executed) < 2
-        return (goes() if turned else stands(force=60.0))(plan)
-
-    stage.happens = [turns_only]
-    assert conversation.say("undo that").status == "failed"
-    again = conversation.say("undo that", plan_only=True)
-    assert [frame.action for frame in again.frames] == ["push"]
-
-
-def test_an_undo_that_fails_can_be_said_again(
-    conversation: Conversation,
-    goes: Callable[..., Happens],
-    stands: Callable[..., Happens],
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    short = (goes(), goes(share=0.3), stands(force=60.0))
-    played(conversation.controller, *short)
-    conversation.say(PUSH)
-    assert conversation.say("undo that").status == "failed"
-    again = conversation.say("undo that", plan_only=True)
-    assert again.paraphrase is not None
-    assert "push the ice tea box by 70 mm toward the robot" in again.paraphrase
-
-
 def test_a_correction_tells_that_it_was_done(
     conversation: Conversation, stage: PlayedExecutor
 ) -> None:
@@ -385,25 +263,6 @@ def test_a_correction_tells_that_it_was_done(
     result = conversation.say("no, to the right", plan_only=True)
     assert result.notes == (f"already carried out: “{PUSH}”; that is left as it is",)
     assert len(stage.executed) == 2
-
-
-def test_what_fell_over_is_not_stood_up(conversation: Conversation, stage: PlayedExecutor) -> None:
-    conversation.say(PUSH)
-    stage.poses[BOX] = replace(stage.poses[BOX], attitude=FORWARDS)
-    result = conversation.say("undo that")
-    assert (result.status, result.exit_status) == ("unsupported", 4)
-    assert result.error is not None
-    assert result.error.capability == "standing objects up"
-    assert len(conversation.past) == 1
-
-
-def test_what_stands_there_is_left(conversation: Conversation, stage: PlayedExecutor) -> None:
-    conversation.say(PUSH)
-    stage.move(-0.1, 0.0)
-    result = conversation.say("undo that")
-    assert (result.status, result.plan) == ("done", None)
-    assert result.answer is not None
-    assert result.answer.text == f"The ice tea box is where it was before “{PUSH}”."
 
 
 @pytest.mark.slow
@@ -417,30 +276,6 @@ def test_more_after_a_place_goes_on_where_all_pushes_led(
     (frame,) = result.frames
     assert isinstance(frame.goal, g.Displace)
     assert frame.goal.heading == pytest.approx(math.radians(45.0), abs=0.02)  # seen within 1 mm
-
-
-def test_undo_of_an_object_that_was_not_pushed(conversation: Conversation) -> None:
-    result = plan(conversation, AWAY, "undo the push of the cereal box")
-    assert result.error is not None
-    assert "the cereal box was not pushed" in result.error.message
-
-
-@pytest.mark.slow
-def test_each_step_is_told_and_undone_the_last_first(
-    conversation: Conversation, stage: PlayedExecutor
-) -> None:
-    result = conversation.say("push the ice tea box away, then to the left")
-    assert len(stage.executed) == 2
-    first, second = (step.before for step in result.steps)
-    assert first is not None
-    assert second is not None
-    assert second.x - first.x == pytest.approx(0.1, abs=1e-6)
-    assert [(step.frame, step.status) for step in result.steps] == [(0, "done"), (1, "done")]
-    assert len(result.checks) == sum(len(step.checks) for step in result.steps)
-    assert "Step 2 of 2: done" in str(result)
-    back = conversation.say("undo that", plan_only=True)
-    headings = [f.goal.heading for f in back.frames if isinstance(f.goal, g.Displace)]
-    assert headings == pytest.approx([-math.pi / 2, math.pi], abs=1e-6)
 
 
 def test_why_a_clause_failed(
@@ -462,163 +297,6 @@ def test_why_a_clause_failed(
     assert "ended early" in result.answer.text
     assert failed.steps[0].stuck is not None
     assert f"Nothing more was done: {failed.steps[0].stuck}." in result.answer.text
-
-
-# --- frames ----------------------------------------------------------------------------------
-
-
-def frame(**fields: Any) -> g.Frame:
-    return g.Frame(**{"action": "push", "object": ICE_TEA, "goal": displace(), **fields})
-
-
-@pytest.mark.parametrize(
-    ("before", "clause", "after"),
-    [
-        ((g.Gentle(), g.Slow()), g.Hard(), (g.Slow(), g.Hard())),
-        ((g.MaxForce(value=3.0),), g.Force(value=5.0), (g.Force(value=5.0),)),
-        ((g.NoTopple(),), g.NoTurn(), (g.NoTopple(), g.NoTurn())),
-        ((g.NoTouch(object=COFFEE),), g.NoTouch(object=CEREAL),
-         (g.NoTouch(object=COFFEE), g.NoTouch(object=CEREAL))),
-    ],
-)  # fmt: skip
-def test_a_clause_takes_the_place_of_one_of_its_matter(
-    before: tuple[g.Constraint, ...], clause: g.Constraint, after: tuple[g.Constraint, ...]
-) -> None:
-    assert merge_frames(frame(constraints=before), said(constraints=(clause,))).constraints == after
-
-
-def test_a_face_goes_with_its_direction_and_a_limit_with_its_distance() -> None:
-    before = frame(
-        goal=displace(direction="right", distance=0.05, bound="at_least"),
-        constraints=(g.ContactRegion(face="left", region="top"), g.MaxDistance(value=0.1)),
-    )
-    turned = merge_frames(before, said(goal=displace(direction="away")))
-    assert turned.constraints == (g.ContactRegion(region="top"), g.MaxDistance(value=0.1))
-    nearer = merge_frames(before, said(goal=displace(distance=0.03)))
-    assert nearer.goal == displace(direction="right", distance=0.03)
-    assert nearer.constraints == (before.constraints[0],)
-
-
-@pytest.mark.parametrize(
-    ("last", "bare", "meant"),
-    [
-        (g.Topple(), displace(direction="left"), g.Topple(direction="left")),
-        (g.Rotate(angle=1.0), displace(direction="left"), g.Rotate(angle=1.0, sense="ccw")),
-        (g.Rotate(sense="cw"), displace(amount="little"), g.Rotate(sense="cw", amount="little")),
-        (g.Tilt(), g.Rotate(angle=0.5), g.Tilt(angle=0.5)),
-        (g.Lift(), displace(distance=0.1), g.Lift(height=0.1)),
-        (
-            g.Place(relation="next_to", reference=(COFFEE,)),
-            displace(distance=0.1),
-            g.Place(relation="next_to", reference=(COFFEE,), distance=0.1),
-        ),
-        (g.Topple(), displace(distance=0.1), displace(distance=0.1)),
-    ],
-)
-def test_bare_words_are_meant_for_the_last_goal(last: Any, bare: Any, meant: g.Goal) -> None:
-    assert merge_frames(frame(goal=last), said(goal=bare)).goal == meant
-
-
-def test_a_new_goal_drops_what_it_cannot_keep() -> None:
-    before = frame(constraints=(g.NoTopple(), g.NoTurn()))
-    after = merge_frames(before, said(action="topple", goal=g.Topple()))
-    assert (after.action, after.constraints) == ("topple", (g.NoTurn(),))
-
-
-def test_more_after_a_place_goes_on_in_the_same_direction() -> None:
-    placed = frame(
-        goal=g.Place(relation="next_to", reference=(COFFEE,)),
-        constraints=(g.Until(event="touching", object=COFFEE), g.Gentle()),
-    )
-    for more in (displace(amount="little"), displace()):
-        after = continue_frame(placed, said("more", goal=more), 1.5)
-        assert after.goal == displace(heading=1.5, amount=more.amount)
-        assert after.constraints == (g.Gentle(),)
-
-
-def test_more_gently_keeps_the_distance() -> None:
-    before = frame(goal=displace(distance=0.2))
-    after = continue_frame(before, said("more", constraints=(g.Gentle(),)), None)
-    assert after.goal == before.goal
-
-
-def test_its_width_is_that_of_the_object_that_is_meant() -> None:
-    its = g.ObjectRef(text="its", pronoun=True, id="ice tea box")
-    before = frame(goal=displace(distance=g.RelativeLength(value=2, of=its, side="width")))
-    for (after,) in (
-        correct_frame((before,), said("correct", object=CEREAL), None),
-        repeat_frames((before,), said("repeat", object=CEREAL)),
-    ):
-        assert isinstance(after.goal, g.Displace)
-        assert isinstance(after.goal.distance, g.RelativeLength)
-        assert after.object == after.goal.distance.of == CEREAL
-
-
-def test_again_takes_the_frame_with_the_same_action() -> None:
-    both = (frame(goal=displace(direction="left")), frame(action="topple", goal=g.Topple()))
-    (again,) = repeat_frames(both, said("repeat", action="push", object=IT))
-    assert again.goal == displace(direction="left")
-    assert [f.action for f in repeat_frames(both, said("repeat"))] == ["push", "topple"]
-
-
-def test_a_way_back_ends_where_it_began() -> None:
-    model = Controller("kitchen").models["ice tea box"]
-    seen = {"ice tea box": SeenObject("ice tea box", PlanarPose(0.5, 0.2), model)}
-    of = Result(ok=True, status="done", text="", scene="kitchen", seed=0)
-    start, middle = PlanarPose(0.3, 0.0), PlanarPose(0.5, 0.0)
-    pushed = [PastPush(of, "ice tea box", start), PastPush(of, "ice tea box", middle)]
-    back = undo_frames(pushed, WorldState(seen), DEFAULTS)
-    assert back.undoes == (pushed[1], pushed[0])
-    x, y = 0.5, 0.2
-    for step in back.frames:
-        assert isinstance(step.goal, g.Displace)
-        assert isinstance(step.goal.distance, float)
-        assert step.goal.heading is not None
-        x += step.goal.distance * math.cos(step.goal.heading)
-        y += step.goal.distance * math.sin(step.goal.heading)
-    assert (x, y) == pytest.approx((0.3, 0.0))
-
-
-@pytest.mark.parametrize("asked", [True, False])
-def test_what_is_round_is_turned_back_only_if_it_was_to_turn(asked: bool) -> None:
-    mug = g.ObjectRef(text="mug", id="mug")
-    meant = g.Rotate(angle=0.7, sense="ccw") if asked else displace(direction="away")
-    of = Result(
-        ok=True, status="done", text="", scene="counter", seed=0,
-        frames=(g.Frame(action="turn" if asked else "push", object=mug, goal=meant),),
-    )  # fmt: skip
-    model = Registry.built_in().get("mug")
-    seen = {"mug": SeenObject("mug", PlanarPose(0.5, 0.0, 0.7), model)}
-    back = undo_frames([PastPush(of, "mug", PlanarPose(0.5, 0.0))], WorldState(seen), DEFAULTS)
-    if asked:
-        (frame,) = back.frames
-        assert frame.goal == g.Rotate(angle=0.7, sense="cw")
-        assert back.notes == ()
-    else:
-        assert back.frames == ()
-        assert back.notes == ("that the mug turned by 40.1° is not undone",)
-
-
-@pytest.mark.slow
-def test_turned_and_turned_back(conversation: Conversation) -> None:
-    start = conversation.controller.look().objects[BOX].pose
-    assert conversation.say("turn the ice tea box by 40 degrees to the left").ok
-    assert conversation.say("undo that").ok
-    end = conversation.controller.look().objects[BOX].pose
-    assert abs(angle_between(end.yaw, start.yaw)) < 2 * DEFAULTS.turn_tolerance
-    assert math.hypot(end.x - start.x, end.y - start.y) < 2 * DEFAULTS.turn_drift
-
-
-@pytest.mark.slow
-def test_pushed_and_pushed_back(conversation: Conversation) -> None:
-    start = conversation.controller.look().objects["ice tea box"].pose
-    done = conversation.say(f"{PUSH} without toppling it")
-    assert [c for c in done.checks if not c.ok] == []
-    result = conversation.say("undo that")
-    assert (result.status, [c for c in result.checks if not c.ok]) == ("done", [])
-    end = conversation.controller.look().objects["ice tea box"].pose
-    # Each way holds its distance within the 1 cm that a bare distance is checked with.
-    assert math.hypot(end.x - start.x, end.y - start.y) < 0.01
 
 
 def test_behind_what_named_another_object_a_bare_remark_is_asked_back(
