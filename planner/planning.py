@@ -25,14 +25,14 @@ from planner.problem.frame_interpretation import (
     require_upright,
 )
 from planner.problem.place_regions import region
-from planner.problem.planning_problem import is_handled
+from planner.problem.planning_problem import GraspProblem, is_handled
 from planner.problem.search_budget import SearchBudget
 from planner.pushing.strategies import plan_pushes
 from planner.refusals.refusal_builder import no_plan
 from planner.types.defaults import DEFAULTS, Defaults
 from planner.types.plan import Plan, PlanningResult, Reached
 from planner.types.refusal import Alternatives, NoPlanError
-from planner.types.robot import FailedPush, Robot
+from planner.types.robot import Failed, Robot
 from planner.types.world_state import WorldState
 
 
@@ -43,7 +43,7 @@ def plan(
     *,
     defaults: Defaults = DEFAULTS,
     previous: Plan | None = None,
-    failed: Sequence[FailedPush] = (),
+    failed: Sequence[Failed] = (),
     notify: Callable[[str], None] = lambda _: None,
     budget: SearchBudget | None = None,
 ) -> PlanningResult:
@@ -55,7 +55,8 @@ def plan(
         robot: that is to do it.
         defaults: what a clause means when the sentence does not say more.
         previous: the plan whose first push was made last; its aim is kept.
-        failed: pushes of this frame that went wrong; their contacts are not tried again.
+        failed: pushes of this frame that went wrong, whose contacts are not tried again; and what
+            the whole hand failed at, which is not tried a third time.
         notify: called with a sentence before a search that takes long.
         budget: of work; one of `defaults.most_work` if not given.
 
@@ -66,7 +67,8 @@ def plan(
     only_pushes = robot.limits.grasp_widths is None or previous is not None
 
     def by_hand() -> PlanningResult:
-        return _plan_with_hand(frame, state, robot, defaults, budget)
+        problem = grasp_problem(frame, state, robot, defaults, failed)
+        return _plan_with_hand(replace(problem, budget=budget))
 
     def by_pushes() -> PlanningResult:
         problem = interpret_frame(frame, state, defaults, robot, previous=previous, failed=failed)
@@ -109,14 +111,11 @@ def _is_placed(frame: g.Frame, state: WorldState, defaults: Defaults) -> bool:
     return place is not None and place.holds(state.objects[frame.object.id or ""])
 
 
-def _plan_with_hand(
-    frame: g.Frame, state: WorldState, robot: Robot, defaults: Defaults, budget: SearchBudget
-) -> Plan | Reached:
+def _plan_with_hand(problem: GraspProblem) -> Plan | Reached:
     """Plan a grasp and the steps after it, or what a fingertip does to a lid."""
     from planner.grasping import lid_planner, lift_planner, pour_planner  # pushes do without them
 
-    problem = replace(grasp_problem(frame, state, robot, defaults), budget=budget)
-    match frame.goal:
+    match problem.frame.goal:
         case g.Lift() as goal:
             return lift_planner.lift(problem, goal)
         case g.SetDown():
@@ -129,4 +128,4 @@ def _plan_with_hand(
             return lid_planner.open_lid(problem)
         case g.Close():
             return lid_planner.close_lid(problem)
-    raise AssertionError(f"{frame.goal.kind} takes no hand")
+    raise AssertionError(f"{problem.frame.goal.kind} takes no hand")

@@ -136,21 +136,6 @@ def parameter_changes(before: ObjectModel, after: ObjectModel) -> tuple[Change, 
     )
 
 
-TRIED_AGAIN: frozenset[EndReason] = frozenset(
-    {
-        "no_grasp",
-        "slipped",
-        "missed",
-        "nudged",
-        "no_touch",
-        "guard",
-        "force",
-        "tilted",
-        "unreachable",
-    }
-)
-"""Ends after which the hand tries once more, if it may."""
-
 _SWUNG = 2.0 / 3.0  # share of the time for which it is held at the end in which it hangs still
 _HELD = 0.4  # least of that time [s]
 _FROM_LEVEL = 0.02  # a share of the contents that always stays unknown

@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from nlcontrol.session.proposals import Approval
     from planner.affordances import Affordance
     from planner.types.defaults import Defaults
-    from planner.types.robot import FailedPush, Robot
+    from planner.types.robot import Failed, Robot
     from sim import Scene
     from sim.supervision import Progress, StopToken
     from sim.traces.trace import Trace
@@ -244,7 +244,7 @@ class Controller:
         state: WorldState | None = None,
         *,
         previous: Plan | None = None,
-        failed: Sequence[FailedPush] = (),
+        failed: Sequence[Failed] = (),
         notify: Callable[[str], None] = lambda _: None,
         stop: StopToken | None = None,
     ) -> Plan | Reached | Refusal:
@@ -254,7 +254,7 @@ class Controller:
             frame: what is asked, its objects resolved.
             state: what is believed; looked up now if not given.
             previous: the plan whose first push was made last; its aim is kept.
-            failed: pushes of this frame that went wrong; their contacts are not tried again.
+            failed: pushes and holds of this frame that went wrong; see `planner.plan`.
             notify: called with a sentence before a search that takes long.
             stop: asked at every question to the robot whether to go on.
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from planner.touch_experiments import Experiment
     from planner.types.defaults import Defaults
     from planner.types.plan import Plan, PlanningResult
-    from planner.types.robot import FailedPush, Robot
+    from planner.types.robot import Failed, Robot
     from planner.types.world_state import Held, WorldState
     from sim.cell.cell_description import CellDescription
     from sim.exploration.trial_extraction import Recording
@@ -114,7 +114,7 @@ class Planner(Protocol):
         *,
         defaults: Defaults,
         previous: Plan | None = None,
-        failed: Sequence[FailedPush] = (),
+        failed: Sequence[Failed] = (),
         notify: Callable[[str], None] = lambda _: None,
     ) -> PlanningResult:
         """A plan that satisfies a frame, or why there is none; see `planner.plan`."""

@@ -29,7 +29,7 @@ from planner.explanation.push_explanation import Basis
 from planner.geometry.directions import angle_between
 from planner.types.plan import Plan, PlanningResult, Reached
 from planner.types.refusal import Refusal
-from planner.types.robot import FailedPush
+from planner.types.robot import Failed, FailedHold, FailedPush
 from planner.types.world_state import WorldState
 from sim.supervision import Stopped
 from sim.traces.trace import EndReason, Trace, join_traces
@@ -158,7 +158,7 @@ class FrameRun:
         self.supervisor = supervisor
         self.step = Step(frame=index, status="failed")
         self.traces: list[Trace] = []
-        self.failed: list[FailedPush] = []
+        self.failed: list[Failed] = []
         self._yaw: float | None = None
 
     def run(self, plan_only: bool, approved: Plan | Reached | None = None) -> Result:
@@ -309,17 +309,17 @@ class FrameRun:
             self.supervisor("learn", float(trace.time[-1]), lesson.text)
 
     def _learn_by_hand(self, made: Plan, trace: Trace) -> bool:
-        """Learn from lifting a weight, and where the contents are; return True if all was done."""
-        from nlcontrol.learning.lessons import TRIED_AGAIN, beliefs_after_grasp, weight_from_grasp
+        """Learn what the hand found out; return True if all was done."""
+        from nlcontrol.learning.hand_lessons import TRIED_AGAIN, lessons_from_hand
 
-        models = self.controller.models
-        found = weight_from_grasp(made, models[made.object], trace)
-        if found is not None:
-            model, lesson = found
-            self.controller.models[made.object] = model
+        models, lessons = lessons_from_hand(made, self.controller.models, trace)
+        self.controller.models.update(models)
+        for lesson in lessons:
             self._keep_lesson(lesson)
-        models |= beliefs_after_grasp(made, models, trace)
-        return trace.end not in TRIED_AGAIN
+        if trace.end in TRIED_AGAIN:
+            self.failed.append(FailedHold(made, trace.detail))
+            return False
+        return True
 
     def _keep_lesson(self, lesson: Lesson) -> None:
         self._note(lessons=(*self.step.lessons, lesson))

@@ -34,6 +34,7 @@ import numpy as np
 
 from objectmodels.containers.lid_geometry import (
     THICKNESS,
+    Hinge,
     grip_distance,
     lid_centre,
     lid_hinge,
@@ -162,9 +163,10 @@ def flip(
     points = hinge.lid_point(angles, lever, 0.0 if opens else THICKNESS)
     directions = (1.0 if opens else -1.0) * hinge.opening_direction(angles)
 
+    catch, weight = _torques_against(lid, hinge, angles)
+
     def force(friction: Array, snap: Array) -> Array:
-        back = snap[:, None] * np.maximum(0.0, 1.0 - angles / lid.snap_angle)
-        back = back + lid.mass * GRAVITY * ((hinge.centre_of_mass(angles) - hinge.p_BH) @ hinge.out)
+        back = snap[:, None] * catch + weight
         return np.maximum(0.0, friction[:, None] + (back if opens else -back)) / lever
 
     def thresholds(of: Sample) -> tuple[Array, Array]:
@@ -189,6 +191,22 @@ def flip(
     moves = force(friction, snap) <= np.minimum(*thresholds(sample))
     share = float(moves.all(axis=1).mean())
     return FlipArc(angles, points, directions, needed[0], slide[0], topple[0], share)
+
+
+def flip_torques(model: ObjectModel, lid: FlipLid, angle: float) -> tuple[float, float, float]:
+    """A fingertip's distance from the hinge [m], the share of the catch, the weight's torque [N·m].
+
+    All at an angle of the lid [rad].
+    """
+    hinge = lid_hinge(lid, lid_rim(model), model.top)
+    catch, weight = _torques_against(lid, hinge, np.array([angle]))
+    return grip_distance(lid, hinge), float(catch[0]), float(weight[0])
+
+
+def _torques_against(lid: FlipLid, hinge: Hinge, angles: Array) -> tuple[Array, Array]:
+    """Share of the catch's torque, and torque of the lid's weight [N·m], shape (n,) each."""
+    over = (hinge.centre_of_mass(angles) - hinge.p_BH) @ hinge.out
+    return np.maximum(0.0, 1.0 - angles / lid.snap_angle), lid.mass * GRAVITY * over
 
 
 def lift_off(model: ObjectModel, lid: LiftOffLid, *, fixed: bool = False) -> Loosening:

@@ -224,7 +224,7 @@ def _belief_above(model: ObjectModel, trial: Trial, moved: Moved) -> ObjectModel
     cut, gain, P = _force_distance(model, trial, moved)
     if not np.isfinite(cut):
         return model
-    hazard = _normal_hazard(cut)
+    hazard = normal_hazard(cut)
     raised = _shift_while_standing(model, hazard * gain)
     P = P - hazard * (hazard - cut) * np.outer(gain, gain)
     per = coordinate_units(raised.means)
@@ -254,7 +254,7 @@ def _force_distance(model: ObjectModel, trial: Trial, moved: Moved) -> tuple[flo
     return (log(size) - log(predicted)) / sd, P @ h / sd, P
 
 
-def _normal_hazard(z: float) -> float:
+def normal_hazard(z: float) -> float:
     """λ = φ(z) / (1 − Φ(z))."""
     if z > _FAR:
         # The third term counts: without it λ(λ − z) is above one, and a variance below zero.

@@ -18,7 +18,9 @@ from planner.refusals.refusal_builder import no_plan
 from planner.types.actions import Action, Aim, GraspAction, GraspPrediction, Limits
 from planner.types.plan import DefaultUsed, Plan, PlanTask
 from planner.types.refusal import Alternatives
-from planner.types.robot import ReachAnswer
+from planner.types.robot import FailedHold, ReachAnswer
+
+_TRIES = 2  # of the same
 
 
 @dataclass(frozen=True)
@@ -81,7 +83,8 @@ def first_reachable_plan(problem: GraspProblem, action: PlanTask, ways: Sequence
         if len(answers) == problem.defaults.most_grasps:
             break
         problem.budget.require_rest(problem.target.name, len(ways) - number)
-        answers.append(problem.robot.reach_plan(made, problem.state))
+        failed = _failed_twice(problem, made)
+        answers.append(failed or problem.robot.reach_plan(made, problem.state))
         problem.budget.spend(answers[-1].work)
         if answers[-1].ok:
             return made
@@ -91,6 +94,15 @@ def first_reachable_plan(problem: GraspProblem, action: PlanTask, ways: Sequence
         numbers = {"probability": unlikely.probability, "asked_probability": asked}
         raise no_plan("unlikely_grasp", numbers, doing=doing, object=name)
     raise no_grasp_reached(doing, name, answers, held=problem.state.held is not None)
+
+
+def _failed_twice(problem: GraspProblem, made: Plan) -> ReachAnswer | None:
+    """The answer to what would be tried a third time; None to what would not."""
+    failed = [each for each in problem.failed if isinstance(each, FailedHold)]
+    same = [each for each in failed if each.repeats(made)]
+    if len(same) < _TRIES:
+        return None
+    return ReachAnswer(ok=False, reason="failed", message=f"tried before: {same[-1].detail}")
 
 
 def _plan_with_grasp(

@@ -45,6 +45,7 @@ from planner.types.defaults import Defaults
 from planner.types.plan import DefaultUsed, Plan, PlanTask, Reached
 from planner.types.world_state import SeenObject
 
+_LIMITS_APART = 4  # steps of an arc between angles for which a plan states the force limit
 _ASIDE = 6  # places beside it that are looked at for its lid
 _RINGS = np.arange(0.0, 0.25, 0.04)  # beyond the nearest place [m]
 _AROUND = np.arange(12) * math.tau / 12.0
@@ -114,11 +115,13 @@ def _plan_flip(problem: GraspProblem, lid: FlipLid, action: PlanTask, end: float
         doing, spans = problem.goal.doing, problem.force.spans
         raise no_plan("flip_not_allowed", numbers, spans=spans, doing=doing, object=target.name)
     _require_stand(problem, arc)
+    limits = _force_limits(problem, arc)
     step = FlipOver(
         start=start,
         end=end,
         speed=problem.motion.lid_speed,
-        force_limit=_force_limit(problem, arc),
+        force_limit=max(limits),
+        force_limits=limits,
         heading=math.remainder(target.pose.yaw + lid.tab_heading, math.tau),
         prediction=_arc_prediction(arc, end),
     )
@@ -160,12 +163,11 @@ def _require_stand(problem: GraspProblem, arc: FlipArc) -> None:
         raise no_plan("may_give_way", {**numbers, **sure}, **words)
 
 
-def _force_limit(problem: GraspProblem, arc: FlipArc) -> float:
-    """Force at which a finger stops: more than the lid takes, less than moves the object [N]."""
-    needed = arc.largest_force
-    given_way = float(min(arc.slide.min(), arc.topple.min()))
-    most = max(given_way, problem.defaults.lid_reserve * needed)
-    return min((1.0 + problem.defaults.force_reserve) * needed, most, problem.force.max)
+def _force_limits(problem: GraspProblem, arc: FlipArc) -> tuple[float, ...]:
+    """Forces at which a finger stops on its way: no more than moves the object there [N]."""
+    most = (1.0 + problem.defaults.force_reserve) * arc.largest_force
+    bears = np.minimum(arc.slide, arc.topple)
+    return tuple(np.minimum(bears, min(most, problem.force.max))[::_LIMITS_APART].tolist())
 
 
 def _arc_prediction(arc: FlipArc, end: float) -> FlipPrediction:

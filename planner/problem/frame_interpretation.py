@@ -18,7 +18,7 @@ from planner.problem.tilt_goals import tilt_goal
 from planner.refusals.refusal_builder import no_plan, not_capable
 from planner.types.defaults import Defaults
 from planner.types.plan import DefaultUsed, Plan
-from planner.types.robot import FailedPush, NoRobot, Robot
+from planner.types.robot import Failed, NoRobot, Robot
 from planner.types.world_state import SeenObject, WorldState
 
 _NO_CONTROLLER = {
@@ -39,7 +39,7 @@ def interpret_frame(
     robot: Robot | None = None,
     *,
     previous: Plan | None = None,
-    failed: Sequence[FailedPush] = (),
+    failed: Sequence[Failed] = (),
 ) -> planning_problem.PushProblem:
     """The planning problem of a frame.
 
@@ -49,7 +49,7 @@ def interpret_frame(
         defaults: what a clause means when the sentence does not say more.
         robot: that is to do it; None if only the meaning of the frame is wanted.
         previous: the plan whose first push was made last.
-        failed: pushes of this frame that went wrong.
+        failed: pushes and holds of this frame that went wrong.
 
     Raises:
         NoPlanError: the frame asks for something that this version cannot do.
@@ -109,7 +109,11 @@ def _with_goal(problem: planning_problem.PushProblem) -> planning_problem.PushPr
 
 
 def grasp_problem(
-    frame: g.Frame, state: WorldState, robot: Robot, defaults: Defaults
+    frame: g.Frame,
+    state: WorldState,
+    robot: Robot,
+    defaults: Defaults,
+    failed: Sequence[Failed] = (),
 ) -> planning_problem.GraspProblem:
     """The planning problem of a frame that takes a whole hand; see `interpret_frame`.
 
@@ -131,6 +135,7 @@ def grasp_problem(
             planning_problem.MotionLimits(d.carry_speed, d.lid_speed),
             planning_problem.Effort.from_defaults(d),
             (used,),
+            failed=tuple(failed),
         )
     )
 

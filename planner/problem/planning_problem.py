@@ -21,7 +21,7 @@ from planner.problem.search_budget import SearchBudget
 from planner.types.actions import Aim, FaceName, Limits, StopEvent
 from planner.types.defaults import Defaults
 from planner.types.plan import DefaultUsed, Plan
-from planner.types.robot import FailedPush, Robot
+from planner.types.robot import Failed, Robot
 from planner.types.world_state import SeenObject, WorldState
 
 
@@ -240,7 +240,7 @@ class PlanningProblem(Generic[GoalT]):
         effort: how much is tried.
         defaults_used: what the sentence left open.
         previous: the plan whose first push was made last; its aim is kept.
-        failed: pushes of this frame that went wrong.
+        failed: pushes and holds of this frame that went wrong.
         budget: of work, shared by all that is tried.
     """
 
@@ -256,7 +256,7 @@ class PlanningProblem(Generic[GoalT]):
     effort: Effort
     defaults_used: tuple[DefaultUsed, ...] = ()
     previous: Plan | None = None
-    failed: tuple[FailedPush, ...] = field(default=())
+    failed: tuple[Failed, ...] = field(default=())
     budget: SearchBudget = field(default_factory=SearchBudget)
 
     @property

@@ -7,7 +7,7 @@ import math
 from planner.problem.planning_problem import PushProblem
 from planner.refusals.reach_refusals import search_given_up
 from planner.types.actions import Push, Vector3
-from planner.types.robot import ReachAnswer
+from planner.types.robot import FailedPush, ReachAnswer
 from planner.types.world_state import WorldState
 
 _SAME_PLACE = 0.02  # contacts nearer than this count as the same [m]
@@ -45,6 +45,8 @@ class ReachSearch:
 
     def _failed_before(self, push: Push) -> ReachAnswer | None:
         for failed in self._problem.failed:
+            if not isinstance(failed, FailedPush):
+                continue
             other = failed.push
             near = math.dist(other.p_BC, push.p_BC) < _SAME_PLACE
             if near and (other.fingers, other.ends_on) == (push.fingers, push.ends_on):

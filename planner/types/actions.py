@@ -325,8 +325,7 @@ class FlipPrediction(Value):
         lid_force: largest force at the fingertip over the arc [N].
         nearest_angle: of the lid where the standing object comes nearest to giving way [rad].
         nearest_force: at the fingertip there [N].
-        slide_force, topple_force: at which the standing object would give way there [N]; None if
-            it never does.
+        slide_force, topple_force: at which the object gives way there [N]; None if it never does.
         lid_angle: at the end [rad].
     """
 
@@ -345,6 +344,7 @@ class FlipOver(Value):
         start, end: angles of the lid [rad]; a larger one is more open.
         speed: of the fingertip [m/s].
         force_limit: felt force at which it stops [N].
+        force_limits: the same at angles evenly from start to end; empty if it is one for all.
         heading: direction from hinge to tab, in W [rad].
         prediction: what the lid takes, and what the standing object bears.
     """
@@ -354,6 +354,7 @@ class FlipOver(Value):
     end: float
     speed: float
     force_limit: float
+    force_limits: tuple[float, ...] = ()
     heading: float
     prediction: FlipPrediction
 

@@ -161,6 +161,7 @@ class FlipGuide(Value):
         path_W: centres of the fingertip along the arc, from the touch on [m].
         speed: largest one of the fingertip [m/s].
         force_limit: felt force at which it stops [N].
+        force_limits: the same at each of the points.
         stop: when it ends.
     """
 
@@ -171,6 +172,7 @@ class FlipGuide(Value):
     path_W: tuple[Vector3, ...]
     speed: float
     force_limit: float
+    force_limits: tuple[float, ...] = ()
     stop: tuple[StopCondition, ...]
 
 

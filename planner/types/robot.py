@@ -13,9 +13,12 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.types.actions import Push
+from planner.types.actions import FlipOver, Push
 from planner.types.plan import Plan
 from planner.types.world_state import WorldState
+
+_SAME_HOLD, _SAME_WAY = 0.01, 0.97  # distance [m] and cosine up to which holds are the same
+_HARDER = 1.1  # what is tried harder by this factor is tried anew
 
 ReachEffort = Literal["usual", "thorough"]
 """How long a robot looks for a way of the hand. A thorough search also lets it pass nearer."""
@@ -112,6 +115,41 @@ class FailedPush:
 
     push: Push
     detail: str
+
+
+@dataclass(frozen=True)
+class FailedHold:
+    """What a whole hand tried and failed at.
+
+    Attributes:
+        plan: of it.
+        detail: what went wrong, in words.
+    """
+
+    plan: Plan
+    detail: str
+
+    def repeats(self, plan: Plan) -> bool:
+        """Return True if a plan would try the same: as it holds, and no harder."""
+        mine, other = ([step.kind for step in each.steps] for each in (self.plan, plan))
+        if mine != other or (self.plan.grasp is None) != (plan.grasp is None):
+            return False
+        if self.plan.grasp is not None and plan.grasp is not None:
+            apart = math.dist(self.plan.grasp.p_BG, plan.grasp.p_BG)
+            along = np.dot(self.plan.grasp.closing_W, plan.grasp.closing_W)
+            if apart > _SAME_HOLD or along < _SAME_WAY:
+                return False
+        return _effort(plan) < _HARDER * _effort(self.plan)
+
+
+def _effort(plan: Plan) -> float:
+    """How hard a hand tries: its squeeze, or the force of the fingertip [N]."""
+    if plan.grasp is not None:
+        return plan.grasp.squeeze
+    return max((step.force_limit for step in plan.steps if isinstance(step, FlipOver)), default=0.0)
+
+
+Failed = FailedPush | FailedHold
 
 
 class Robot(Protocol):

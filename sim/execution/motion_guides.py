@@ -225,6 +225,7 @@ def _flip_guide(step: FlipOver, seen: SeenObject, radius: float) -> FlipGuide:
     path = LidPath.from_lid(lid_shape(step, seen, radius))
     R_WE, p_WE = hinge_pose(seen)
     arc = path.points[path.touching] @ R_WE.T + p_WE
+    forces = flip_control.force_limits_at(step, path.shares[path.touching])
     moves, force = flip_control.MOVES, step.force_limit
     return FlipGuide(
         object=seen.name,
@@ -233,6 +234,7 @@ def _flip_guide(step: FlipOver, seen: SeenObject, radius: float) -> FlipGuide:
         path_W=tuple(map(_vector, arc)),
         speed=step.speed,
         force_limit=force,
+        force_limits=tuple(forces.tolist()),
         stop=(
             StopCondition(
                 when="turned",

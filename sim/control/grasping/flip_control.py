@@ -2,9 +2,9 @@
 
 Law: the commanded angle of the lid advances while less than the force limit is felt, no faster than
 the plan's speed; the fingertip follows the arc of that angle, its spring bent by what the lid
-resists. What has come of it only the camera tells: the lid must follow the finger, and the object
-must neither lean nor move. Where it does, or where the force is not enough, the finger goes back
-the way it came.
+resists. The limit is that of the angle at which the finger is felt to stand. What has come of it
+only the camera tells: the lid must follow the finger, and the object must neither lean nor move.
+Where it does, or where the force is not enough, the finger goes back the way it came.
 
 Frames: W is the world, E stands at the hinge (`sim.paths.lid_arc_path`), T is the fingertip's
 centre.
@@ -42,6 +42,12 @@ _FILTER = 0.04  # time constant of the felt force [s]
 _STUCK = 0.8  # time at the force limit after which it does not move [s]
 _WAIT = 0.6  # for the camera, once the finger is at its end [s]
 _PALM = 0.15  # way of the fingertip that a whole turn of the palm takes as long as [m]
+
+
+def force_limits_at(step: FlipOver, shares: Array | float) -> Array:
+    """Felt forces at which a flip stops, at shares of its arc [N]."""
+    limits = step.force_limits or (step.force_limit,)
+    return np.asarray(np.interp(shares, np.linspace(0.0, 1.0, len(limits)), limits))
 
 
 class FlipControl:
@@ -107,13 +113,13 @@ class FlipControl:
 
     def _along(self) -> tuple[EndReason, str]:
         """Follows the arc until the lid is seen where it should be, or something is wrong."""
-        limit = self._step.force_limit
         last = self._step.end + self._sign * _BEYOND
         rate, stuck, waited = 0.0, 0.0, 0.0
         while True:
             end = self._end_now(stuck, waited)
             if end is not None:
                 return end
+            limit = self._recorder.force_limit = self._limit()
             rate = min(self._largest_rate(), rate + _ACCELERATION * self._period)
             room = float(np.clip((limit - self._felt) / (_BAND * limit), -1.0, 1.0))
             remaining = self._sign * (last - self._angle)
@@ -145,6 +151,11 @@ class FlipControl:
         if waited > _WAIT:
             return "missed", f"the lid is seen open by {seen:.0f}° only"
         return None
+
+    def _limit(self) -> float:
+        """Felt force at which it stops where the finger stands now [N]."""
+        start, end = self._step.start, self._step.end
+        return float(force_limits_at(self._step, (self._finger() - start) / (end - start)))
 
     def _finger(self) -> float:
         """Angle that a lid has which touches the fingertip [rad]."""

@@ -14,9 +14,9 @@ from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.identification import Trial
 from objectmodels.identification.belief_update import (
     SURPRISING,
-    _normal_hazard,
     _shift_while_standing,
     belief_of,
+    normal_hazard,
     update_without_motion,
     widen_belief,
 )
@@ -166,12 +166,12 @@ def test_the_hazard_is_that_of_the_normal_distribution(z: float) -> None:
     beyond = 0.5 * erfc(z / sqrt(2.0))
     hazard = exp(-0.5 * z * z) / sqrt(2.0 * pi) / beyond
     # The next term of the series is 10 / z⁵.
-    assert _normal_hazard(z) == pytest.approx(hazard, rel=2e-8)
+    assert normal_hazard(z) == pytest.approx(hazard, rel=2e-8)
 
 
 @pytest.mark.parametrize("z", [-3.0, 0.0, 5.0, 6.0, 29.9, 30.1, 60.0, 1000.0])
 def test_what_is_cut_off_leaves_some_variance(z: float) -> None:
-    hazard = _normal_hazard(z)
+    hazard = normal_hazard(z)
     assert 0.0 < hazard * (hazard - z) < 1.0
 
 

@@ -9,11 +9,14 @@ import numpy as np
 import pytest
 
 from objectmodels.containers.lid_forces import flip
+from objectmodels.identification.withstood_loads import lid_withstood
 from objectmodels.models.object_parts import FlipLid, LiftOffLid
 from planner import plan
 from planner.types.actions import Carry, FlipOver, LiftUp, PutOn, TurnCap
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Reached
+from planner.types.refusal import Refusal
+from planner.types.robot import FailedHold
 from planner.types.world_state import Held, PlanarPose, SeenObject, WorldState
 from tests.unit.planner.conftest import frame_of, world
 from tests.unit.planner.grasping.conftest import RuledHand, planned, refused
@@ -54,6 +57,59 @@ def test_a_flip_lid_is_opened_by_a_fingertip(pantry: WorldState, hand: RuledHand
     assert found.nearest_force == pytest.approx(arc.force[arc.weakest_index])
     assert found.nearest_force < found.topple_force
     assert made.probability >= DEFAULTS.probability
+
+
+def test_the_force_limit_is_what_the_cup_bears_where_the_lid_is(
+    pantry: WorldState, hand: RuledHand
+) -> None:
+    (step,) = planned("open the ice tea cup", pantry, hand).steps
+    assert isinstance(step, FlipOver)
+    cup = pantry.objects["ice tea cup"].model
+    assert isinstance(cup.lid, FlipLid)
+    arc = flip(cup, cup.lid, end=DEFAULTS.lid_open)
+    bears = np.minimum(arc.slide, arc.topple)
+    at = np.linspace(step.start, step.end, len(step.force_limits))
+    limits = np.array(step.force_limits)
+    # Between two angles of the arc what it bears is about straight: to a hundredth of it.
+    assert (limits <= 1.01 * np.interp(at, arc.angles, bears)).all()
+    # The catch may take half as much again, which the open lid would tip the cup with.
+    assert limits[0] == pytest.approx(1.5 * arc.largest_force)
+    assert limits[-1] == pytest.approx(bears[-1])
+    assert limits[-1] < arc.largest_force
+
+
+def test_after_a_failed_try_the_next_is_harder_or_refused(
+    pantry: WorldState, hand: RuledHand
+) -> None:
+    model, limits = pantry.objects["ice tea cup"].model, []
+    for _ in range(8):
+        made = plan(
+            frame_of("open the ice tea cup"), _with(pantry, "ice tea cup", model=model), hand
+        )
+        if isinstance(made, Refusal):
+            break
+        (step,) = made.steps
+        assert isinstance(step, FlipOver)
+        limits.append(step.force_limit)
+        model = lid_withstood(model, step.force_limit).model
+    assert len(limits) >= 2
+    assert np.diff(limits).min() > 0.0
+    assert isinstance(made, Refusal)
+    assert made.code in ("gives_way", "may_give_way")
+    assert made.numbers["largest_lid_force"] > limits[-1] / 1.5
+
+
+@pytest.mark.parametrize("text", ["open the ice tea cup", "lift the jar"])
+def test_the_same_is_not_tried_a_third_time(text: str, pantry: WorldState, hand: RuledHand) -> None:
+    made = planned(text, pantry, hand)
+    once = (FailedHold(made, "the fingers slipped"),)
+    assert plan(frame_of(text), pantry, hand, failed=once) == made
+    again = plan(frame_of(text), pantry, hand, failed=2 * once)
+    if isinstance(again, Refusal):
+        assert made.grasp is None  # there is one way to flip a lid
+        assert "the fingers slipped" in again.message
+    else:
+        assert not once[0].repeats(again)
 
 
 def test_a_cup_too_light_for_its_lid_is_refused_with_both_forces(
