@@ -3,7 +3,8 @@
 Model: between late and noisy camera frames the pushed object goes with the fingertips; how it lies
 to them and how it is turned are filtered. Other objects stand where they were seen at first. A
 limit counts as reached while the estimate's doubt still keeps the object this side of it. A
-constant error of the camera cannot be known and is not in the doubt.
+constant error of the camera cannot be known and is not in the doubt; that two objects meet is felt,
+or seen as the other one goes along. Seen gaps tell it only beyond what such an error explains.
 
 Frames: W; footprints as in `planner.geometry.footprints`.
 """
@@ -37,7 +38,7 @@ _STOPPING = 0.001  # way until the object stands [m]
 
 _HELD = float(np.radians(10.0))  # turn by which two fingers show that they do not hold the heading
 
-_MET = -0.001  # seen gap at which two objects surely touch [m]
+_MET, _DEEPEST = 0.001, 0.007  # seen overlap at which two objects surely touch, and at most [m]
 _NEAR = 0.015  # seen gap below which a rising force tells that they do [m]
 _STEP, _STEP_SHARE = 0.15, 0.05  # rise of the force that does [N], and as a share of it
 _SLIDING = 0.5  # time constant of the force while it slides freely [s]
@@ -132,8 +133,13 @@ class LimitGuards:
         others = {name for name, _ in push.limits.clear_of} | (
             {push.meets} if push.meets else set()
         )
+        # The errors of two objects differ by their diagonal.
+        unknown = _SIGMAS * float(np.sqrt(2.0)) * vision.position_bias_m
+        self._met = -min(_MET + unknown, _DEEPEST)
+        self._shoved = 0.0
         self._turn = _turn_limit(push, state.objects[push.object])
         self._others = {name: footprint(state.objects[name]) for name in others}
+        self._stood = {name: state.objects[name].pose.p_WB[:2] for name in others}
         here = footprint(state.objects[push.object])
         first = {name: gap(here, other) for name, other in self._others.items()}
         # What is too close from the start may be pushed away, but not closer.
@@ -157,6 +163,7 @@ class LimitGuards:
         self.follower.update_from_tip(time, tip)
         for frame in frames:
             self.follower.update_from_camera(frame.time, frame.poses[self._push.object])
+            self._watch_other(frame)
         return (
             self._event(felt)
             or self._too_close()
@@ -207,6 +214,12 @@ class LimitGuards:
             case None:
                 return None
 
+    def _watch_other(self, frame: Frame) -> None:
+        """Takes in how far what is to be met was seen to go along the push."""
+        if self._push.meets is not None:
+            gone = frame.poses[self._push.meets].p_WB[:2] - self._stood[self._push.meets]
+            self._shoved += _SHARE * (float(gone @ self._u) - self._shoved)
+
     def _moves(self) -> End | None:
         travel = self.follower.travel @ self._u
         come = travel + self.follower.slipped @ self._u
@@ -219,8 +232,10 @@ class LimitGuards:
         other = self._push.meets
         assert other is not None, "the event is to touch something"
         room = gap(self.follower.footprint, self._others[other])
-        if room < _MET:
+        if room < self._met:
             return "event", f"the object was seen to meet the {other}"
+        if room < _NEAR and self._shoved > MOVED + self._doubt:
+            return "event", f"the {other} was seen to go along"
         slides = self.follower.travel @ self._u > MOVED
         self._sliding += (self._share if slides else 1.0) * (felt - self._sliding)
         if room < _NEAR and felt > (1.0 + _STEP_SHARE) * self._sliding + _STEP:
