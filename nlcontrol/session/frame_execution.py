@@ -25,6 +25,7 @@ from nlcontrol.errors import INTERNAL, NOT_UNDERSTOOD, ControlError, ErrorInfo, 
 from nlcontrol.plan_text import plan_lines
 from nlcontrol.reports.result_report import check_line
 from nlcontrol.results.result import Result, ResultStatus, Step, result_with, summary
+from nlcontrol.session.whereabouts import whereabouts
 from planner.explanation.push_explanation import Basis
 from planner.geometry.directions import angle_between
 from planner.types.plan import Plan, PlanningResult, Reached
@@ -79,7 +80,7 @@ def run_command(
             "where the others start depends on what comes of it"
         )
         result = result_with(result, notes=(note,))
-    return result
+    return result_with(result, notes=(*result.notes, *whereabouts(result, controller.held)))
 
 
 def _answer_question(

@@ -9,6 +9,7 @@ from __future__ import annotations
 from planner.refusals.refusal_builder import no_plan
 from planner.types.defaults import DEFAULTS, kinds
 from planner.types.refusal import NoPlanError
+from planner.types.robot import ReachAnswer
 
 
 class SearchBudget:
@@ -18,11 +19,13 @@ class SearchBudget:
         most: units that it may take.
         done: units that it has taken.
         untried: contacts or grasps that were left of one attempt when it was used up.
+        answers: of the robot so far, by what was asked; nothing is asked twice.
     """
 
     def __init__(self, most: int = DEFAULTS.most_work) -> None:
         self.most = most
         self.done = self.untried = 0
+        self.answers: dict[object, ReachAnswer] = {}
 
     @property
     def is_used_up(self) -> bool:

@@ -109,11 +109,12 @@ def _best_candidate(
             if not outcome_prediction.confirm_with_exact_tier(problem, step, contact):
                 doubted = True
                 continue
-            if queries.is_reached(push):
-                if outcome_prediction.probability(problem, step, contact) < asked:
-                    doubted = True
-                    queries.forget(push)  # less may be asked of it in another case
-                    continue
+            if not queries.is_reached(push):
+                queries.look_above(push, (_push_at(problem, step, each) for each in order[number:]))
+            elif outcome_prediction.probability(problem, step, contact) < asked:
+                doubted = True
+                queries.forget(push)  # less may be asked of it in another case
+            else:
                 found = _push_candidate(problem, step, contact, push, len(queries.denied))
                 return replace(
                     found,

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 from planner.problem.planning_problem import PushProblem
 from planner.refusals.reach_refusals import search_given_up
 from planner.types.actions import Push, Vector3
-from planner.types.robot import FailedPush, ReachAnswer
+from planner.types.robot import FailedPush, ReachAnswer, ReachEffort
 from planner.types.world_state import WorldState
 
 _SAME_PLACE = 0.02  # contacts nearer than this count as the same [m]
+_SAME_LINE = 1e-4  # contacts nearer than this to a vertical line lie on it [m]
 
 
 class ReachSearch:
@@ -40,7 +42,6 @@ class ReachSearch:
             raise search_given_up(self._problem.target.name, self._answers)
         answer = self._failed_before(push) or self._robots_answer(push, state)
         self._answers.append(answer)
-        self._problem.budget.spend(answer.work)
         return answer
 
     def _failed_before(self, push: Push) -> ReachAnswer | None:
@@ -56,8 +57,16 @@ class ReachSearch:
 
     def _robots_answer(self, push: Push, state: WorldState) -> ReachAnswer:
         now = self._problem.state.objects[push.object].pose
-        thorough = self._problem.effort.thorough and state.objects[push.object].pose == now
-        return self._problem.robot.reach(push, state, "thorough" if thorough else "usual")
+        here, budget = state.objects[push.object].pose, self._problem.budget
+        effort: ReachEffort = (
+            "thorough" if self._problem.effort.thorough and here == now else "usual"
+        )
+        # Of one plan nothing but the place of the object changes.
+        asked = push, here, effort
+        if asked not in budget.answers:
+            budget.answers[asked] = self._problem.robot.reach(push, state, effort)
+            budget.spend(budget.answers[asked].work)
+        return budget.answers[asked]
 
 
 class ContactQueries:
@@ -71,6 +80,7 @@ class ContactQueries:
         self._search, self._problem = search, problem
         self._asked: dict[int, dict[Vector3, Push]] = {1: {}, 2: {}}
         self.denied: list[ReachAnswer] = []
+        self._crowded: list[tuple[Push, ReachAnswer]] = []
 
     def are_used_up(self, fingers: int) -> bool:
         """Return True if no further contact of so many fingers is asked for."""
@@ -93,10 +103,35 @@ class ContactQueries:
         if asked and self._looks_hopeless(push) and any(map(self._looks_hopeless, asked.values())):
             return False
         asked[push.p_BC] = push
-        answer = self._search.reach(push, self._problem.state)
+        answer = self._crowded_above(push) or self._ask(push)
         if not answer.ok:
             self.denied.append(answer)
         return answer.ok
+
+    def look_above(self, push: Push, others: Iterable[Push]) -> None:
+        """Asks for the highest of some pushes over one that no hand has room for.
+
+        If none has room there either, none has between them.
+        """
+        if self._crowded_above(push) is None:
+            return
+        above = [each for each in others if _are_in_line(each, push)]
+        highest = max(above, key=lambda each: each.p_BC[2], default=push)
+        if self._crowded_above(highest) is None:
+            self._ask(highest)
+
+    def _ask(self, push: Push) -> ReachAnswer:
+        answer = self._search.reach(push, self._problem.state)
+        if answer.crowded:
+            self._crowded.append((push, answer))
+        return answer
+
+    def _crowded_above(self, push: Push) -> ReachAnswer | None:
+        """The answer to a push that is no lower on the same line, where no hand had room."""
+        for other, answer in self._crowded:
+            if _are_in_line(push, other) and push.p_BC[2] <= other.p_BC[2]:
+                return answer
+        return None
 
     def forget(self, push: Push) -> None:
         """Lets a push be asked for again."""
@@ -104,3 +139,11 @@ class ContactQueries:
 
     def _looks_hopeless(self, push: Push) -> bool:
         return self._problem.robot.estimate_reach(push, self._problem.state) == 0.0
+
+
+def _are_in_line(push: Push, other: Push) -> bool:
+    """Return True if two pushes differ by their heights alone, as to the hand's room."""
+    same = (push.fingers, push.spread, push.direction_W) == (
+        other.fingers, other.spread, other.direction_W,
+    )  # fmt: skip
+    return same and math.dist(push.p_BC[:2], other.p_BC[:2]) < _SAME_LINE

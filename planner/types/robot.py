@@ -40,6 +40,8 @@ class ReachAnswer:
         stiffness: if ok, force per displacement of the fingertips along the push, all together
             [N/m]; 0 of a robot that does not know it.
         work: units of work behind it, whatever was known before; see `Defaults.most_work`.
+        crowded: whether what stands about leaves no posture of the hand any room, so that none has
+            room any lower there.
     """
 
     ok: bool
@@ -50,6 +52,7 @@ class ReachAnswer:
     numbers: dict[str, float] = field(default_factory=dict)
     stiffness: float = 0.0
     work: int = 1
+    crowded: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -390,7 +390,8 @@ class PushMotionSearch:
 def _blocked_answer(push: Push, stopped: set[str]) -> ReachAnswer:
     others = sorted(stopped - {push.object})
     if others:
-        return ReachAnswer(False, "obstacle", f"the hand would hit the {others[0]}", others[0])
+        message = f"the hand would hit the {others[0]}"
+        return ReachAnswer(False, "obstacle", message, others[0], crowded=True)
     return ReachAnswer(
         False, "object", f"the hand would hit the {push.object} with more than its fingertips"
     )

@@ -282,4 +282,4 @@ class ArmHandReach:
                 f"{push.force_limit:.1f} N",
                 numbers={"strength": strength, "force": push.force_limit},
             )
-        return found if strong.any() else weaker
+        return replace(found, crowded=found.crowded and weaker.crowded) if strong.any() else weaker

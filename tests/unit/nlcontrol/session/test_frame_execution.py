@@ -326,6 +326,20 @@ def test_it_is_told_that_planning_takes_longer(
     assert set(told) == {("plan", "no plan as usual; looking thoroughly for what the hand can do")}
 
 
+def test_what_ends_halfway_tells_where_things_are(
+    controller: Controller, goes: Callable[..., Happens], stands: Callable[..., Happens]
+) -> None:
+    stage = played(controller, goes(share=0.5), stands("no_touch"))
+    stood = controller.look().objects[BOX].pose
+    result = controller.say(SENTENCE)
+    assert (result.status, result.steps[0].stuck is None) == ("failed", False)
+    assert len(stage.executed) > 1
+    x, y = (1e3 * at for at in (stood.x + 0.05, stood.y))
+    # Half of the 10 cm that are asked, by a camera without noise.
+    told = f"{BOX} is at x {x:.0f} mm, y {y:.0f} mm now, 50 mm from where it was"
+    assert [told in note for note in result.notes] == [True]
+
+
 def test_stuck_where_every_contact_has_failed(
     controller: Controller, stands: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
 ) -> None:
