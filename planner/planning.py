@@ -29,6 +29,7 @@ from planner.problem.planning_problem import GraspProblem, is_handled
 from planner.problem.search_budget import SearchBudget
 from planner.pushing.strategies import plan_pushes
 from planner.refusals.refusal_builder import no_plan
+from planner.refusals.search_account import with_account
 from planner.types.defaults import DEFAULTS, Defaults
 from planner.types.plan import Plan, PlanningResult, Reached
 from planner.types.refusal import Alternatives, NoPlanError
@@ -92,7 +93,7 @@ def plan(
                 return way()
         raise dead_ends.last if ways[-1] is by_pushes else dead_ends.first
     except NoPlanError as error:
-        return error.refusal
+        return with_account(error.refusal, budget)
 
 
 def _is_said_how_to_hold(frame: g.Frame, state: WorldState) -> bool:

@@ -84,8 +84,7 @@ def first_reachable_plan(problem: GraspProblem, action: PlanTask, ways: Sequence
             break
         problem.budget.require_rest(problem.target.name, len(ways) - number)
         failed = _failed_twice(problem, made)
-        answers.append(failed or problem.robot.reach_plan(made, problem.state))
-        problem.budget.spend(answers[-1].work)
+        answers.append(failed or _robots_answer(problem, made))
         if answers[-1].ok:
             return made
     doing, name = problem.goal.doing, problem.target.name
@@ -94,6 +93,12 @@ def first_reachable_plan(problem: GraspProblem, action: PlanTask, ways: Sequence
         numbers = {"probability": unlikely.probability, "asked_probability": asked}
         raise no_plan("unlikely_grasp", numbers, doing=doing, object=name)
     raise no_grasp_reached(doing, name, answers, held=problem.state.held is not None)
+
+
+def _robots_answer(problem: GraspProblem, made: Plan) -> ReachAnswer:
+    robot, state = problem.robot, problem.state
+    asked = made.object, made.actions
+    return problem.budget.answer_to(asked, lambda: robot.reach_plan(made, state))
 
 
 def _failed_twice(problem: GraspProblem, made: Plan) -> ReachAnswer | None:

@@ -6,6 +6,8 @@ the two.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from planner.refusals.refusal_builder import no_plan
 from planner.types.defaults import DEFAULTS, kinds
 from planner.types.refusal import NoPlanError
@@ -26,6 +28,13 @@ class SearchBudget:
         self.most = most
         self.done = self.untried = 0
         self.answers: dict[object, ReachAnswer] = {}
+
+    def answer_to(self, asked: object, ask: Callable[[], ReachAnswer]) -> ReachAnswer:
+        """The robot's answer to a question, which is asked once."""
+        if asked not in self.answers:
+            self.answers[asked] = answer = ask()
+            self.spend(answer.work)
+        return self.answers[asked]
 
     @property
     def is_used_up(self) -> bool:

@@ -63,10 +63,7 @@ class ReachSearch:
         )
         # Of one plan nothing but the place of the object changes.
         asked = push, here, effort
-        if asked not in budget.answers:
-            budget.answers[asked] = self._problem.robot.reach(push, state, effort)
-            budget.spend(budget.answers[asked].work)
-        return budget.answers[asked]
+        return budget.answer_to(asked, lambda: self._problem.robot.reach(push, state, effort))
 
 
 class ContactQueries:

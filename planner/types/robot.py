@@ -40,6 +40,7 @@ class ReachAnswer:
         stiffness: if ok, force per displacement of the fingertips along the push, all together
             [N/m]; 0 of a robot that does not know it.
         work: units of work behind it, whatever was known before; see `Defaults.most_work`.
+        postures: of the hand that were looked at for it.
         crowded: whether what stands about leaves no posture of the hand any room, so that none has
             room any lower there.
     """
@@ -52,6 +53,7 @@ class ReachAnswer:
     numbers: dict[str, float] = field(default_factory=dict)
     stiffness: float = 0.0
     work: int = 1
+    postures: int = 0
     crowded: bool = False
 
 

@@ -95,7 +95,11 @@ class _Found:
 
 
 class PushMotionSearch:
-    """The search for one push on a table and among the objects that stand there."""
+    """The search for one push on a table and among the objects that stand there.
+
+    Attributes:
+        postures: of the hand that were looked at.
+    """
 
     def __init__(
         self,
@@ -107,6 +111,7 @@ class PushMotionSearch:
         effort: Effort,
     ) -> None:
         self._work = _BEGUN
+        self.postures = 0
         self._effort = effort
         self._mount = mount
         self._push = push
@@ -209,6 +214,7 @@ class PushMotionSearch:
         first, together = 0, _AT_ONCE
         while first < len(hands):
             some = hands[first : first + together]
+            self.postures += len(some)
             clear = self._approach.clear_hands(some)
             stopped_by = np.full(len(some), -1)
             stopped_by[clear] = self._stopping_others(some[clear], near, sweeps)

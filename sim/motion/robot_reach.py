@@ -246,9 +246,10 @@ class ArmHandReach:
         search = PushMotionSearch(self.mount, push, way, state.table, scenery, self._effort)
         found = self._best_configuration(push, search)
         if isinstance(found, ReachAnswer):
-            found = replace(found, work=search.work)
+            found = replace(found, work=search.work, postures=search.postures)
         else:
-            found = found[0], replace(found[1], work=search.work)
+            answer = replace(found[1], work=search.work, postures=search.postures)
+            found = found[0], answer
         self._answers.append(_Answered(asked, state, spare, found))
         return found
 

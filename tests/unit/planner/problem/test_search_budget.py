@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from dataclasses import dataclass, replace
 
 import pytest
@@ -54,6 +55,21 @@ def test_a_search_that_is_out_of_work_says_what_was_left(kitchen: WorldState) ->
     assert option == "most_work"
     assert isinstance(more, Refusal)
     assert more.numbers.get("work", 1e9) > found.numbers["work"]
+
+
+def test_nothing_is_asked_twice_and_all_that_was_asked_is_told(kitchen: WorldState) -> None:
+    robot = Laborious(work=7)
+    found = plan(frame_of(SENTENCE), kitchen, robot)
+    assert isinstance(found, Refusal)
+    assert found.reason == "out_of_reach"
+    assert found.numbers["tried_ways"] == len(robot.asked)
+    assert found.numbers["tried_work"] >= 7 * len(robot.asked)
+    # The same push is asked for once as usual and once thoroughly.
+    assert max(Counter(robot.asked).values()) <= 2
+    impossible = plan(frame_of("topple the ice tea box at the bottom"), kitchen, Laborious())
+    assert isinstance(impossible, Refusal)
+    assert impossible.reason == "impossible"
+    assert "tried_ways" not in impossible.numbers
 
 
 def test_all_strategies_share_one_budget(kitchen: WorldState) -> None:
