@@ -14,13 +14,14 @@ from itertools import islice
 
 import numpy as np
 
-from planner.geometry.directions import angle_between, heading_of, unit
+from planner.geometry.directions import heading_of, unit
 from planner.geometry.footprints import footprint, gap, room_to_edge
 from planner.geometry.visibility_graph import shortest_detour
 from planner.problem.place_regions import object_at
 from planner.problem.planning_problem import PushProblem, PushStep
 from planner.pushing import push_paths, turn_planner
 from planner.pushing.contact_planner import PushCandidate, best_push
+from planner.pushing.denied_pushes import DeniedPushes, is_denied
 from planner.pushing.push_paths import Obstructions, PathSegment, SegmentEnd
 from planner.pushing.reach_search import ReachSearch
 from planner.refusals.refusal_builder import no_plan
@@ -40,8 +41,6 @@ _NEAR = 0.02  # what is nearer to its aim is not led around anything [m]
 _PARTED = 0.12  # a leg longer than this may be made by several pushes [m]
 _TURNS = 12  # ways to part a turn for which it is asked
 _LEAST = 0.01  # a shorter way is not worth proposing [m]
-_ALIKE = 0.05  # half the depth of a hand: pushes that begin nearer to each other meet the same [m]
-_SHORTER = 0.5  # a push may be made if it is shorter than this share of one like it that is not
 _CLOSE = 0.004  # what is nearer is corrected by a push right there, or counts as there [m]
 _SQUARED_UP = math.radians(6.0)  # a turn up to this is made while the object is pushed straight
 _SQUARE = math.radians(0.2)  # a turn below this is not
@@ -66,7 +65,7 @@ class PushSequencePlanner:
     ) -> None:
         self._problem, self._aim, self._search = problem, aim, search
         self._foreseen = foreseen
-        self._denied: list[tuple[np.ndarray, PathSegment]] = []
+        self._denied = DeniedPushes()
         target, defaults, goal = problem.target, problem.defaults, problem.goal
         oblique = problem.effort.oblique
         self._largest = push_paths.largest_obliqueness(target, defaults.sigmas, steep=oblique)
@@ -145,6 +144,8 @@ class PushSequencePlanner:
                 where = "over the table's edge" if met == "table" else f"into the {met}"
                 blocked = blocked or no_plan("turn_blocked", object=target.name, where=where)
                 continue
+            if strokes and self._denied.cover_turn(target, steps):
+                continue
             with strokes:
                 return self._stroke_pushes(target, steps)
             if len(strokes) == _TURNS:
@@ -209,7 +210,13 @@ class PushSequencePlanner:
                 side=replace(stroke.side, heading=heading_of(-normal)),
             )
             here = replace(self._problem.with_target(target), contact=contact)
-            found.append(best_push(here, step, self._search))
+            attempt = Alternatives()
+            with attempt:
+                found.append(best_push(here, step, self._search))
+            if attempt:
+                if is_denied(attempt.last.refusal):
+                    self._denied.note_stroke(target, stroke)
+                raise attempt.last
             target = stroke.target_after(target)
         return found, target
 
@@ -218,12 +225,12 @@ class PushSequencePlanner:
     def _straight_pushes(self, target: SeenObject) -> list[PushCandidate]:
         """The pushes of the first path that the hand can make."""
         attempts = Alternatives()
-        self._denied.clear()
+        self._denied.forget_segments()
         first_stop = self._first_stops(target)
         free = (
             path
             for path in self._paths_to_aim(target)
-            if not self._was_denied(target, path) and first_stop(path) is None
+            if not self._denied.cover_path(target, path) and first_stop(path) is None
         )
         for path in islice(free, _PATHS):
             with attempts:
@@ -249,20 +256,6 @@ class PushSequencePlanner:
             return
         aside = push_paths.sidestep_paths(target, self._aim, self._within, self._largest)
         yield from sorted([*self._detour_paths(target), *aside], key=_path_cost)
-
-    def _was_denied(self, target: SeenObject, path: tuple[PathSegment, ...]) -> bool:
-        """Return True if the hand does not get to a push much like one of a path."""
-        place = target.pose.p_WB
-        for segment in path:
-            for denied_at, denied in self._denied:
-                if (
-                    math.dist(place, denied_at) < _ALIKE
-                    and abs(angle_between(segment.heading, denied.heading)) <= _SQUARED_UP
-                    and segment.distance >= _SHORTER * denied.distance
-                ):
-                    return True
-            place = place + segment.displacement
-        return False
 
     def _detour_paths(self, target: SeenObject) -> Iterator[tuple[PathSegment, ...]]:
         headings = push_paths.push_headings(target, self._aim)
@@ -319,9 +312,9 @@ class PushSequencePlanner:
         with attempt:
             best = self._segment_push(target, segment, last=not rest)
         if attempt:
-            denied = attempt.first.refusal.reason in ("out_of_reach", "blocked")
+            denied = is_denied(attempt.first.refusal)
             if denied:
-                self._denied.append((target.pose.p_WB, segment))
+                self._denied.note_segment(target, segment)
             far = denied and segment.distance > _PARTED
             whole = problem.motion.duration is not None or problem.goal.until == "moves"
             if whole or not far:
