@@ -111,9 +111,10 @@ def _flip_force(step: FlipOver, angle: float, trace: Trace) -> float:
 
 def _changes(before: ObjectModel, after: ObjectModel) -> tuple[Change, ...]:
     """Changes of the lid's resistance, or of friction at the fingers."""
-    parts = [("", before, after, ("finger_friction",))]
-    if before.lid is not None and after.lid is not None:
-        parts.append(("lid_", before.lid, after.lid, _LEARNED))
+    parts: list[tuple[str, object, object, tuple[str, ...]]] = [
+        ("", before, after, ("finger_friction",)),
+        ("lid_", before.lid, after.lid, _LEARNED),
+    ]
     return tuple(
         Change(
             parameter=f"{prefix}{name}",

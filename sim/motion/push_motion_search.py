@@ -95,11 +95,7 @@ class _Found:
 
 
 class PushMotionSearch:
-    """The search for one push on a table and among the objects that stand there.
-
-    Attributes:
-        postures: of the hand that were looked at.
-    """
+    """The search for one push among what stands on a table; `postures` of the hand it looked at."""
 
     def __init__(
         self,
