@@ -93,7 +93,7 @@ def plan(
                 return way()
         raise dead_ends.last if ways[-1] is by_pushes else dead_ends.first
     except NoPlanError as error:
-        return with_account(error.refusal, budget)
+        return with_account(error.refusal, budget.answers.values(), budget.done)
 
 
 def _is_said_how_to_hold(frame: g.Frame, state: WorldState) -> bool:

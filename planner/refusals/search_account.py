@@ -9,18 +9,25 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from planner.problem.search_budget import SearchBudget
+    from collections.abc import Collection
+
     from planner.types.refusal import Refusal
+    from planner.types.robot import ReachAnswer
 
 _SEARCHED = ("out_of_reach", "blocked", "out_of_time")
 
 
-def with_account(refusal: Refusal, budget: SearchBudget) -> Refusal:
-    """The refusal with what was tried, if it is one of a search for what the hand can do."""
-    if refusal.reason not in _SEARCHED or not budget.answers:
+def with_account(refusal: Refusal, answers: Collection[ReachAnswer], work: int) -> Refusal:
+    """The refusal with what was tried, if it is one of a search for what the hand can do.
+
+    Args:
+        refusal: why there is no plan.
+        answers: of the robot, each to another question.
+        work: units of work that were done.
+    """
+    if refusal.reason not in _SEARCHED or not answers:
         return refusal
-    ways, work = len(budget.answers), budget.done
-    postures = sum(answer.postures for answer in budget.answers.values())
+    ways, postures = len(answers), sum(answer.postures for answer in answers)
     among = f"{ways} ways of the hand" + (f" in {postures} postures" if postures else "")
     account = (
         f"{refusal.message}; none was found among {among} ({work} units of work), which does not "
