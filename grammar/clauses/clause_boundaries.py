@@ -20,6 +20,10 @@ _JOINTS = (ph.Separator, ph.Next)
 _HEADS = (ph.Verb, ph.Explore)
 _WHERE_TO = (ph.Direction, ph.Heading, ph.Toward, ph.AwayFrom, ph.Place, ph.Length)
 _TELLING = (ph.Place, ph.Side, ph.ThatIs)
+_SAYING = (*_HEADS, *_WHERE_TO, ph.Thing, ph.Amount)
+_EMPHASIS = ("actually", "make it", "make that", "rather")
+"""Marks of correction that correct nothing within a command."""
+
 _OPENINGS = (ph.Filler, ph.Amount, ph.Constraint, ph.Avoid, ph.Remark)
 """What may stand before a verb."""
 
@@ -34,6 +38,7 @@ def clauses_of(parts: Sequence[ph.Part], sentence: Normalised) -> list[Parts]:
     parts = _require_joints_join(parts, sentence)
     if isinstance(parts[0], ph.Separator | ph.Next) and parts[0].word in ("and", "but", "then"):
         parts[0] = ph.Filler(parts[0].span, anywhere=False, goes_on=True)
+    parts = _with_corrections_first(parts, sentence)
     if any(isinstance(part, ph.Ask) for part in parts):
         return [_question_parts(parts, sentence)]
     remarked = any(isinstance(part, ph.Remark) for part in parts) or _asks_further(parts)
@@ -132,6 +137,29 @@ def _require_joints_join(parts: Sequence[ph.Part], sentence: Normalised) -> Part
     return list(parts)
 
 
+def _with_corrections_first(parts: Parts, sentence: Normalised) -> Parts:
+    """The parts, once nothing but their beginning or their end corrects an earlier sentence.
+
+    "Push it actually 5 cm" corrects nothing; "push it, then no, turn it" takes back one knows not
+    what.
+    """
+    out: Parts = []
+    for i, part in enumerate(parts):
+        if isinstance(part, ph.Remark) and part.dialogue == "correct":
+            words = sentence.words_as_written(part.span).casefold()
+            begun = any(isinstance(before, _SAYING) for before in out)
+            if begun and words in _EMPHASIS and i < len(parts) - 1:
+                continue
+            if begun and (i < len(parts) - 1 or len(_heads(parts)) > 1):
+                raise unexpected_part(part, sentence)
+        out.append(part)
+    return out
+
+
+def _heads(parts: Parts) -> Parts:
+    return [part for part in parts if isinstance(part, _HEADS)]
+
+
 def _joint_error(part: ph.Part, sentence: Normalised) -> ParseError:
     """A joint that joins nothing, or that leaves a choice."""
     if not isinstance(part, ph.Separator) or part.word != "or":
@@ -193,9 +221,12 @@ def _unclear_question_error(sentence: Normalised) -> ParseError:
 
 def _question_parts(parts: Parts, sentence: Normalised) -> Parts:
     """The parts of a question, which is about one action."""
-    verbs = [part for part in parts if isinstance(part, _HEADS)]
+    verbs = _heads(parts)
     asks = [part for part in parts if isinstance(part, ph.Ask)]
     actions = 0 if asks[0].query in ("value", "affordances") else 1
+    asked = sentence.question or any(isinstance(part, ph.If) for part in parts)
+    if verbs and asks[0].query == "predict" and asks[0].span > verbs[0].span and not asked:
+        raise unexpected_part(asks[0], sentence)  # "push it, and see what happens"
     others = [ask for ask in asks[1:] if not _is_same_question(asks[0], ask)]
     extra: Parts = [*verbs[actions:], *others]
     if extra:

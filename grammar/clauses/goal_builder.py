@@ -19,6 +19,9 @@ from grammar.phrases import phrase_parts as ph
 from grammar.words.lexicon import Verb
 
 _APART = "apart"
+_MEASURED = ("from", "toward")
+"""Words for both ways in which a length before "to the left edge" may be meant."""
+
 _SOURCES = {"off": "off", "out_of": "out_of", "from": "off"}
 """Relation → that of a place from which a thing is taken."""
 
@@ -37,7 +40,8 @@ def _displace_goal(clause: Clause) -> g.Displace | g.Place:
     share = clause.take_only(ph.Share)
     if place is not None and place.relation == "to" and share is None:
         return _place_goal_at(clause, place)
-    if share is not None and share.of_way and share.value == 1.0 and clause.has_part(ph.Direction):
+    whole = share is not None and share.of_way and share.value == 1.0
+    if whole and place is None and clause.has_part(ph.Direction):
         return g.Place(relation="at", reference=_edge_of(clause), spans=clause.all_spans)
     return _displacement(clause, place, share)
 
@@ -119,6 +123,10 @@ def _place_goal_at(clause: Clause, place: ph.Place) -> g.Place:
     if place.relation == "from" and length is None:
         raise clause.does_not_apply_error(place, "needs a distance", "10 cm from the mug")
     objects, relation = isinstance(place.reference, tuple), place.relation
+    words = clause.quote(place).strip('"').partition(" ")
+    if length is not None and not objects and words[0].casefold() == "to":
+        ways = (f"{clause.quote(length)} {way} {words[2]}".replace('"', "") for way in _MEASURED)
+        raise clause.does_not_apply_error(length, "may be measured from there or from here", *ways)
     if relation in ("from", "away_from", "to") or (relation == "off" and length is not None):
         relation = "next_to" if objects else "at"
     relation = ON_THE_TABLE.get(relation, relation)

@@ -18,7 +18,7 @@ from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
 
 _TAKES_PLACE = ("displace", "contact", "place", "set_down")
-_ELSEWHERE = (ph.Heading, ph.Toward, ph.AwayFrom, ph.Length, ph.Me)
+_ELSEWHERE = (ph.Heading, ph.Toward, ph.AwayFrom, ph.Length)
 _TELLING = ("next_to", "left_of", "right_of", "in_front_of", "behind", "between", "touching",
             "on", "in", "above", "below", "front_left_of", "front_right_of", "behind_left_of",
             "behind_right_of", "nearest")  # fmt: skip
@@ -49,6 +49,7 @@ SIDES_COUNTED_FROM: dict[g.Quality, str] = {
 """Quality that things are counted by → the side from which they are counted."""
 
 QUOTES = ('"', "'", "“", "‘", "„", "«")
+_STOP = re.compile(r"[.;!](?: |$)")
 _OF = re.compile(
     r"(?P<part>.+?)\s+(?P<of>of)\s+(?:(?:the|an?|my|your|our)\s+)?(?P<whole>.+)",
     re.IGNORECASE | re.DOTALL,
@@ -72,8 +73,10 @@ def attach_descriptions(parts: Sequence[ph.Part], lexicon: Lexicon, sentence: No
         if isinstance(part, ph.Place):
             after_that_is = bool(out) and isinstance(out[-1], ph.ThatIs)
             told = after_that_is and part.relation in _TELLING
-            telling = told or _is_description(part, parts, i, out, lexicon)
-            telling = telling or _tells_reference(part, out, sentence)
+            moved = sentence.words_as_written(part.span).casefold().startswith("over ")
+            rest = _of_same_sentence(parts, i, sentence)
+            telling = not moved and _is_description(part, rest, i, out, lexicon)
+            telling = told or telling or _tells_reference(part, out, sentence)
             if told:
                 out.pop()
         if telling:
@@ -173,6 +176,12 @@ def _with_touching_as_place(parts: Sequence[ph.Part]) -> Parts:
     return out
 
 
+def _of_same_sentence(parts: Parts, i: int, sentence: Normalised) -> Parts:
+    """The parts up to the full stop behind a part: what follows tells nothing about it."""
+    end = parts[i].span[1]
+    return [p for p in parts if not _STOP.search(sentence.original[end : p.span[0]])]
+
+
 def _is_description(part: ph.Place, parts: Parts, i: int, before: Parts, lexicon: Lexicon) -> bool:
     """Check for a place that distinguishes an object, rather than saying where to go."""
     if part.relation == "nearest":
@@ -205,9 +214,17 @@ def _is_description(part: ph.Place, parts: Parts, i: int, before: Parts, lexicon
         return True
     said = [*parts[:i], *rest]
     directed = any(isinstance(p, ph.Direction) and not p.implied for p in said)
+    directed = directed or _brings_me(said, lexicon)
     return goal not in ("place", "set_down") and (
         directed or any(isinstance(p, _ELSEWHERE) for p in said)
     )
+
+
+def _brings_me(parts: Parts, lexicon: Lexicon) -> bool:
+    """Check for "bring me the mug next to it"; "push me the mug next to it" may be for me."""
+    verb = next((part for part in parts if isinstance(part, ph.Verb)), None)
+    brings = verb is not None and lexicon.verbs[verb.word].direction == "toward"
+    return brings and any(isinstance(part, ph.Me) for part in parts)
 
 
 def _tells_reference(part: ph.Place, before: Parts, sentence: Normalised) -> bool:

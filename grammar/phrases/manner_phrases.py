@@ -54,6 +54,9 @@ class Manners(q.TokenReader):
         """In under four seconds; for three seconds."""
         span, value = self.span_of(children), self._measure(children, "time", q.MAX_TIME_S, "s")
         bound = self.bound_of(children)
+        if children[0].type == "IN" and bound == "exact" and q.tokens_in(children, "A"):
+            message, hint = "says when to begin, or how long it may take", "in at most one minute"
+            raise self.does_not_apply_error(children, message, hint)
         if bound == "at_least":
             raise self.does_not_apply_error(
                 children, "leaves open how long it takes",

@@ -29,6 +29,10 @@ from grammar.words.phrase_lexer import Token
 _CAUSED = {"moves": "move", "slides": "slide", "tips": "topple", "tilts": "tilt", "turns": "turn"}
 """Verbs for what is made to happen."""
 
+_WISHES = frozenset({"appreciate", "if", "like", "love", "prefer", "rather", "suggest", "that",
+                     "time", "wish"})  # fmt: skip
+"""Words behind which "you pushed it" asks for it."""
+
 _PLAIN: dict[str, tuple[Callable[..., ph.Part], str]] = {
     "next": (ph.Next, "NEXT"),  # then
     "me": (ph.Me, ""),  # to me
@@ -91,11 +95,20 @@ class Parts(Names, Manners, Outcomes, Questions):
         """Push; you push; would you mind pushing."""
         token = next(c for c in children if isinstance(c, Token) and c.type.startswith("VERB"))
         word = self.lexicon.verb_words[token.type][str(token)]
+        if token.type == "VERB_ED" and (you := tokens_in(children, "YOU")):
+            self._require_wish(you)
         said = [token, *tokens_in(children, "UPON")]
         verb: list[ph.Part] = [ph.Verb(self.span_of(said), word), *parts_in(children)]
         if polite := tokens_in(children, "MIND"):
             return [ph.Filler(self.span_of(polite), anywhere=False, asks=True), *verb]
         return verb
+
+    def _require_wish(self, you: Children) -> None:
+        """Refuses "you pushed it", which tells what was done, but behind "I'd rather"."""
+        span = self.span_of(you)
+        if _WISHES.isdisjoint(self.sentence.original[: span[0]].casefold().split()):
+            message, hint = "tells what was done, and asks for nothing", "push it …"
+            raise self.does_not_apply_error(you, message, hint)
 
     def causes_part(self, children: Children) -> list[ph.Part]:
         """Make the box slide: slide the box."""

@@ -11,35 +11,16 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from functools import cached_property
-from typing import NamedTuple, cast
 
 from grammar.frames.command import Span
+from grammar.words.corrections import RESTATED, Corrections
 from grammar.words.courtesy import Courtesy
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
-from grammar.words.numerals import DIGITS
-from grammar.words.phrase_places import WORD, Phrases
+from grammar.words.phrase_places import Phrases
 from grammar.words.reasons import Reasons
 from grammar.words.repeats import Repeats
 
-_ALONE = frozenset({"AMOUNT", "DIRECTION", "MANNER", "SENSE", "SEPARATOR", "VERB"})
-"""Terminals that are a group of words by themselves."""
-
-_LEAD = _ALONE | {"AT", "BETWEEN", "BY", "FACE", "FROM_SIDE", "IN", "INTO", "NEXT", "NOT", "REGION",
-                  "REGION_OF_TABLE", "RELATION", "SO", "TOWARD", "UNTIL", "WITH",
-                  "WITHOUT"}  # fmt: skip
-"""Terminals that begin a group; what follows belongs to it."""
-
-_WHERE = frozenset({"DIRECTION", "INTO", "REGION_OF_TABLE", "RELATION", "TOWARD"})
-"""Terminals of where something is brought, any of which corrects any other."""
-
-_BEGIN = _LEAD | {"NUMBER", "THING", "IT"}
-"""Kinds that begin a group where no other is open."""
-
-_RESTATED = frozenset({"NUMBER", "THING", "WHERE"})
-"""Kinds of groups of which a second one behind a pause can only correct the first."""
-
-_UNITS = frozenset({"ANGLE_UNIT", "FORCE_UNIT", "LENGTH_UNIT", "SPEED_UNIT", "TIME_UNIT"})
 _HESITATING = frozenset({",", "ah", "eh", "ehm", "er", "erm", "err", "oh", "uh", "uhh", "uhm", "um",
                          "umm", "well"})  # fmt: skip
 """Marks that may be nothing but a pause."""
@@ -80,14 +61,6 @@ _STRAY = re.compile(
 )
 
 
-class _Group(NamedTuple):
-    """Words that say one thing, and the kinds of things that it may be."""
-
-    start: int
-    end: int
-    kinds: frozenset[str]
-
-
 class Asides:
     """Leaves out what changes nothing, by the words of a lexicon."""
 
@@ -97,6 +70,7 @@ class Asides:
         self._courtesy = Courtesy(lexicon, phrases)
         self._reasons = Reasons(lexicon, phrases)
         self._repeats = Repeats(lexicon, phrases)
+        self._corrections = Corrections(lexicon, phrases, self._repeats)
         self._patterns: dict[str, re.Pattern[str]] = {}
 
     def left_out(self, sentence: Normalised) -> Normalised:
@@ -168,15 +142,17 @@ class Asides:
         if kind == "reasons":
             return self._without_reason(said, start, end)
         if kind == "corrections":
-            hesitates = _HESITATING.issuperset(match[0].split())
-            return self._corrected(said, start, end, _RESTATED if hesitates else frozenset())
+            hesitates = _HESITATING.issuperset(match[0].split()) and "uh uh" not in match[0]
+            return self._corrections.corrected(
+                said, start, end, RESTATED if hesitates else frozenset()
+            )
         restates = kind == "fillers" and "please" not in match[0]
-        if restates and (corrected := self._corrected(said, start, end, _RESTATED)):
+        if restates and (corrected := self._corrections.corrected(said, start, end, RESTATED)):
             return corrected
         if kind == "fillers":
             start, end = self._with_pauses(said.text, start, end)
-        left = _joined(said, (0, start), (end, len(said.text)))
-        if self._says_too_little(kind, left):
+        left = said.words_in((0, start), (end, len(said.text)))
+        if self._says_too_little(kind, match, left):
             return None
         polite = kind in ("before", "after") and re.search(r"\b(?:you|we|please)\b", match[0])
         tagged = kind in ("after", "fillers") and start > 0 and end == len(said.text)
@@ -203,7 +179,7 @@ class Asides:
             start, end = self._with_pauses(said.text, *span)
             if (start, end) == span:
                 end += 2  # one of both commas
-            said = _joined(said, (0, start), (end, len(said.text)))
+            said = said.words_in((0, start), (end, len(said.text)))
         return said
 
     def _without_repeats(self, said: Normalised) -> Normalised:
@@ -212,7 +188,7 @@ class Asides:
             repeat = self._repeats.repeat_in(said.text, marks)
             if repeat is None or self._is_named(said.text, *repeat):
                 break
-            said = _joined(said, (0, repeat[0]), (repeat[1], len(said.text)))
+            said = said.words_in((0, repeat[0]), (repeat[1], len(said.text)))
         return said
 
     def _without_reason(self, said: Normalised, start: int, opened: int) -> Normalised | None:
@@ -224,11 +200,13 @@ class Asides:
         if start == 0 and (topic := _TOPIC.match(said.text)):
             if said.text[end] != ",":
                 return None  # "as the mug is dirty push it away"
-            return _joined(said, topic.span(1), (end, len(said.text)))
-        return _joined(said, (0, start), (end, len(said.text)))
+            return said.words_in(topic.span(1), (end, len(said.text)))
+        return said.words_in((0, start), (end, len(said.text)))
 
-    def _says_too_little(self, kind: str, left: Normalised) -> bool:
+    def _says_too_little(self, kind: str, match: re.Match[str], left: Normalised) -> bool:
         """Check for a rest that needs what is left out: "to the right now", "no, right"."""
+        if match[0].strip(" .") == "right" and 0 < match.start() < match.end() < len(match.string):
+            return True  # "push it 5 cm. Right. Slowly"
         if kind == "restarts":
             return self._courtesy.is_closing(left)  # "hold on, thanks"
         if kind != "after" or not left.text:
@@ -240,124 +218,10 @@ class Asides:
     def _goes_on(self, before: str, after: str) -> bool:
         """Check for a pause within a phrase, or within a name: "the, uh, mug", "ice, uh, tea"."""
         last, after = before.rpartition(" ")[2], after.lstrip(" ,")
-        within = not (self._begins_a_group(last, 0) or self._begins_a_group(after, 0))
-        return self._repeats.ends_open(before) or within
-
-    # --- corrections --------------------------------------------------------------------------
-
-    def _corrected(
-        self, said: Normalised, start: int, end: int, only: frozenset[str] = frozenset()
-    ) -> Normalised | None:
-        """The sentence with what follows a mark of correction in the place of what it corrects."""
-        if self._goes_beyond(said.text, start, end):
-            return None  # "left, no nearer than 5 cm"
-        paused = said.text[start] in ",.;" or said.text[:end].endswith(",")
-        start = len(said.text[:start].rstrip(" ,"))
-        end = len(said.text) - len(said.text[end:].lstrip(" ,"))
-        if (only or not paused) and not self._begins_a_group(said.text, end):
-            return None  # "push it left no matter what"
-        before, after = self._groups(said.text, 0, start), self._groups(said.text, end)
-        if self._repeats.ends_open(said.text[:start]):
-            return None  # "in front of, hold on, the jar"
-        if not before or not after:
-            return None
-        inner = self._within(said.text, before[-1], after[0].kinds)
-        if only and not only & after[0].kinds & (only if inner else before[-1].kinds):
-            return None
-        if inner and (len(after) == 1 or not _are_alike(after[1].kinds, before[-1].kinds)):
-            return _joined(said, (0, inner), after[0][:2], (after[0].end, len(said.text)))
-        for i in reversed(range(len(before))):
-            wrong, between = before[i], before[i + 1 :]
-            if not _are_alike(wrong.kinds, after[0].kinds):
-                continue
-            rest = (after[0].end, len(said.text))
-            if said.text[rest[0] :].startswith(" ,"):
-                rest = (rest[0] + 2, rest[1])
-            if between and len(after) > 1 and not between[0].kinds & after[1].kinds:
-                return None
-            kept = [(wrong.end, start)] if between and len(after) == 1 else []
-            return _joined(said, (0, wrong.start), after[0][:2], *kept, rest)
-        return None
-
-    def _goes_beyond(self, text: str, start: int, end: int) -> bool:
-        """Check for a mark of correction that is the beginning of a phrase."""
-        mark = text[start:end].strip(" ,.;")
-        start = text.index(mark, start)
-        phrases = self._phrases.phrases_at(text, start)
-        return any(phrase.startswith(f"{mark} ") for phrase, _ in phrases)
-
-    def _within(self, text: str, group: _Group, kinds: frozenset[str]) -> int:
-        """Place of a thing or a number within a group, as in "left of the tin"; 0 if none is."""
-        if not kinds & {"THING", "NUMBER"} or not group.kinds & _LEAD:
-            return 0
-        places = WORD.finditer(text, group.start, group.end)
-        return next(
-            (m.start() for m in places if _are_alike(self._phrase_at(text, m)[1], kinds)), 0
+        within = not (
+            self._corrections.begins_a_group(last, 0) or self._corrections.begins_a_group(after, 0)
         )
-
-    def _begins_a_group(self, text: str, start: int) -> bool:
-        """Check for a phrase of the language or a number, and not for any word."""
-        number = self._lexicon.numbers.pattern.match(text, start) or DIGITS.match(text, start)
-        return bool(number or self._phrases.phrases_at(text, start))
-
-    def _groups(self, text: str, start: int, end: int | None = None) -> list[_Group]:
-        """The groups of words of a part of a text."""
-        text, groups = text[:end], list[_Group]()
-        while match := WORD.search(text, start):
-            start, kinds = self._phrase_at(text, match)
-            own = _LEAD if groups and groups[-1].kinds & _LEAD - _ALONE else _BEGIN
-            if groups and not kinds & own:
-                groups[-1] = groups[-1]._replace(end=start)
-            else:
-                groups.append(_Group(match.start(), start, kinds))
-        return groups
-
-    def _phrase_at(self, text: str, match: re.Match[str]) -> tuple[int, frozenset[str]]:
-        """End and kinds of the phrase that a word begins."""
-        start, lexicon = match.start(), self._lexicon
-        number = lexicon.numbers.pattern.match(text, start) or DIGITS.match(text, start)
-        if number and number[0] not in ("a", "an"):
-            units = self._phrases.phrases_at(text, number.end() + 1)
-            kinds = frozenset(units[0][1]) if units else frozenset()
-            return number.end(), (kinds & _UNITS) | {"NUMBER"}
-        found = self._phrases.phrases_at(text, start)
-        kinds = frozenset(found[0][1]) if found else frozenset({"WORD"})
-        measure = start + len(found[0][0]) + 1 if "BOUND" in kinds else len(text)
-        if lexicon.numbers.pattern.match(text, measure) or DIGITS.match(text, measure):
-            return self._phrase_at(text, cast("re.Match[str]", WORD.match(text, measure)))
-        if not kinds & {"THE", "A", "THAT", "WORD"}:
-            kinds |= {"WHERE"} if kinds & _WHERE else set()
-            return start + len(found[0][0]), kinds
-        end = match.end()
-        for word in WORD.finditer(text, end):
-            ends = word[0] in lexicon.ends_names and word[0] not in lexicon.adjectives
-            phrase, leads = next(iter(self._phrases.phrases_at(text, word.start())), ("", ()))
-            ends = ends or (" " in phrase and not _LEAD.isdisjoint(leads))  # "left of"
-            if not word[0][0].isalpha() or (ends and end > match.end()):
-                break
-            end = word.end()
-        return end, frozenset({"THING"})
-
-
-def _are_alike(one: frozenset[str], other: frozenset[str]) -> bool:
-    """Check for kinds of groups of which one can correct the other; not 2 cm and 5 N."""
-    common = one & other - {"WORD"}
-    return bool(common) and not (common == {"NUMBER"} and min(len(one), len(other)) > 1)
-
-
-def _joined(said: Normalised, *ranges: tuple[int, int]) -> Normalised:
-    """The words of some ranges of a sentence, one space apart."""
-    text, columns = "", list[Span]()
-    for start, end in ranges:
-        piece = said.text[start:end]
-        left = start + len(piece) - len(piece.lstrip(" "))
-        right = start + len(piece.rstrip(" "))
-        if left >= right:
-            continue
-        if text:
-            text, columns = f"{text} ", [*columns, (said.columns[left][0],) * 2]
-        text, columns = text + said.text[left:right], [*columns, *said.columns[left:right]]
-    return replace(said, text=text, columns=tuple(columns))
+        return self._repeats.ends_open(before) or within
 
 
 def _gaps(kept: set[int], sentence: Normalised) -> tuple[Span, ...]:

@@ -180,7 +180,8 @@ class Courtesy:
         """Check for a run behind which a verb is asked for: "… you could", not "do you"."""
         if words[-1] in self._words["behind_you"]:
             return words[-2:-1] in (["you"], ["we"], ["robot"])
-        statement = words[-2:] == ["do", "you"] or words == ["you"] or words[0] == "did"
+        own = words[-2:] in (["do", "you"], ["let", "me"])
+        statement = own or words == ["you"] or words[0] == "did"
         return words[-1] in self._words["before_verb"] and not statement
 
     def pause_in(self, text: str) -> Span | None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from grammar.errors import ParseError
 from grammar.frames.command import Span
@@ -56,6 +56,20 @@ class Normalised:
     def original_span(self, start: int, end: int) -> Span:
         """Maps `[start, end)` of the plain form to the sentence as given."""
         return self.columns[start][0], self.columns[end - 1][1]
+
+    def words_in(self, *ranges: Span) -> Normalised:
+        """The words of some ranges of the plain form, one space apart."""
+        text, columns = "", list[Span]()
+        for start, end in ranges:
+            piece = self.text[start:end]
+            left = start + len(piece) - len(piece.lstrip(" "))
+            right = start + len(piece.rstrip(" "))
+            if left >= right:
+                continue
+            if text:
+                text, columns = f"{text} ", [*columns, (self.columns[left][0],) * 2]
+            text, columns = text + self.text[left:right], [*columns, *self.columns[left:right]]
+        return replace(self, text=text, columns=tuple(columns))
 
     def words_as_written(self, span: Span) -> str:
         """The words of a span as they were written, one space apart, asides left out."""

@@ -22,8 +22,9 @@ _WHERE = frozenset({"AWAY_FROM_REGION", "BETWEEN", "DIRECTION", "FACE", "FROM_SI
                     "TOWARD_REGION"})  # fmt: skip
 _MEASURES = frozenset({"ANGLE_UNIT", "FORCE_UNIT", "LENGTH_UNIT", "SPEED_UNIT", "TOOL"})
 _BEFORE_MEASURES = frozenset({"A", "AT", "BOUND", "BY", "NUMBER", "SIDE", "THE", "WITH"})
-_UNCLEAR = frozenset({"KEEP", "STAYS", "TIME_UNIT"})
+_UNCLEAR = frozenset({"FACE", "FROM_SIDE", "KEEP", "REGION", "STAYS", "TIME_UNIT"})
 _NOTS = frozenset({"DOES_NOT", "NOT"})
+_NOBODY = frozenset({"nobody", "nothing"})
 _FORBIDDEN = frozenset({"AVOID", "AVOIDING", "EVENT", "EVENT_INFINITIVE", "TOUCH", "TOUCHES",
                         "TOUCHING"})  # fmt: skip
 _FORBIDDING = frozenset({"before", "may not", "must not", "shall not", "should not"})
@@ -70,7 +71,7 @@ class Reasons:
             doing = last == "to" and said.start > opened + 1  # "it is too heavy to lift it"
             if text[start] in _PAUSES and not doing and self._is_done_to_a_thing(text, said):
                 return None
-            negated = negated or bool(kinds & _NOTS)
+            negated = negated or bool(kinds & _NOTS) or said.words in _NOBODY
             if kinds & _UNCLEAR or said.words in _FORBIDDING or (negated and kinds & _FORBIDDEN):
                 return None
             if not goes_somewhere and kinds & _WHERE:

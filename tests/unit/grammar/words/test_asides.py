@@ -33,8 +33,32 @@ def test_where_nothing_stands_before_it_a_correction_stays_a_remark(text: str) -
 @pytest.mark.parametrize(
     "text", ["push the mug, no, gently", "push the mug 5 cm away, no, lift it"]
 )
-def test_what_has_no_counterpart_is_not_taken_back(text: str) -> None:
-    assert not parse(text).asides
+def test_what_has_no_counterpart_is_refused_at_its_mark(text: str) -> None:
+    with pytest.raises(ParseError) as raised:
+        parse(text)
+    assert raised.value.code == "unexpected_words"
+    assert raised.value.span == (text.index("no"), text.index("no") + 2)
+
+
+@pytest.mark.parametrize(
+    ("text", "plain"),
+    [
+        ("turn the jar 30 degrees left at the top - no, turn the jar 30 degrees left at the bottom",
+         "turn the jar 30 degrees left at the bottom"),
+        ("push the jar left, no, right", "push the jar right"),
+        ("push the jar 5 cm to the right. No, the tin", "push the tin 5 cm to the right"),
+        ("push the jar 5 cm left slowly, no, 3 cm right", "push the jar 3 cm right slowly"),
+        ("push the jar to the middle of the table, sorry, the tin",
+         "push the tin to the middle of the table"),
+        ("push the jar behind the tin with at most 5 N, just a moment, with one finger",
+         "push the jar behind the tin with at most 5 N with one finger"),
+        ("pull the jar left with at most 9 N, er, with at most 5 N",
+         "pull the jar left with at most 5 N"),
+        ("push the jar actually 5 cm away", "push the jar 5 cm away"),
+    ],
+)  # fmt: skip
+def test_a_correction_takes_back_no_more_than_is_said_anew(text: str, plain: str) -> None:
+    assert parse(text).paraphrase == parse(plain).paraphrase
 
 
 def test_words_of_names_and_quotations_are_no_fillers() -> None:
