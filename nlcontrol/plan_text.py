@@ -29,6 +29,7 @@ from planner.types.actions import (
     TurnCap,
 )
 from planner.types.plan import Plan
+from planner.types.turning_actions import TurnOver
 
 _LEAST_TOLD = 0.05  # a margin that would be told as 0.0 N is told otherwise [N]
 
@@ -280,6 +281,8 @@ def _step(step: Action, plan: Plan) -> str:
             return f"{up} and hold it" if step.hold else up
         case Carry():
             return f"carry it to {place_text(step.to.x, step.to.y)}"
+        case TurnOver():
+            return "turn it over onto its bottom"
         case PourOut():
             volume = "" if step.volume is None else f"{quantity(step.volume, 'm³')} "
             return (
@@ -374,6 +377,6 @@ def predicted_figures(plan: Plan) -> dict[str, float]:
     predictions = (
         action.prediction
         for action in plan.actions
-        if not isinstance(action, Carry | SetDown | PutOn)
+        if not isinstance(action, Carry | TurnOver | SetDown | PutOn)
     )
     return {name: x for each in predictions if each for name, x in each if x is not None}

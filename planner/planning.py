@@ -2,7 +2,8 @@
 
 What takes a whole hand (lifting, pouring, opening) is planned in `planner.grasping`, if the robot
 has one. What is to be placed is lifted if its file says how, or else pushed; where that does not
-do, it is the other way round. All else is pushed.
+do, it is the other way round. What is to stand up is lifted and turned, or else tipped over an
+edge. All else is pushed.
 
 The frame becomes a problem (`planner.problem`). Pushes for it are planned by strategies
 (`planner.pushing.strategies`): a fall or a tilt (`planner.pushing.topple_planner`), or an aim on
@@ -18,11 +19,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from grammar.frames import command as g
+from planner.predicted_states import state_after
 from planner.problem.frame_interpretation import (
     grasp_problem,
     interpret_frame,
     require_other_objects,
-    require_upright,
+    require_resting,
 )
 from planner.problem.place_regions import region
 from planner.problem.planning_problem import GraspProblem, is_handled
@@ -65,6 +67,7 @@ def plan(
         A plan; that nothing is left to be done; or the reason why there is no plan.
     """
     budget = SearchBudget(defaults.most_work) if budget is None else budget
+    upright = isinstance(frame.goal, g.Upright)
     only_pushes = robot.limits.grasp_widths is None or previous is not None
 
     def by_hand() -> PlanningResult:
@@ -75,23 +78,28 @@ def plan(
         problem = interpret_frame(frame, state, defaults, robot, previous=previous, failed=failed)
         if state.held is not None:
             raise no_plan("hand_not_free", object=state.held.name)
-        require_upright(problem.target)
-        return plan_pushes(replace(problem, budget=budget), notify)
+        require_resting(problem.target)
+        made = plan_pushes(replace(problem, budget=budget), notify)
+        if upright and isinstance(made, Plan):
+            _require_standing_after(made, state)
+        return made
 
     try:
         require_other_objects(frame)
+        if upright and _stands(frame, state):
+            return Reached()
         if only_pushes or not is_handled(frame) or _is_placed(frame, state, defaults):
             return by_pushes()
-        if frame.goal.kind != "place" or state.held is not None:
+        if frame.goal.kind not in ("place", "upright") or state.held is not None:
             return by_hand()
         ways = (by_hand, by_pushes)
-        if not _is_said_how_to_hold(frame, state):
+        if not upright and not _is_said_how_to_hold(frame, state):
             ways = (by_pushes, by_hand)
         dead_ends = Alternatives()
         for way in ways:
             with dead_ends:
                 return way()
-        raise dead_ends.last if ways[-1] is by_pushes else dead_ends.first
+        raise dead_ends.first if upright or ways[-1] is by_hand else dead_ends.last
     except NoPlanError as error:
         return with_account(error.refusal, budget.answers.values(), budget.done)
 
@@ -100,6 +108,22 @@ def _is_said_how_to_hold(frame: g.Frame, state: WorldState) -> bool:
     """Return True if the model of what is to be placed states a grasp, so that it is lifted."""
     assert frame.object is not None
     return state.objects[frame.object.id or ""].model.grasp is not None
+
+
+def _stands(frame: g.Frame, state: WorldState) -> bool:
+    assert frame.object is not None
+    return state.objects[frame.object.id or ""].lies_on == "bottom"
+
+
+def _require_standing_after(made: Plan, state: WorldState) -> None:
+    """Make sure that a fall ends on the bottom of what falls.
+
+    Raises:
+        NoPlanError: it does not.
+    """
+    after = state_after(made, state)
+    if after is None or after.objects[made.object].lies_on != "bottom":
+        raise no_plan("falls_otherwise", object=made.object)
 
 
 def _is_placed(frame: g.Frame, state: WorldState, defaults: Defaults) -> bool:
@@ -114,7 +138,8 @@ def _is_placed(frame: g.Frame, state: WorldState, defaults: Defaults) -> bool:
 
 def _plan_with_hand(problem: GraspProblem) -> Plan | Reached:
     """Plan a grasp and the steps after it, or what a fingertip does to a lid."""
-    from planner.grasping import lid_planner, lift_planner, pour_planner  # pushes do without them
+    # Pushes do without them.
+    from planner.grasping import lid_planner, lift_planner, pour_planner, upright_planner
 
     match problem.frame.goal:
         case g.Lift() as goal:
@@ -123,6 +148,8 @@ def _plan_with_hand(problem: GraspProblem) -> Plan | Reached:
             return lift_planner.set_down(problem)
         case g.Place():
             return lift_planner.place(problem)
+        case g.Upright():
+            return upright_planner.stand_up(problem)
         case g.Pour() as goal:
             return pour_planner.pour_out(problem, goal)
         case g.Open():

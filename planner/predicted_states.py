@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from objectmodels.geometry.base_shapes import Array
-from planner.types.actions import Grasp, LiftUp, PushAction
+from planner.types.actions import Aim, Grasp, LiftUp, PushAction
 from planner.types.plan import Plan, Reached
 from planner.types.world_state import Held, PlanarPose, SeenObject, WorldState
 
@@ -23,21 +23,41 @@ def state_after(made: Plan | Reached, state: WorldState) -> WorldState | None:
     seen = state.objects[made.object]
     if made.task == "lift":
         return replace(state, held=_held(made, state))
-    if made.task in ("push", "place") and made.aim is not None:
+    if made.task == "stand" and made.aim is not None:
+        there = standing_object(seen, made.aim)
+    elif made.task in ("push", "place") and made.aim is not None:
         yaw = seen.pose.yaw if made.aim.yaw is None else made.aim.yaw
         there = replace(seen, pose=replace(seen.pose, x=made.aim.x, y=made.aim.y, yaw=yaw))
     elif made.task in ("topple", "tilt") and all(push.displacement for push in made.pushes[:-1]):
         there = _prepared(seen, made.pushes[:-1])
         if made.task == "topple":
-            R_WB, p_WB = fallen_pose(made.pushes[-1], there.pose)
-            x, y, _ = p_WB.tolist()
-            pose = PlanarPose(x, y, attitude=tuple(R_WB.ravel().tolist()))
-            there = SeenObject.lying(
-                seen.name, pose, seen.model, seen.colour, fragile=seen.fragile, lid=seen.lid
-            )
+            there = fallen_object(made.pushes[-1], there)
     else:
         return None
     return replace(state, objects={**state.objects, there.name: there}, held=None)
+
+
+def standing_object(seen: SeenObject, aim: Aim) -> SeenObject:
+    """The object as it stands on its bottom at an aim, which has a heading."""
+    assert aim.yaw is not None, "it stands with some heading"
+    pose = PlanarPose(aim.x, aim.y, aim.yaw)
+    return replace(seen, pose=pose, model=seen.standing_model, rest=None, attitude=None)
+
+
+def fallen_object(push: PushAction, before: SeenObject) -> SeenObject:
+    """The object once a push has tipped it over."""
+    R_WB, p_WB = fallen_pose(push, before.pose)
+    if before.rest is not None:
+        R_WB, p_WB = before.rest.body_pose(R_WB, p_WB)
+    x, y, _ = p_WB.tolist()
+    return SeenObject.lying(
+        before.name,
+        PlanarPose(x, y, attitude=tuple(R_WB.ravel().tolist())),
+        before.standing_model,
+        before.colour,
+        fragile=before.fragile,
+        lid=before.lid,
+    )
 
 
 def fallen_pose(push: PushAction, before: PlanarPose) -> tuple[Array, Array]:

@@ -12,6 +12,7 @@ FORBIDS: dict[str, frozenset[str]] = {
     "rotate": frozenset({"no_turn"}),
     "lift": frozenset({"no_lift"}),
     "pour": frozenset({"no_tilt"}),
+    "upright": frozenset({"no_tilt", "max_tilt"}),
     "displace": frozenset({"no_slide"}),
     "place": frozenset({"no_slide"}),
 }

@@ -15,7 +15,7 @@ import numpy as np
 from grammar.frames import command as g
 from nlcontrol.checks import trace_measures as measures
 from nlcontrol.checks.goal_checks import has_fallen
-from nlcontrol.checks.grasp_checks import by_hand, stands_on_base
+from nlcontrol.checks.grasp_checks import by_hand, stands_on_base, stands_up
 from nlcontrol.checks.verdicts import Check, Relation, compare, object_name, place_check
 from planner.geometry.directions import face_name, heading_of, unit
 from planner.geometry.footprints import footprint, gap
@@ -156,6 +156,9 @@ HAND_SIDE = "right"
 
 
 def _no_topple(clause: g.NoTopple, e: Evidence) -> Iterator[Check]:
+    if e.frame.goal.kind == "upright":
+        yield from stands_up(clause, e)
+        return
     if by_hand(e):
         yield from _kept_upright(clause, e)
         return

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from grammar.frames.command import Frame
     from nlcontrol.checks.trace_measures import Array
     from objectmodels import ObjectModel
+    from objectmodels.models.resting_face import Resting
     from planner.types.defaults import Defaults
     from planner.types.world_state import TableState
     from sim.traces.trace import Trace
@@ -42,6 +43,7 @@ class Evidence:
         start, end: what stood where; objects without a model are left out.
         frame: what was asked.
         defaults: what a clause means when the sentence does not say more.
+        rests: how objects lay on other faces than their models stand on.
     """
 
     trace: Trace
@@ -50,6 +52,7 @@ class Evidence:
     end: WorldState
     frame: Frame
     defaults: Defaults
+    rests: Mapping[str, Resting]
 
     @classmethod
     def of(
@@ -62,12 +65,12 @@ class Evidence:
     ) -> Evidence:
         """The evidence of a trace, with what is believed of the objects' shapes."""
         name = frame.object.id if frame.object and frame.object.id else trace.pushed
-        trace, models = _as_they_lay(trace, models)
+        trace, models, rests = _as_they_lay(trace, models)
         start, end = (
             WorldState({n: _standing(n, trace.poses[n][i], models[n]) for n in models}, table)
             for i in (0, -1)
         )
-        return cls(trace, name, start, end, frame, defaults)
+        return cls(trace, name, start, end, frame, defaults, rests)
 
     @property
     def model(self) -> ObjectModel:
@@ -94,9 +97,10 @@ class Evidence:
 
 def _as_they_lay(
     trace: Trace, models: Mapping[str, ObjectModel]
-) -> tuple[Trace, dict[str, ObjectModel]]:
-    """A trace in the frames of the faces that were below at the start, and the models for them."""
+) -> tuple[Trace, dict[str, ObjectModel], dict[str, Resting]]:
+    """A trace in the frames of the faces that were below at the start, models and rests there."""
     poses, lay = dict(trace.poses), {n: m for n, m in models.items() if n in trace.poses}
+    rests = {}
     for name, model in list(lay.items()):
         R_WB = measures.rotation(poses[name][0])
         if R_WB[2, 2] > np.cos(LEVEL):
@@ -106,8 +110,8 @@ def _as_they_lay(
         except ModelError:
             continue  # it leans on something: its own frame is as good as any
         poses[name] = _in_object_frame(poses[name], rest.R_BN, rest.p_BN)
-        lay[name] = rest.model
-    return replace(trace, poses=poses), lay
+        lay[name], rests[name] = rest.model, rest
+    return replace(trace, poses=poses), lay, rests
 
 
 def _in_object_frame(poses: Array, R_BN: Array, p_BN: Array) -> Array:

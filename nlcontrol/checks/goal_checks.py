@@ -161,6 +161,7 @@ GOALS: dict[str, Callable[..., Iterator[Check]]] = {
     "tilt": _tilt,
     "topple": _topple,
     "none": _none,
+    "upright": handling.stands_up,
     "lift": handling.lift_check,
     "set_down": handling.set_down,
     "open": handling.opening_check,

@@ -40,6 +40,19 @@ def set_down_upright(clause: Clause, e: Evidence) -> Iterator[Check]:
     yield stands_on_base(clause, e)
 
 
+def stands_up(clause: Clause, e: Evidence) -> Iterator[Check]:
+    """It was let go, and stands on its own bottom, on whatever face it lay."""
+    rest, pose = e.rests.get(e.name), e.trace.poses[e.name][-1]
+    height, upwards = float(pose[6]), np.array([0.0, 0.0, 1.0])
+    if rest is not None:
+        upwards = rest.R_BN[2]
+        height = float(rest.body_pose(measures.rotation(pose), pose[4:])[1][2])
+    limit, most = e.defaults.no_lift, e.defaults.rest_tilt
+    yield compare(clause, "at_most", "height over the table", 0.0, height, limit, "m")
+    tilt = measures.axis_tilt_at_end(e.trace, e.name, upwards)
+    yield compare(clause, "at_most", "tilt at the end", most, tilt, 0.0, "rad")
+
+
 def _stays_put(clause: Clause, name: str, e: Evidence) -> Check:
     moved = float(np.linalg.norm(e.trace.displacement(name)[:2]))
     quantity = "moved" if name == e.name else f"{name} was moved by"

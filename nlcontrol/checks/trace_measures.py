@@ -185,6 +185,13 @@ def tilt_at_end(trace: Trace, name: str) -> tuple[float, float]:
     return float(tilt.min()), float(tilt.max())
 
 
+def axis_tilt_at_end(trace: Trace, name: str, axis: Array) -> float:
+    """Largest angle between an axis of B, (3,), and the vertical in the `REST_WINDOW` [rad]."""
+    last = trace.time >= trace.time[-1] - REST_WINDOW
+    upwards = [float(rotation(pose)[2] @ axis) for pose in trace.poses[name][last]]
+    return float(np.arccos(np.clip(min(upwards), -1.0, 1.0)))
+
+
 def tilt_heading(trace: Trace, name: str, sample: int = -1) -> float:
     """Heading of the object's axis B_z in W [rad]: where it leans, or where it fell."""
     axis = rotation(trace.poses[name][sample])[:, 2]

@@ -62,10 +62,12 @@ def lesson_from_push(
 
     The target is the object as it was seen and believed before.
     """
+    if target.lies_on != "bottom":
+        return None  # what holds of another face does not of the base
     if trace.end == "turned":
         return _from_turn(made, target, trace)
     why = CONTRADICTIONS.get(trace.end)
-    trial = trial_from_push(made.push, target, trace) if target.lies_on == "bottom" else None
+    trial = trial_from_push(made.push, target, trace)
     if trial is None:
         return None
     try:

@@ -20,7 +20,7 @@ from nlcontrol.questions.push_prediction import PushPrediction, predict_push
 from nlcontrol.text_format import aside_text, quantity
 from planner.affordances import pushed_face
 from planner.geometry.directions import FACE_HEADINGS, HEADINGS, heading_of, unit
-from planner.problem.frame_interpretation import interpret_frame, require_upright
+from planner.problem.frame_interpretation import interpret_frame, require_resting
 from planner.refusals.refusal_builder import no_plan
 from planner.types.refusal import NoPlanError
 
@@ -135,8 +135,7 @@ def push_asked_about(frame: g.Frame, state: WorldState, defaults: Defaults) -> I
     target = target_of(frame, state)
     try:
         asked = interpret_frame(_as_command(frame), state, defaults)
-        if target.lies_on == "nothing flat":
-            require_upright(target)
+        require_resting(target)
         face_name, face, heading = _touched_face(asked, target)
     except NoPlanError as refused:
         raise ControlError(refusal_error(refused.refusal)) from refused

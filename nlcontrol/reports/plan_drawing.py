@@ -91,10 +91,8 @@ def _draw_table(axes: Axes, step: Step, plan: Plan, state: WorldState) -> None:
         style = {"color": ORANGE, "linestyle": "--", "linewidth": 1.8}
         drawn.append(_outline(axes, corners, "predicted end", **style))
     drawn.append(_draw_way(axes, plan, target, state))
-    marks = [
-        target.pose.p_WB + target.pose.R_WB @ np.array(mark.place)
-        for mark in plan_contacts(plan, target.pose.R_WB)
-    ]
+    R_WB, p_WB = target.body_pose
+    marks = [p_WB + R_WB @ np.array(mark.place) for mark in plan_contacts(plan, R_WB, target.rest)]
     if marks:
         x, y, _ = np.transpose(marks)
         axes.plot(
@@ -191,7 +189,7 @@ def _millimetres(value: float, _position: float) -> str:
 
 def _corners(seen: SeenObject, pose: Array) -> Array:
     """Corners of what an object covers in a pose X_WB, a row of a trace; shape (k, 2) [m]."""
-    outline, top = seen.model.outline, seen.model.top
+    outline, top = seen.standing_model.outline, seen.standing_model.top
     solid = np.array([[x, y, z] for z in (0.0, top) for x, y in outline])
     return np.asarray(
         hull_polygon((solid @ from_quaternion(pose[:4]).T + pose[4:])[:, :2]).vertices

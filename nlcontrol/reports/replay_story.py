@@ -96,12 +96,16 @@ def _contacts(result: Result) -> Iterator[ContactMark]:
     trace = result.trace
     if trace is None:
         return
-    told = [plan for step in result.steps for plan in (step.plans or (step.plan,)) if plan]
-    plans = [plan for plan in told if plan.object in trace.seen]
+    told = [
+        (plan, step.basis.target.rest if step.basis is not None else None)
+        for step in result.steps
+        for plan in (step.plans or (step.plan,))
+        if plan is not None and plan.object in trace.seen
+    ]
     since = 0.0
-    for plan, (touch, end) in zip(plans, _attempts(trace), strict=False):
+    for (plan, rest), (touch, end) in zip(told, _attempts(trace), strict=False):
         R_WB = from_quaternion(trace.seen[plan.object][touch, :4])
-        yield from plan_contacts(plan, R_WB, since)
+        yield from plan_contacts(plan, R_WB, rest, since)
         since = round(float(trace.time[end] - trace.time[0]), 3)
 
 

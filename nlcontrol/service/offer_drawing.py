@@ -31,7 +31,9 @@ def offer_drawing(result: Result) -> Drawing | None:
         faces=_faces_towards(target, normal_W),
         lines=tuple(prediction_lines(step)),
         ghosts=tuple(end_poses([step])),
-        contacts=tuple(plan_contacts(plan, target.pose.R_WB) if plan is not None else ()),
+        contacts=tuple(
+            plan_contacts(plan, target.body_pose[0], target.rest) if plan is not None else ()
+        ),
         marks=step.marks,
     )
 

@@ -277,8 +277,8 @@ class Conversation:
         self._speak_of(kept.frames, joins=joins)
         for step in kept.steps:
             if step.execution and step.plan and step.before:
-                done, before = step.plan, step.before
-                self.past.append(PastPush(kept, done.object, before, done.task))
+                done, rest = step.plan, step.basis.target.rest if step.basis else None
+                self.past.append(PastPush(kept, done.object, step.before, done.task, rest))
         del self.past[:-REMEMBERED]
         self.context = replace(self.context, moved=tuple(push.object for push in self.past))
 

@@ -227,6 +227,8 @@ class FrameRun:
             with self.controller.last_look.kept():
                 return self._look(), approved
         state = self._look()
+        if (basis := self.step.basis) and (fallen := basis.fall(self.frame, state)):
+            return state, fallen
         made = self.controller.plan(
             self.frame,
             state,

@@ -172,7 +172,7 @@ class HullModel(ObjectModel):
     @cached_property
     def rests(self) -> tuple[Resting, ...]:
         """On `bottom` and `face 1`, `face 2`, … by size, those off which it does not topple."""
-        found = [Resting("bottom", self, np.eye(3), np.zeros(3))]
+        found = [Resting("bottom", self, np.eye(3), np.zeros(3), self)]
         others = [plane for plane in self._side_planes if plane[0][2] > -1.0 + _FLAT]
         for k, (normal, _) in enumerate(others, start=1):
             try:
@@ -192,12 +192,13 @@ class HullModel(ObjectModel):
         sd = np.sqrt((R_NB**2) @ np.array(self.com_sd) ** 2)
         model = HullModel(
             **self._fields_on_face(
+                float(turned[:, 2].max()),
                 vertices=turned.tolist(),
                 com=(R_NB @ np.array(self.com) - origin).tolist(),
                 com_sd=sd.tolist(),
             )
         )
-        return Resting(face, model, R_NB.T, R_NB.T @ origin)
+        return Resting(face, model, R_NB.T, R_NB.T @ origin, self)
 
 
 def lowest_places(points: Array) -> tuple[float, Array]:

@@ -54,7 +54,7 @@ if TYPE_CHECKING:
     from objectmodels.models.calibration import SeenPushes
 
 _OF_ITS_BASE = (
-    "friction_radius", "friction_radius_sd", "correlations", "container", "lid", "grasp",
+    "friction_radius", "friction_radius_sd", "correlations", "container", "lid",
 )  # fmt: skip
 
 
@@ -114,13 +114,13 @@ class ObjectModel(Parameters, ABC):
     @cached_property
     def rests(self) -> tuple[Resting, ...]:
         """The ways in which it may lie on the table, the one it stands in first."""
-        return (Resting("bottom", self, np.eye(3), np.zeros(3)),)
+        return (Resting("bottom", self, np.eye(3), np.zeros(3), self),)
 
     def model_on_face(self, face: str) -> ObjectModel:
         """The object lying on another of its faces: a model in the frame of that one.
 
         What was fitted for the base (points to stand on, friction radius) does not go along; the
-        centre of mass and all coefficients do.
+        centre of mass, all coefficients and the squeeze that it bears do.
 
         Raises:
             ModelError: `unknown_face` if it cannot rest on a face of that name.
@@ -145,13 +145,15 @@ class ObjectModel(Parameters, ABC):
         """
         return lowest_rest(self, R_WB)
 
-    def _fields_on_face(self, **changes: object) -> dict[str, Any]:
-        """Fields of a model that lies on another face: all but those stated for the base."""
+    def _fields_on_face(self, top: float, **changes: object) -> dict[str, Any]:
+        """Fields of a model that lies, so high [m], on another face: those not of its base."""
         kept = {name: getattr(self, name) for name in type(self).model_fields if name != "kind"}
         for name in _OF_ITS_BASE:
             del kept[name]
         if not isinstance(self.support, str):
             del kept["support"]
+        if self.grasp is not None:
+            kept["grasp"] = self.grasp.model_copy(update={"lowest": 0.0, "highest": top})
         return kept | changes
 
     @model_validator(mode="after")

@@ -28,17 +28,33 @@ class Resting:
         model: what is believed of it as it lies there, in N.
         R_BN: orientation of N in B, shape (3, 3).
         p_BN: origin of N in B, shape (3,) [m].
+        standing: what is believed of it on its bottom, in B.
     """
 
     face: str
     model: ObjectModel
     R_BN: Array
     p_BN: Array
+    standing: ObjectModel
 
     @property
     def down(self) -> Array:
         """Outward normal of the face below in B, shape (3,)."""
         return -self.R_BN[:, 2]
+
+    @property
+    def foot(self) -> Array:
+        """Outward normal of the bottom in N, shape (3,)."""
+        return np.asarray(-self.R_BN[2])
+
+    def lying_pose(self, R_WB: Array, p_WB: Array) -> tuple[Array, Array]:
+        """R_WN, shape (3, 3), and p_WN, shape (3,) [m], of the same object."""
+        return R_WB @ self.R_BN, p_WB + R_WB @ self.p_BN
+
+    def body_pose(self, R_WN: Array, p_WN: Array) -> tuple[Array, Array]:
+        """R_WB, shape (3, 3), and p_WB, shape (3,) [m], of the same object."""
+        R_WB = R_WN @ self.R_BN.T
+        return R_WB, p_WN - R_WB @ self.p_BN
 
 
 def lowest_rest(model: ObjectModel, R_WB: ArrayLike) -> Resting:

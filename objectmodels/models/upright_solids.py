@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from dataclasses import replace
 from typing import Annotated, Literal, Self
 
 import numpy as np
@@ -69,18 +70,19 @@ class BoxModel(ObjectModel):
 
     def _resting_on(self, face: str, turn: Array) -> Resting:
         if face == "bottom":
-            return Resting(face, self, np.eye(3), np.zeros(3))
+            return Resting(face, self, np.eye(3), np.zeros(3), self)
         middle = np.array([0.0, 0.0, self.size[2] / 2.0])
         size = np.abs(turn @ np.array(self.size))
         up = np.array([0.0, 0.0, size[2] / 2.0])
         model = type(self)(
             **self._fields_on_face(
+                float(size[2]),
                 size=tuple(size.tolist()),
                 com=tuple((turn @ (np.array(self.com) - middle) + up).tolist()),
                 com_sd=tuple(np.abs(turn @ np.array(self.com_sd)).tolist()),
             )
         )
-        return Resting(face, model, turn.T, middle - turn.T @ up)
+        return Resting(face, model, turn.T, middle - turn.T @ up, self)
 
 
 class CylinderModel(ObjectModel):
@@ -195,10 +197,10 @@ class PrismModel(ObjectModel):
     def rests(self) -> tuple[Resting, ...]:
         """On `bottom`, and as a hull on its other faces: `face 1`, `face 2`, … by size."""
         ends = [(x, y, z) for z in (0.0, self.height) for x, y in self.corners]
-        kept = self._fields_on_face(vertices=tuple(ends))
+        kept = self._fields_on_face(self.height, vertices=tuple(ends))
         solid = HullModel(**{k: v for k, v in kept.items() if k not in ("corners", "height")})
-        upright = Resting("bottom", self, np.eye(3), np.zeros(3))
-        return (upright, *solid.rests[1:])
+        upright = Resting("bottom", self, np.eye(3), np.zeros(3), self)
+        return (upright, *(replace(rest, standing=self) for rest in solid.rests[1:]))
 
     def faces(self, headings: ArrayLike | None = None) -> tuple[Face, ...]:
         """One for each edge of the polygon, in its order."""

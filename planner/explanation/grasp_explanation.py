@@ -21,6 +21,7 @@ from planner.explanation.rows import (
 )
 from planner.types.actions import Carry, FlipOver, LiftUp, PourOut, TurnCap
 from planner.types.plan import Plan
+from planner.types.turning_actions import TurnOver
 
 if TYPE_CHECKING:
     from planner.explanation.push_explanation import Basis
@@ -70,6 +71,8 @@ def _outcome(plan: Plan) -> Iterator[Value]:
         match step:
             case LiftUp() if plan.task == "lift":
                 yield amount_value("height", si_text(step.height, "m"), from_table("lift_"))
+            case TurnOver():
+                yield Value("turned over", si_text(step.angle, "rad"))
             case PourOut():
                 volume = "everything" if step.volume is None else si_text(step.volume, "m³")
                 yield amount_value("volume", volume, from_table("pour_"))

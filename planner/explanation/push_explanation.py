@@ -28,11 +28,13 @@ from planner.explanation.rows import (
     si_text,
 )
 from planner.geometry.directions import phrase
+from planner.refusals.refusal_builder import refusal
 
 if TYPE_CHECKING:
     from planner.types.actions import Push
     from planner.types.defaults import Defaults
     from planner.types.plan import DefaultUsed, Plan
+    from planner.types.refusal import Refusal
     from planner.types.world_state import SeenObject, WorldState
 
 
@@ -53,6 +55,13 @@ class Basis:
         """The basis of a frame about an object; None if it has none that is seen."""
         seen = state.objects.get(frame.object.id or "") if frame.object else None
         return cls(seen, defaults) if seen else None
+
+    def fall(self, frame: g.Frame, state: WorldState) -> Refusal | None:
+        """The refusal to go on with what fell meanwhile, if it is not to be stood up; else None."""
+        here = state.objects[self.target.name]
+        if here.lies_on == self.target.lies_on or isinstance(frame.goal, g.Upright):
+            return None
+        return refusal("fell", object=here.name, side=here.side_below)
 
 
 def explain_push(frame: g.Frame, plan: Plan, text: str, basis: Basis) -> tuple[Row, ...]:

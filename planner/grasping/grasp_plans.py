@@ -9,9 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import product
+from typing import TypeVar
 
 from planner.grasping.grasp_sampling import Candidate
-from planner.grasping.grasp_selection import StableGrasp
+from planner.grasping.grasp_selection import GraspLoad, StableGrasp
 from planner.problem.planning_problem import GraspProblem
 from planner.refusals.reach_refusals import no_grasp_reached
 from planner.refusals.refusal_builder import no_plan
@@ -43,6 +44,7 @@ class MotionDraft:
 
 
 Way = tuple[StableGrasp | None, MotionDraft]
+HoldT = TypeVar("HoldT", Candidate, GraspLoad)
 
 
 def each_with_each(ways: Sequence[StableGrasp], drafts: Sequence[MotionDraft]) -> list[Way]:
@@ -52,7 +54,7 @@ def each_with_each(ways: Sequence[StableGrasp], drafts: Sequence[MotionDraft]) -
 
 
 def first_plan_of_groups(
-    groups: Iterable[list[Candidate]], plan_with: Callable[[list[Candidate]], Plan]
+    groups: Iterable[list[HoldT]], plan_with: Callable[[list[HoldT]], Plan]
 ) -> Plan:
     """The plan with the first group of grasps for which there is one.
 

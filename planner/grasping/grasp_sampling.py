@@ -151,7 +151,9 @@ def body_candidates(problem: GraspProblem) -> Iterator[list[Candidate]]:
     sides = _sides_within(problem)
     stated, tip = target.model.grasp, problem.robot.limits.fingertip_radius
     anywhere = (tip, target.model.top - tip)
-    ranges = [anywhere] if stated is None else [(stated.lowest, stated.highest), anywhere]
+    ranges = [anywhere]
+    if stated is not None:
+        ranges = [(max(stated.lowest, tip), min(stated.highest, anywhere[1])), anywhere]
     ways = [(limits, how, False) for limits, how in product(ranges, (_SQUARE, _ASKEW))]
     none = True
     for (low, high), pitches, deep in [*ways, (anywhere, _SQUARE, True)]:

@@ -21,6 +21,7 @@ from objectmodels.geometry.base_shapes import Array
 from objectmodels.mechanics.grasp_stability import Contacts, Lifted, least_squeezes
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.models.object_model import ObjectModel
+from planner.geometry.spatial_rotations import rotation_about
 from planner.grasping.grasp_lean import Lean
 from planner.grasping.grasp_sampling import Candidate
 from planner.problem.planning_problem import GraspProblem
@@ -57,12 +58,27 @@ class GraspLoad:
         load: that hangs on it; the object's weight if None.
         lean: direction in B in which it is tilted [rad].
         angle: how far [rad].
+        turned: rotation vector, in B, of a turn about whatever axis, (3,) [rad]; None of a tilt.
     """
 
     candidate: Candidate
     load: Load | None = None
     lean: float = 0.0
     angle: float = 0.0
+    turned: Array | None = None
+
+    @property
+    def down(self) -> Array:
+        """Directions of its weight in B on its way, shape (k, 3)."""
+        if self.turned is not None:
+            angle = float(np.linalg.norm(self.turned))
+            R = rotation_about(self.turned / angle, np.linspace(0.0, angle, _TILTS))
+            return -R[:, 2]
+        tilts = np.linspace(0.0, self.angle, _TILTS) if self.angle else np.zeros(1)
+        ahead, ones = np.sin(tilts), np.ones(len(tilts))
+        return np.stack(
+            [ahead * math.cos(self.lean), ahead * math.sin(self.lean), -np.cos(tilts) * ones], -1
+        )
 
     def lifted_object(self, model: ObjectModel) -> Lifted:
         """It in the hand, through its motion."""
@@ -78,14 +94,9 @@ class GraspLoad:
             # The fingers around a knob do not keep it from swinging until its weight is below.
             borne = borne.model_copy(update={"com": tuple(each.middle), "com_sd": (0.0, 0.0, 0.0)})
             contacts, shares = _PATCH, np.array([1.0, 0.5, 0.5])
-        tilts = np.linspace(0.0, self.angle, _TILTS) if self.angle else np.zeros(1)
-        ahead, ones = np.sin(tilts), np.ones(len(tilts))
-        down = np.stack(
-            [ahead * math.cos(self.lean), ahead * math.sin(self.lean), -np.cos(tilts) * ones], -1
-        )
         R_BG = np.column_stack([closing, np.cross(approach, closing), approach])
         grasp = Contacts(contacts, shares, each.press)
-        return Lifted(borne, grasp, each.middle, R_BG, down, ACCELERATION)
+        return Lifted(borne, grasp, each.middle, R_BG, self.down, ACCELERATION)
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,12 +108,14 @@ class StableGrasp:
         probability: that it holds, and hangs upright.
         lean: direction in B in which it holds while it is tilted [rad]; None if any will do.
         hangs: how the object leans in it; None if it is held already, or is a lid.
+        turned: as of `GraspLoad`, for which it holds.
     """
 
     grasp: Grasp
     probability: float
     lean: float | None = None
     hangs: Lean | None = None
+    turned: Array | None = None
 
 
 def held_already(problem: GraspProblem) -> list[StableGrasp]:
@@ -154,6 +167,7 @@ def stable_grasps(problem: GraspProblem, bearings: Sequence[GraspLoad]) -> list[
             float(probability[i]),
             bearings[i].lean if bearings[i].angle else None,
             leans[i],
+            bearings[i].turned,
         )
         for i in order
         if good[i]

@@ -6,11 +6,14 @@ second. What this version has no controller for is refused here, by the name of 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
 from grammar.frames import command as g
-from planner.geometry.directions import HEADINGS
+from objectmodels.geometry.base_shapes import Disc
+from objectmodels.models.resting_face import LEVEL
+from planner.geometry.directions import HEADINGS, heading_of
 from planner.problem import planning_problem
 from planner.problem.constraint_limits import apply_constraint, grasp_limits
 from planner.problem.goal_poses import find_goal_poses
@@ -21,8 +24,8 @@ from planner.types.plan import DefaultUsed, Plan
 from planner.types.robot import Failed, NoRobot, Robot
 from planner.types.world_state import SeenObject, WorldState
 
+_OF_WHAT_STANDS = ("open", "close", "pour")
 _NO_CONTROLLER = {
-    "upright": "standing objects up",
     "lift": "lifting objects",
     "open": "opening objects",
     "close": "closing objects",
@@ -99,6 +102,8 @@ def _with_goal(problem: planning_problem.PushProblem) -> planning_problem.PushPr
             goal=planning_problem.PushGoal("topple", heading, tilt=angle),
             defaults_used=used,
         )
+    if isinstance(goal, g.Upright):
+        return replace(problem, goal=_tipped_onto_bottom(problem.target))
     if not isinstance(goal, g.Displace | g.Place | g.Rotate | g.NoGoal):
         what = _NO_CONTROLLER.get(goal.kind, goal.kind)
         message = f"this version of the robot has no controller for {what}"
@@ -106,6 +111,14 @@ def _with_goal(problem: planning_problem.PushProblem) -> planning_problem.PushPr
         raise not_capable(what, message, spans, "push, turn, tilt or topple it")
     found = find_goal_poses(problem)
     return replace(problem, goal=found.goal, defaults_used=found.defaults_used + used)
+
+
+def _tipped_onto_bottom(target: SeenObject) -> planning_problem.PushGoal:
+    """The fall over the edge between the face below and the bottom."""
+    foot = -target.body_pose[0][:, 2]
+    if math.hypot(foot[0], foot[1]) < math.cos(LEVEL):
+        raise no_plan("no_edge", object=target.name, side=target.side_below)
+    return planning_problem.PushGoal("topple", heading_of(foot))
 
 
 def grasp_problem(
@@ -118,7 +131,8 @@ def grasp_problem(
     """The planning problem of a frame that takes a whole hand; see `interpret_frame`.
 
     Raises:
-        NoPlanError: the hand is not free, nothing is held, or the object lies.
+        NoPlanError: the hand is not free, nothing is held, or the object lies in a way that does
+            not do.
     """
     d = defaults
     used = DefaultUsed(name="carry_speed", value=d.carry_speed, unit="m/s", reason="no speed said")
@@ -153,20 +167,24 @@ def _target_of_hand(frame: g.Frame, state: WorldState) -> SeenObject:
     if held is not None and (held.name != name or by_lid):
         raise no_plan("hand_not_free", object=held.name)
     target = state.objects[name]
-    require_upright(target)
+    require_resting(target)
+    if frame.goal.kind in _OF_WHAT_STANDS and target.rest is not None:
+        doing = planning_problem.HAND_GOALS[frame.goal.kind]
+        raise no_plan("lies", object=name, side=target.side_below, doing=doing)
     return target
 
 
-def require_upright(target: SeenObject) -> None:
-    """Make sure that an object stands on its base.
+def require_resting(target: SeenObject) -> None:
+    """Make sure that an object rests on one of its faces.
 
     Raises:
-        NoPlanError: it lies on another face, or on none.
+        NoPlanError: it lies on its round side, or leans on something.
     """
-    face = target.lies_on
-    if face != "bottom":
-        side = face if face.startswith(("face", "nothing")) else f"its {face} side"
-        raise no_plan("lies", object=target.name, side=side)
+    if target.attitude is None:
+        return
+    level = abs(target.attitude[-1]) < math.sin(LEVEL)
+    rolls = level and isinstance(target.model.footprint, Disc)
+    raise no_plan("rolls" if rolls else "leans", object=target.name)
 
 
 def require_other_objects(frame: g.Frame) -> None:

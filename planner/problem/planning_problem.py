@@ -55,6 +55,7 @@ HAND_GOALS = {
     "lift": "lifting",
     "set_down": "putting down",
     "place": "lifting",
+    "upright": "standing up",
     "pour": "pouring from",
     "open": "opening",
     "close": "closing",

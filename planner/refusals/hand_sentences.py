@@ -143,6 +143,10 @@ _POURS = {
         "the {object} cannot be poured into itself", ("say another container to pour into",)
     ),
     "no_container": impossible("the {object} is no container", ("name a container",)),
+    "hand_from_below": impossible(
+        "to stand the {object} up the hand would have to hold it from below",
+        ("have somebody stand it up",),
+    ),
     "container_lies": impossible("the {object} lies on its side", ("set it upright first",)),
     "is_closed": impossible("the {object} is closed", ("open the {object} first",)),
     "is_empty": impossible("the {object} is empty", ("fill it by hand",)),

@@ -89,9 +89,28 @@ _PUSHES = {
         ("find out the centre of mass of the {object} first",),
     ),
     "lies": unsupported(
-        "the {object} lies on {side}; this version of the robot moves only what stands",
-        ("set it upright first",),
-        "moving an object that lies",
+        "the {object} lies on {side}; {doing} it takes that it stands",
+        ("set the {object} upright first",),
+        "{doing} an object that lies",
+    ),
+    "fell": impossible(
+        "the {object} has fallen: it lies on {side} now", ("set the {object} upright first",)
+    ),
+    "falls_otherwise": impossible(
+        "tipped over, the {object} would not come to stand on its bottom",
+        ("have somebody stand it up",),
+    ),
+    "no_edge": impossible(
+        "the {object} lies on {side}, which has no edge with its bottom to tip it over",
+        ("have somebody stand it up",),
+    ),
+    "rolls": impossible(
+        "the {object} lies on its round side: it would roll, and how far is not predicted",
+        ("have somebody set it upright",),
+    ),
+    "leans": impossible(
+        "the {object} lies on nothing flat: how it would move is not predicted",
+        ("have somebody set it upright",),
     ),
     "hand_not_free": blocked(
         "the hand holds the {object}: put it down first", ("put the {object} down",)

@@ -14,7 +14,10 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
+
+from planner.types.frozen_value import Value
+from planner.types.turning_actions import TurnOver
 
 Vector3 = tuple[float, float, float]
 FaceName = Literal["front", "back", "left", "right"]
@@ -28,12 +31,6 @@ FALLING = math.radians(11.0)
 """Tilt beyond the angle of no return at which a push lets a toppling object fall [rad]."""
 
 _UPRIGHT, _LEVEL = 0.95, 0.05  # of an approach, how much it goes down
-
-
-class Value(BaseModel):
-    """Base of what planning results are made of."""
-
-    model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid", allow_inf_nan=False)
 
 
 class Aim(Value):
@@ -395,6 +392,7 @@ class PutOn(Value):
 
 
 Action = Annotated[
-    PushAction | GraspAction | LiftUp | Carry | PourOut | SetDown | FlipOver | TurnCap | PutOn,
+    PushAction | GraspAction | LiftUp | Carry | TurnOver | PourOut | SetDown | FlipOver | TurnCap
+    | PutOn,
     Field(discriminator="kind"),
-]
+]  # fmt: skip

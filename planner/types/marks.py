@@ -9,7 +9,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from planner.types.actions import Value, Vector3
+from planner.types.actions import Vector3
+from planner.types.frozen_value import Value
 
 
 class HeightMark(Value):

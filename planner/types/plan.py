@@ -10,10 +10,11 @@ from textwrap import shorten
 from typing import Literal
 
 from objectmodels.html_table import html_table
-from planner.types.actions import Action, Aim, GraspAction, Limits, PushAction, Value
+from planner.types.actions import Action, Aim, GraspAction, Limits, PushAction
+from planner.types.frozen_value import Value
 from planner.types.refusal import Refusal
 
-PlanTask = Literal["push", "topple", "tilt", "lift", "place", "pour", "open", "close"]
+PlanTask = Literal["push", "topple", "tilt", "lift", "place", "stand", "pour", "open", "close"]
 
 
 class DefaultUsed(Value):

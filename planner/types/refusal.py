@@ -7,7 +7,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from planner.types.actions import Value
+from planner.types.frozen_value import Value
 from planner.types.marks import Mark
 
 RefusalReason = Literal[

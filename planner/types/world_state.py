@@ -18,6 +18,7 @@ from objectmodels.containers.lid_geometry import lid_rise
 from objectmodels.errors import ModelError
 from objectmodels.geometry.support_points import hull_polygon
 from objectmodels.models.object_model import ObjectModel
+from objectmodels.models.resting_face import Resting
 from planner.types.actions import Grasp
 
 Colour = tuple[float, float, float]
@@ -62,7 +63,8 @@ class SeenObject:
         name: the object's name in the scene; unique.
         pose: where the camera port sees it.
         model: the registry's model of it (the belief, never the truth), as it lies.
-        lies_on: name of the face that is below; `bottom` if it stands as its model does.
+        rest: how it lies on another face than its model stands on; None if it does not. Pose and
+            model are then those of the frame of that face.
         colour: what the camera sees, red, green, blue in 0…1; None if it was not looked at.
         fragile: whether hand and other objects are to keep well away from it.
         attitude: rotation of B in W, row by row, of one that lies on nothing flat.
@@ -76,13 +78,37 @@ class SeenObject:
     name: str
     pose: PlanarPose
     model: ObjectModel
-    lies_on: str = "bottom"
+    rest: Resting | None = None
     colour: Colour | None = None
     fragile: bool = False
     attitude: tuple[float, ...] | None = None
     fixed: bool = False
     lid: float | None = None
     lid_at: tuple[float, float, float] | None = None
+
+    @property
+    def lies_on(self) -> str:
+        """Name of the face that is below; `bottom` if it stands as its model does."""
+        if self.attitude is not None:
+            return "nothing flat"
+        return "bottom" if self.rest is None else self.rest.face
+
+    @property
+    def side_below(self) -> str:
+        """The face that is below, in words."""
+        face = self.lies_on
+        return face if face.startswith(("face", "nothing")) else f"its {face} side"
+
+    @property
+    def standing_model(self) -> ObjectModel:
+        """The model of it on its bottom."""
+        return self.model if self.rest is None else self.rest.standing
+
+    @property
+    def body_pose(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """R_WB, shape (3, 3), and p_WB, shape (3,) [m], of the frame in which its model stands."""
+        R_WN, p_WN = self.pose.R_WB, self.pose.p_WB
+        return (R_WN, p_WN) if self.rest is None else self.rest.body_pose(R_WN, p_WN)
 
     @property
     def is_covered(self) -> bool:
@@ -113,11 +139,11 @@ class SeenObject:
         except ModelError:
             here = PlanarPose(pose.x, pose.y, pose.yaw)
             attitude = tuple(pose.R_WB.ravel().tolist())
-            return cls(name, here, model, "nothing flat", colour, fragile, attitude, fixed, lid)
-        R_WN, p_WN = pose.R_WB @ rest.R_BN, pose.p_WB + pose.R_WB @ rest.p_BN
+            return cls(name, here, model, None, colour, fragile, attitude, fixed, lid)
+        R_WN, p_WN = rest.lying_pose(pose.R_WB, pose.p_WB)
         yaw = float(np.arctan2(R_WN[1, 0], R_WN[0, 0]))
         here = PlanarPose(float(p_WN[0]), float(p_WN[1]), yaw)
-        return cls(name, here, rest.model, rest.face, colour, fragile, None, fixed, lid)
+        return cls(name, here, rest.model, rest, colour, fragile, None, fixed, lid)
 
     def bulk(self) -> tuple[NDArray[np.float64], float]:
         """An upright prism around it as it lies: corners in W, shape (k, 2), and height [m].

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sim.perception.fingertip_sensing import Touch, sense_touch
+from sim.perception.state_estimation import frame_as_things_lie
 from sim.rotations import quaternion
 from sim.supervision import Monitor
 from sim.traces.trace import ContactEvent, Trace
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike
 
+    from objectmodels.models.resting_face import Resting
     from sim.hands.mount import Mount
     from sim.rotations import Array
     from sim.supervision import Progress
@@ -66,6 +68,8 @@ class TraceRecorder:
         zero: what they read while nothing is touched, of the same shape.
         touch: what the fingers felt last; None until there are any.
         frames: camera frames that arrived with the last step.
+        rests: how objects lay on other faces than their models stand on when they were looked at;
+            frames show them in the frames of those faces from then on.
         inward: unit normal into the touched face in W, shape (3,), or of each finger, (k, 3).
     """
 
@@ -85,6 +89,7 @@ class TraceRecorder:
         self.zero: Array | float = 0.0
         self.touch: Touch | None = None
         self.frames: list[Frame] = []
+        self.rests: Mapping[str, Resting] = {}
         self.mount = mount
         self.inward = -normal_W
         self._seed = observer.seed
@@ -113,6 +118,8 @@ class TraceRecorder:
         if self.frames:
             self._newest = dict(self.frames[-1].poses)
             self._newest_lids = self.frames[-1].lids
+        if self.rests:
+            self.frames = [frame_as_things_lie(frame, self.rests) for frame in self.frames]
         if self.fingers:
             self.torques = np.array([self.port.finger_torques(f) for f in self.fingers])
             self.touch = sense_touch(

@@ -19,7 +19,8 @@ from sim.control.grasping.hand_motion import ACCELERATES, HandMotion
 from sim.control.grasping.held_object_sensing import HandSense, Holding, Weight, estimate_weight
 from sim.control.trace_recorder import EarlyEndError, TraceRecorder
 from sim.motion.grasp_motion_search import GraspMotion
-from sim.paths.held_object_path import HeldObject, HeldSegment, upright_again
+from sim.paths.held_object_path import HeldObject, upright_again
+from sim.paths.held_segment import HeldSegment
 from sim.rotations import Array
 
 CONTACT = 0.4

@@ -24,7 +24,8 @@ from sim.control.trace_recorder import EarlyEndError, TraceRecorder
 from sim.execution.grasp_execution import SETTLE, GraspExecution
 from sim.motion.arm_configuration import UnreachableError
 from sim.motion.flip_motion_search import FlipConfiguration
-from sim.paths.held_object_path import THREAD, HeldSegment
+from sim.paths.held_object_path import THREAD
+from sim.paths.held_segment import HeldSegment
 from sim.rotations import Array
 from sim.supervision import Progress
 from sim.traces.trace import EndReason, Trace

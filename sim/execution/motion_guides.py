@@ -37,10 +37,10 @@ from sim.paths.fingertip_path import BACK, STANDOFF, FingertipPath
 from sim.paths.held_object_path import (
     REACH_SPEED,
     HeldObject,
-    HeldSegment,
     step_segments,
     withdrawal_vectors,
 )
+from sim.paths.held_segment import HeldSegment
 from sim.paths.lid_arc_path import LidPath, hinge_pose, lid_shape
 from sim.rotations import Array
 

@@ -34,11 +34,11 @@ from sim.motion.roadmap import LIMIT_MARGIN, free_path, sample_configurations
 from sim.motion.transit_clearance import TransitClearance
 from sim.paths.held_object_path import (
     HeldObject,
-    HeldSegment,
     free_segments,
     step_segments,
     withdrawal_vectors,
 )
+from sim.paths.held_segment import HeldSegment
 from sim.rotations import Array
 
 _LARGEST_STEP = 0.6  # more change of a joint between poses that are looked at is a jump [rad]
@@ -173,12 +173,10 @@ class GraspMotionSearch:
         ends = [WaySamples.along(legs) for legs in (before, after)]
         self._way = WaySamples.of_ways([ends[0], self._carried, ends[1]])
         # Where it stands in the end, for the hand that lets go of it there.
-        held = self._stood = self._hold.about
+        self._stood = self._hold.about
         if self._way.last.any():
             k = int(np.flatnonzero(self._way.last)[0])
-            turned = self._way.R_WB[k] @ held.R_WB.T
-            angle = float(np.arctan2(turned[1, 0], turned[0, 0]))
-            self._stood = held.after_motion(held.p_WB, self._way.p_WB[k], angle)
+            self._stood = self._hold.left_standing(self._way.R_WB[k], self._way.p_WB[k])
 
     def _motion_of_way(self) -> GraspMotion | ReachAnswer:
         """The best way with these legs, or why there is none."""

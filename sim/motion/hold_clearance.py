@@ -17,11 +17,13 @@ from numpy.typing import NDArray
 
 from planner.types.actions import PourOut
 from planner.types.robot import ReachAnswer
+from planner.types.world_state import PlanarPose
 from sim.collision.collision_scene import TABLE_CLEARANCE, CollisionScene, Obstacle
 from sim.collision.collision_spheres import height_above_table, place_spheres, surface_spheres
 from sim.hands.hand_model import GraspPosture, Hand
-from sim.paths.held_object_path import HeldObject, HeldSegment
-from sim.rotations import Array
+from sim.paths.held_object_path import HeldObject
+from sim.paths.held_segment import HeldSegment
+from sim.rotations import Array, yaw_of
 
 _HELD_CLEARANCE = 0.004  # of what is held from the object into which it is poured [m]
 _OWNER_CLEARANCE = 0.0023  # of the hand from the object whose lid it holds [m]
@@ -146,6 +148,18 @@ class HoldClearance:
             return ReachAnswer(False, "object", what)
         return self._closed_hand_blocked or self._held_blocked()
 
+    def left_standing(self, R_WB: Array, p_WB: Array) -> Obstacle:
+        """What was held, let go in a pose of shapes (3, 3) and (3,) [m]."""
+        held = self._handled.held
+        if R_WB[2, 2] < 1.0 - 1e-9:
+            rest = held.model.resting_face(R_WB)
+            R_WN, p_WN = rest.lying_pose(R_WB, p_WB)
+            there = PlanarPose(float(p_WN[0]), float(p_WN[1]), float(yaw_of(R_WN)))
+            return Obstacle.from_seen(replace(held, pose=there, model=rest.model), 0.0)
+        turned = R_WB @ self.about.R_WB.T
+        angle = float(np.arctan2(turned[1, 0], turned[0, 0]))
+        return self.about.after_motion(self.about.p_WB, p_WB, angle)
+
     def palm_poses(self, way: WaySamples) -> tuple[Array, Array]:
         """R_WP, shape (w, 3, 3), and p_WP, shape (w, 3) [m], along a way."""
         return way.R_WB @ self.R_BP, way.p_WB + way.R_WB @ self.p_BP
@@ -176,7 +190,9 @@ class HoldClearance:
         way, pushed = self._carried.holding, self.scenery.pushed
         body = place_spheres(surface_spheres(pushed.outline, pushed.height), way.R_WB, way.p_WB)
         what = f"the {self._plan.object}"
-        tilted = way.R_WB[:, 2, 2] < 1.0 - 1e-9
+        # What is set down in the end comes down to the table, on whatever face that may be.
+        level = np.maximum(way.R_WB[:, 2, 2], way.R_WB[:, 2] @ way.R_WB[-1, 2])
+        tilted = level < 1.0 - 1e-9
         low = height_above_table(body[tilted]).min(initial=np.inf)
         if low < _OFF_TABLE:
             return ReachAnswer(False, "table", f"{what} would hit the table while it is tilted")

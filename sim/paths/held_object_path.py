@@ -37,8 +37,10 @@ from planner.types.actions import (
 )
 from planner.types.plan import Plan
 from planner.types.speed_profile import LIFT_SPEED
+from planner.types.turning_actions import TurnOver
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.collision.collision_scene import Obstacle
+from sim.paths.held_segment import HeldSegment
 from sim.rotations import Array, axis_rotation, wrap
 
 THREAD = 2.0 * np.pi
@@ -60,7 +62,6 @@ _HALF_HAND = 0.04  # of index and ring about the middle finger, with their thick
 _DOWN = 0.7  # of an approach from above
 _STROKE = np.radians(125.0)  # by which a wrist turns a cap at most before it grips anew
 _LETS_GO = (SetDown, PutOn, TurnCap)  # if it is the last step
-_STEP, _TURN_STEP = 0.025, np.radians(8.0)  # between poses that are looked at
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,63 +169,6 @@ def _lid_as_object(target: SeenObject, pitch: float) -> tuple[SeenObject, float]
     return SeenObject(model.name, pose, model), height
 
 
-@dataclass(frozen=True, eq=False)
-class HeldSegment:
-    """A point C of the held object goes straight while it turns evenly about an axis.
-
-    Attributes:
-        phase: of the trace.
-        R_WB: orientation at the start, shape (3, 3).
-        p_BC: the point, shape (3,) [m].
-        start, end: where it is in W, shape (3,) [m].
-        axis: of the turn in W, shape (3,).
-        turn: angle altogether [rad].
-        speed, rate: largest ones of the point [m/s] and of the turn [rad/s].
-        free: whether the hand is open, and the object stands where the leg begins or ends.
-    """
-
-    phase: str
-    R_WB: Array
-    p_BC: Array
-    start: Array
-    end: Array
-    axis: Array
-    turn: float
-    speed: float
-    rate: float
-    free: bool = False
-
-    def poses_at(self, shares: Array) -> tuple[Array, Array]:
-        """R_WB, shape (n, 3, 3), and p_WB, shape (n, 3), after shares of the leg, shape (n,)."""
-        R_WB = axis_rotation(self.axis, self.turn * shares) @ self.R_WB
-        p_WC = self.start + shares[:, None] * (self.end - self.start)
-        return R_WB, p_WC - R_WB @ self.p_BC
-
-    def sample_shares(self) -> Array:
-        """Shares between which nothing is missed."""
-        far = np.linalg.norm(self.end - self.start)
-        n = int(np.ceil(max(far / _STEP, abs(self.turn) / _TURN_STEP, 1.0)))
-        return np.linspace(0.0, 1.0, n + 1)
-
-    @property
-    def share_rate(self) -> float:
-        """Largest share of the leg per time [1/s]."""
-        far = float(np.linalg.norm(self.end - self.start))
-        return min(self.speed / max(far, 1e-9), self.rate / max(abs(self.turn), 1e-9))
-
-    @property
-    def end_pose(self) -> tuple[Array, Array]:
-        """R_WB and p_WB at the end."""
-        R_WB, p_WB = self.poses_at(np.ones(1))
-        return R_WB[0], p_WB[0]
-
-    def way_back(self, **changes: object) -> HeldSegment:
-        """The same leg the other way."""
-        R_WB, _ = self.end_pose
-        there = replace(self, R_WB=R_WB, start=self.end, end=self.start, turn=-self.turn)
-        return replace(there, **changes)  # type: ignore[arg-type]
-
-
 def grasp_frame(grasp: Grasp, R_WB: Array) -> tuple[Array, Array]:
     """R_BG, shape (3, 3), whose axes are those of the palm, and p_BG, shape (3,) [m].
 
@@ -301,10 +245,13 @@ def _step_segments(
         yield _straight_segment("lift", R_WB, p_WB, p_WB + up, LIFT_SPEED)
     elif isinstance(step, Carry):
         yield _carry_segment(step, R_WB, p_WB)
+    elif isinstance(step, TurnOver):
+        yield _turning_segment(step, handled, R_WB, p_WB)
     elif isinstance(step, PourOut):
         yield from _pour_segments(step, handled.held, R_WB, p_WB)
     elif isinstance(step, SetDown):
-        yield _straight_segment("set_down", R_WB, p_WB, p_WB * [1.0, 1.0, 0.0], LIFT_SPEED)
+        stands = np.array([*p_WB[:2], _height_of_origin(handled.held, R_WB)])
+        yield _straight_segment("set_down", R_WB, p_WB, stands, LIFT_SPEED)
     elif isinstance(step, PutOn):
         on = np.array([*p_WB[:2], handled.seat])
         yield _straight_segment("lid", R_WB, p_WB, on, LIFT_SPEED)
@@ -338,6 +285,20 @@ def _carry_segment(step: Carry, R_WB: Array, p_WB: Array) -> HeldSegment:
         turn = float(wrap(step.to.yaw - np.arctan2(R_WB[1, 0], R_WB[0, 0])))
     end = np.array([step.to.x, step.to.y, p_WB[2]])
     return replace(_straight_segment("carry", R_WB, p_WB, end, CARRY_SPEED), turn=turn)
+
+
+def _turning_segment(step: TurnOver, handled: HeldObject, R_WB: Array, p_WB: Array) -> HeldSegment:
+    p_BG, axis = np.array(handled.grasp.p_BG), np.array(step.axis_W)
+    middle = p_WB + R_WB @ p_BG
+    fastest = math.inf if handled.plan.speed is None else handled.plan.speed
+    rate = min(TURN_SPEED, fastest / float(np.linalg.norm(p_BG)))
+    return HeldSegment("carry", R_WB, p_BG, middle, middle, axis, step.angle, CARRY_SPEED, rate)
+
+
+def _height_of_origin(held: SeenObject, R_WB: Array) -> float:
+    """Height of B's origin when it stands on the table in an orientation [m]."""
+    corners = np.array([[x, y, z] for z in (0.0, held.model.top) for x, y in held.model.outline])
+    return float(np.round(-(corners @ R_WB[2]).min(), 9)) + 0.0
 
 
 def _pour_segments(

@@ -12,7 +12,7 @@ import numpy as np
 
 from objectmodels.containers.lid_geometry import detached_lid
 from objectmodels.models.object_model import ObjectModel
-from objectmodels.models.resting_face import LEVEL
+from objectmodels.models.resting_face import LEVEL, Resting
 from planner.types.world_state import PlanarPose, SeenObject
 from sim.cell.cell_description import CellDescription
 from sim.rotations import rot_z, yaw_of
@@ -60,6 +60,15 @@ def estimate_objects(
             found[name] = replace(seen_object, lid_at=_lid_at(seen, lid.name, poses[lid.name]))
             found[lid.name] = SeenObject.lying(lid.name, poses[lid.name], lid)
     return found
+
+
+def frame_as_things_lie(frame: Frame, rests: Mapping[str, Resting]) -> Frame:
+    """A camera frame in which some objects have the frames of the faces that they lay on."""
+    shown = {
+        name: SeenPose(*rests[name].lying_pose(pose.R_WB, pose.p_WB)) if name in rests else pose
+        for name, pose in frame.poses.items()
+    }
+    return replace(frame, poses=shown)
 
 
 def _lid_at(frames: list[Frame], name: str, pose: PlanarPose) -> tuple[float, float, float] | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from nlcontrol.learning.exploration_session import explore
 from objectmodels import Registry
 from planner.touch_experiments import experiments
 from planner.types.plan import Plan
-from planner.types.world_state import SeenObject, WorldState
+from planner.types.world_state import WorldState
 from sim import load_scene
 from sim.simulated_executor import SimulatedExecutor, simulation
 
@@ -240,7 +241,8 @@ def test_what_lies_is_not_explored() -> None:
     controller = Controller(seed=0)
     state = controller.look()
     box = state.objects[BOX]
-    lying = WorldState({BOX: SeenObject(BOX, box.pose, box.model, lies_on="left")})
+    left = next(rest for rest in box.model.rests if rest.face == "left")
+    lying = WorldState({BOX: replace(box, model=left.model, rest=left)})
     executor = controller.executor
     executor.look = lambda *_: lying  # type: ignore[method-assign]
     with pytest.raises(ControlError, match="lies on its left face") as raised:

@@ -22,6 +22,7 @@ from planner.geometry.directions import angle_between, heading_of, phrase
 
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result
+    from objectmodels.models.resting_face import Resting
     from planner.types.defaults import Defaults
     from planner.types.plan import PlanTask
     from planner.types.world_state import PlanarPose, SeenObject, WorldState
@@ -36,12 +37,19 @@ class PastPush:
         object: name of the object in the scene.
         before: where the robot saw it before.
         task: what the plan amounted to.
+        rest: how it lay then, if not on its bottom.
     """
 
     of: Result
     object: str
     before: PlanarPose
     task: PlanTask = "push"
+    rest: Resting | None = None
+
+    def object_before(self, now: SeenObject) -> SeenObject:
+        """The object as it was before."""
+        model = now.standing_model if self.rest is None else self.rest.model
+        return replace(now, pose=self.before, model=model, rest=self.rest, attitude=None)
 
 
 @dataclass(frozen=True)
@@ -72,15 +80,20 @@ def undo_frames(pushed: Sequence[PastPush], state: WorldState, defaults: Default
             found.append((_frame(goal.kind, now, goal), push))
         if held == push.object:
             found.append((_set_down(now, push.before, defaults), push))
-            here[push.object], held = replace(now, pose=push.before, lies_on="bottom"), None
+            here[push.object], held = push.object_before(now), None
+            continue
+        before = push.object_before(now)
+        if now.lies_on != before.lies_on != "bottom":
+            notes.append(f"the {push.object} does not get back onto {before.side_below}")
+            here[push.object] = before
             continue
         turn = abs(angle_between(now.pose.yaw, push.before.yaw))
         turns = not isinstance(now.model.base, Disc) or _was_to_turn(push)
         if not turns and turn > defaults.no_turn:
             notes.append(f"that the {push.object} turned by {quantity(turn, 'rad')} is not undone")
-        found += [(frame, push) for frame in _back(now, push.before, turns, defaults)]
+        found += [(frame, push) for frame in _back(now, before, turns, defaults)]
         # The push before it is undone from where this one will leave the object.
-        here[push.object] = replace(now, pose=push.before, lies_on="bottom")
+        here[push.object] = before
     return WayBack(tuple(f for f, _ in found), tuple(p for _, p in found), tuple(notes))
 
 
@@ -105,11 +118,14 @@ def _was_to_turn(push: PastPush) -> bool:
     return push.object in names
 
 
-def _back(now: SeenObject, there: PlanarPose, turns: bool, defaults: Defaults) -> Iterator[g.Frame]:
+def _back(
+    now: SeenObject, before: SeenObject, turns: bool, defaults: Defaults
+) -> Iterator[g.Frame]:
     """Frames that bring an object back to where it was; none if it is there."""
-    if now.lies_on != "bottom":
+    if now.lies_on != before.lies_on:
         yield _frame("place", now, g.Upright())
         return
+    there = before.pose
     turn = angle_between(there.yaw, now.pose.yaw)
     if turns and abs(turn) > defaults.turn_tolerance:
         back = g.Rotate(angle=abs(turn), sense="ccw" if turn > 0.0 else "cw")

@@ -18,7 +18,7 @@ from sim.control.free_motion import move_joints
 from sim.control.grasping.held_object_sensing import HandSense, Holding
 from sim.control.pushing.guarded_touch import PAUSE
 from sim.control.trace_recorder import EarlyEndError
-from sim.paths.held_object_path import HeldSegment
+from sim.paths.held_segment import HeldSegment
 from sim.paths.point_attractor import attractor_points
 from sim.rotations import Array
 

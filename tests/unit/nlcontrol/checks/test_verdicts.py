@@ -34,7 +34,6 @@ def test_ends_that_were_meant_are_not_early(
 @pytest.mark.parametrize(
     "frame",
     [
-        frame_of(g.Upright()),
         frame_of(g.HandOver()),
         frame_of(g.Place(relation="on", reference=(MUG,))),
     ],
@@ -47,7 +46,7 @@ def test_what_cannot_be_checked_is_an_error(frame: g.Frame) -> None:
 
 def test_the_words_of_an_uncheckable_clause_are_named() -> None:
     with pytest.raises(ControlError) as raised:
-        require_checkable(frame_of(g.Upright(spans=((3, 9),))))
+        require_checkable(frame_of(g.HandOver(spans=((3, 9),))))
     assert raised.value.info.span == (3, 9)
 
 

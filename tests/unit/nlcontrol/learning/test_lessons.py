@@ -176,7 +176,7 @@ def test_what_lies_on_another_face_teaches_nothing_about_its_base(
     planned: tuple[Plan, SeenObject], make_trace: TraceMaker
 ) -> None:
     plan, target = planned
-    lying = SeenObject(target.name, target.pose, target.model, lies_on="left")
+    lying = replace(target, rest=target.model.rests[-1])
     trace: Trace = make_trace(force=3.2)
     assert lesson_from_push(plan, lying, trace) is None
 

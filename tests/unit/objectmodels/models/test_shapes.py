@@ -225,6 +225,13 @@ def test_the_pose_picks_the_base(model: ObjectModel) -> None:
         com = found.p_BN + found.R_BN @ np.array(found.model.com)
         np.testing.assert_allclose(com, model.com, atol=1e-9)
         assert found.model.extents[2] == pytest.approx(found.model.top)
+        # A pose of the face tells that of the body, and it stands as the model does.
+        R_WN, p_WN = found.lying_pose(R_WB, np.array([0.3, 0.1, 0.2]))
+        R_back, p_back = found.body_pose(R_WN, p_WN)
+        np.testing.assert_allclose(R_back, R_WB, atol=1e-9)
+        np.testing.assert_allclose(p_back, [0.3, 0.1, 0.2], atol=1e-9)
+        np.testing.assert_allclose(R_WN @ found.foot, -R_WB[:, 2], atol=1e-9)
+        assert found.standing is model
         leaning = Rotation.from_euler("x", np.radians(25.0)).as_matrix() @ R_WB
         with pytest.raises(ModelError, match="leans"):
             model.resting_face(leaning)

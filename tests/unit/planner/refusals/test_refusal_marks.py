@@ -29,7 +29,7 @@ def marks_of(session: Session, said: str) -> tuple[tuple[Mark, ...], dict[str, f
 
 def test_heights_of_the_numbers_are_marked_once_each() -> None:
     numbers = {"critical_height": 0.12, "lowest_asked": 0.15, "lowest_height": 0.15, "ways": 3.0}
-    found = refusal("lies", numbers, object=BOX, side="its back").marks
+    found = refusal("fell", numbers, object=BOX, side="its back").marks
     assert [mark.height for mark in found if isinstance(mark, HeightMark)] == [0.12, 0.15]
 
 
