@@ -29,6 +29,7 @@ from planner.types.actions import (
     TurnCap,
 )
 from planner.types.plan import Plan
+from planner.types.stack_actions import SetOn
 from planner.types.turning_actions import TurnOver
 
 _LEAST_TOLD = 0.05  # a margin that would be told as 0.0 N is told otherwise [N]
@@ -291,6 +292,8 @@ def _step(step: Action, plan: Plan) -> str:
             )
         case SetDown():
             return "set it down"
+        case SetOn():
+            return f"set it down on the {step.onto}"
         case FlipOver():
             return (
                 f"move the lid of {what} with a fingertip from {quantity(step.start, 'rad')} to "
@@ -326,6 +329,9 @@ def predicted_outcomes(plan: Plan) -> list[str]:
                     f"{quantity(p.left, 'm³')} stay in it",
                     f"the {action.into} is then {100 * p.level_after:.0f} % full",
                 )
+            case SetOn():
+                stands = probability_text(action.prediction.stands)
+                told.append(f"it stands on the {action.onto} with probability {stands}")
             case FlipOver():
                 told.append(f"the lid ends at {quantity(action.prediction.lid_angle, 'rad')}")
     return told
@@ -350,6 +356,9 @@ def _reasons(action: Action, name: str) -> Iterator[str]:
         case FlipOver():
             yield f"the lid takes up to {quantity(action.prediction.lid_force, 'N')}"
             yield from _bearing_texts(action.prediction, name)
+        case SetOn():
+            margin = quantity(action.prediction.margin, "m")
+            yield f"standing on the {action.onto}, it is {margin} from falling"
         case TurnCap():
             cap, turns = action.prediction, ""
             if cap.turning_torque is not None:

@@ -23,11 +23,12 @@ from planner.predicted_states import state_after
 from planner.problem.frame_interpretation import (
     grasp_problem,
     interpret_frame,
+    require_on_table,
     require_other_objects,
     require_resting,
 )
 from planner.problem.place_regions import region
-from planner.problem.planning_problem import GraspProblem, is_handled
+from planner.problem.planning_problem import GraspProblem, is_handled, is_off_the_table
 from planner.problem.search_budget import SearchBudget
 from planner.pushing.strategies import plan_pushes
 from planner.refusals.refusal_builder import no_plan
@@ -79,6 +80,7 @@ def plan(
         if state.held is not None:
             raise no_plan("hand_not_free", object=state.held.name)
         require_resting(problem.target)
+        require_on_table(problem.target, state)
         made = plan_pushes(replace(problem, budget=budget), notify)
         if upright and isinstance(made, Plan):
             _require_standing_after(made, state)
@@ -88,9 +90,12 @@ def plan(
         require_other_objects(frame)
         if upright and _stands(frame, state):
             return Reached()
-        if only_pushes or not is_handled(frame) or _is_placed(frame, state, defaults):
+        if only_pushes or not is_handled(frame):
             return by_pushes()
-        if frame.goal.kind not in ("place", "upright") or state.held is not None:
+        if _is_placed(frame, state, defaults):
+            return Reached() if is_off_the_table(frame) else by_pushes()
+        two_ways = frame.goal.kind in ("place", "upright") and not is_off_the_table(frame)
+        if state.held is not None or not two_ways:
             return by_hand()
         ways = (by_hand, by_pushes)
         if not upright and not _is_said_how_to_hold(frame, state):

@@ -11,8 +11,10 @@ from dataclasses import replace
 import numpy as np
 
 from objectmodels.geometry.base_shapes import Array
+from planner.geometry.stacks import put_on
 from planner.types.actions import Aim, Grasp, LiftUp, PushAction
 from planner.types.plan import Plan, Reached
+from planner.types.stack_actions import SetOn
 from planner.types.world_state import Held, PlanarPose, SeenObject, WorldState
 
 
@@ -27,7 +29,10 @@ def state_after(made: Plan | Reached, state: WorldState) -> WorldState | None:
         there = standing_object(seen, made.aim)
     elif made.task in ("push", "place") and made.aim is not None:
         yaw = seen.pose.yaw if made.aim.yaw is None else made.aim.yaw
-        there = replace(seen, pose=replace(seen.pose, x=made.aim.x, y=made.aim.y, yaw=yaw))
+        last = made.actions[-1]
+        lower = state.objects[last.onto] if isinstance(last, SetOn) else None
+        moved = replace(seen, pose=replace(seen.pose, x=made.aim.x, y=made.aim.y, yaw=yaw))
+        there = put_on(moved, lower)
     elif made.task in ("topple", "tilt") and all(push.displacement for push in made.pushes[:-1]):
         there = _prepared(seen, made.pushes[:-1])
         if made.task == "topple":
@@ -75,7 +80,8 @@ def _held(made: Plan, state: WorldState) -> Held:
     assert made.grasp is not None, "what is lifted is held"
     grasp = Grasp(**{name: getattr(made.grasp, name) for name in Grasp.model_fields})
     risen = sum(step.height for step in made.steps if isinstance(step, LiftUp))
-    return Held(made.object, grasp, risen + (state.held.height if state.held else 0.0))
+    begun = state.held.height if state.held else state.objects[made.object].pose.z
+    return Held(made.object, grasp, begun + risen)
 
 
 def _prepared(seen: SeenObject, pushes: tuple[PushAction, ...]) -> SeenObject:

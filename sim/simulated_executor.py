@@ -126,7 +126,7 @@ class SimulatedExecutor:
                 seen = initial_frames(self.scene, duration, seed=self.seed)
                 self._first_frames[duration] = seen
             frames = self._first_frames[duration]
-        objects = estimate_objects(self.cell, frames, models)
+        objects = estimate_objects(self.cell, frames, models, self.held)
         return WorldState(objects, self.cell.table.extent, self.held)
 
     def execute(

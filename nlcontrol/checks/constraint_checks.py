@@ -65,7 +65,7 @@ def _to_be_touched(e: Evidence) -> Iterator[str]:
     goal = e.frame.goal
     if isinstance(goal, g.Pour) and goal.into is not None:
         yield goal.into.id or goal.into.text
-    if isinstance(goal, g.Place) and goal.relation == "touching":
+    if isinstance(goal, g.Place) and goal.relation in ("touching", "on", "off"):
         assert isinstance(goal.reference, tuple)
         yield from (ref.id for ref in goal.reference if ref.id)
     for clause in e.frame.constraints:

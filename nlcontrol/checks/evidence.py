@@ -128,7 +128,7 @@ def _standing(name: str, pose: Array, model: ObjectModel) -> SeenObject:
     R_WB = measures.rotation(pose)
     x, y, yaw = float(pose[4]), float(pose[5]), float(np.arctan2(R_WB[1, 0], R_WB[0, 0]))
     if R_WB[2, 2] > np.cos(LEVEL):
-        return SeenObject.lying(name, PlanarPose(x, y, yaw), model)
+        return SeenObject.lying(name, PlanarPose(x, y, yaw, z=float(pose[6])), model)
     attitude = PlanarPose(x, y, yaw).R_WB.T @ R_WB
     here = PlanarPose(x, y, yaw, tuple(attitude.ravel().tolist()))
     return SeenObject.lying(name, here, model)

@@ -93,12 +93,14 @@ def _distance(goal: g.Displace, along: float, e: Evidence) -> Check:
 
 def _place(goal: g.Place, e: Evidence) -> Iterator[Check]:
     place = region(goal, e.end, e.defaults)
-    assert place is not None, "a place on an object is refused before"
+    assert place is not None, "a place in an object is refused before"
     if goal.fraction is not None:
         start = e.start.objects[e.name]
         place = share_of_way(place, goal.fraction, start, e.defaults.place_tolerance)
     yield from (place_check(goal, measure) for measure in place.measures(e.end.objects[e.name]))
-    if handling.by_hand(e):
+    if goal.relation == "on" and isinstance(goal.reference, tuple):
+        yield from handling.set_on(goal, goal.reference[0].id or "", e)
+    elif handling.by_hand(e):
         yield from handling.set_down_upright(goal, e)
     else:
         yield from _still_stands(goal, e)

@@ -53,6 +53,12 @@ def stands_up(clause: Clause, e: Evidence) -> Iterator[Check]:
     yield compare(clause, "at_most", "tilt at the end", most, tilt, 0.0, "rad")
 
 
+def set_on(clause: Clause, lower: str, e: Evidence) -> Iterator[Check]:
+    """It was let go, and stands on its base on another object, which was not moved."""
+    yield _stays_put(clause, lower, e)
+    yield stands_on_base(clause, e)
+
+
 def _stays_put(clause: Clause, name: str, e: Evidence) -> Check:
     moved = float(np.linalg.norm(e.trace.displacement(name)[:2]))
     quantity = "moved" if name == e.name else f"{name} was moved by"
@@ -78,10 +84,11 @@ def lift_check(goal: g.Lift, e: Evidence) -> Iterator[Check]:
 
 
 def set_down(goal: g.SetDown, e: Evidence) -> Iterator[Check]:
-    """It stands where it was held."""
-    moved = float(np.linalg.norm(e.trace.displacement(e.name)[:2]))
-    limit = e.defaults.place_tolerance
-    yield compare(goal, "at_most", "moved while it was set down", 0.0, moved, limit, "m")
+    """It stands where it was held, or on the table if it stood on another object."""
+    if not measures.during(e.trace, ("grasp",)).any():
+        moved = float(np.linalg.norm(e.trace.displacement(e.name)[:2]))
+        limit = e.defaults.place_tolerance
+        yield compare(goal, "at_most", "moved while it was set down", 0.0, moved, limit, "m")
     yield from set_down_upright(goal, e)
 
 

@@ -43,8 +43,10 @@ def _end_pose(plan: Plan, target: SeenObject) -> Array | None:
     if plan.task == "stand" and plan.aim is not None:
         return _row(None, *standing_object(target, plan.aim).body_pose)
     if plan.aim is not None:
+        last = plan.actions[-1]
+        height = last.height if last.kind == "set_on" else 0.0
         yaw = before.yaw if plan.aim.yaw is None else plan.aim.yaw
-        return _row(rest, rot_z(yaw), np.array([plan.aim.x, plan.aim.y, 0.0]))
+        return _row(rest, rot_z(yaw), np.array([plan.aim.x, plan.aim.y, height]))
     if plan.pushes and plan.push.displacement is not None:
         return _row(rest, before.R_WB, before.p_WB + plan.push.displacement)
     if plan.task == "lift":

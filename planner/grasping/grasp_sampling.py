@@ -93,9 +93,9 @@ class Candidate:
             ]
         )
         others = (seen for name, seen in state.objects.items() if name != target.name)
-        low = float(self.middle[2])
+        low = target.pose.z + float(self.middle[2])
         return any(
-            seen.bulk()[1] > low and overlaps(swept, footprint(seen), 0.0) for seen in others
+            seen.top_height > low and overlaps(swept, footprint(seen), 0.0) for seen in others
         )
 
 

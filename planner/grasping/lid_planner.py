@@ -326,7 +326,7 @@ def _tallest_on_way(problem: GraspProblem, at: Array, radius: float) -> float:
     start = _disc_at(problem.target.pose.p_WB[:2], radius)
     way = hull_polygon(np.vstack([start, _disc_at(at, radius)])).vertices
     return max(
-        seen.bulk()[1]
+        seen.top_height
         for seen in problem.state.objects.values()
         if seen is problem.target or gap(way, footprint(seen)) < problem.defaults.clearance
     )

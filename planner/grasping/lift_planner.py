@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -17,6 +18,7 @@ import numpy as np
 from grammar.frames import command as g
 from objectmodels.geometry.support_points import hull_polygon
 from planner.geometry.footprints import footprint, gap, room_to_edge
+from planner.geometry.stacks import put_on
 from planner.grasping.grasp_plans import (
     MotionDraft,
     each_with_each,
@@ -25,6 +27,7 @@ from planner.grasping.grasp_plans import (
 )
 from planner.grasping.grasp_sampling import Candidate, body_candidates
 from planner.grasping.grasp_selection import GraspLoad, StableGrasp, held_already, stable_grasps
+from planner.grasping.standing_place import require_level_top, step_onto
 from planner.problem.goal_poses import GoalPoses, find_goal_poses, pose_as_aim
 from planner.problem.place_regions import object_at
 from planner.problem.planning_problem import GraspProblem, value_in_bound
@@ -32,12 +35,15 @@ from planner.refusals.refusal_builder import Spans, no_plan
 from planner.types.actions import Action, Aim, Carry, LiftUp, SetDown
 from planner.types.plan import DefaultUsed, Plan, Reached
 from planner.types.refusal import Alternatives, NoPlanError
+from planner.types.stack_actions import SetOn
 from planner.types.world_state import SeenObject
 
 TO_THE_SIDE = math.cos(math.radians(50.0))
 """Least cosine between a lean along the line across and the side of the opening."""
 
 _CLOSER = 0.5  # share of a wanted gap that must be left where something is put
+_SPOTS = 6  # on top of an object that are looked at
+_BESIDE = 1e-6  # what ends no more than so much higher than another begins is below it [m]
 
 
 def lift(problem: GraspProblem, goal: g.Lift) -> Plan | Reached:
@@ -60,11 +66,16 @@ def lift(problem: GraspProblem, goal: g.Lift) -> Plan | Reached:
 
 
 def set_down(problem: GraspProblem) -> Plan:
-    """Down where it is held.
+    """Down where it is held; what stands on another object is put on the table beside that.
 
     Raises:
         NoPlanError: the hand holds nothing, or nothing can stand there.
     """
+    lower = problem.target.on
+    if problem.state.held is None and lower is not None:
+        off = g.Place(relation="off", reference=(g.ObjectRef(text=lower, id=lower),))
+        frame = problem.frame.model_copy(update={"goal": off})
+        return place(replace(problem, frame=frame))
     if problem.state.held is None:
         raise no_plan("holds_nothing")
     require_room(problem, problem.target, {})
@@ -79,13 +90,17 @@ def place(problem: GraspProblem) -> Plan:
         NoPlanError: it cannot be held, the place is not free, or the hand does not get there.
     """
     require_liftable(problem)
+    lower = _object_below(problem)
+    if lower is not None:
+        require_level_top(lower)
     found = find_goal_poses(problem)
     drafts, places = [], Alternatives()
     for aim in found.goal.aims:
         with places:
-            drafts.append(_draft_to(problem, aim, found))
+            drafts.append(_draft_to(problem, aim, found, lower))
     if not drafts:
         raise places.first
+    drafts = sorted(drafts, key=lambda draft: -round(draft.probability, 3))[:_SPOTS]
     return _plan_with_grasps(
         problem,
         lambda grasps: first_reachable_plan(problem, "place", each_with_each(grasps, drafts)),
@@ -139,7 +154,7 @@ def clearance_height(problem: GraspProblem, to: Aim) -> float:
     way = hull_polygon(np.vstack([footprint(problem.target), footprint(there)])).vertices
     kept = dict(problem.motion.clear_of)
     tops = [
-        seen.bulk()[1]
+        seen.top_height
         for name, seen in problem.others.items()
         if gap(way, footprint(seen)) < max(problem.clearance(seen), kept.get(name, 0.0))
     ]
@@ -148,8 +163,23 @@ def clearance_height(problem: GraspProblem, to: Aim) -> float:
 
 def lift_steps(problem: GraspProblem, height: float) -> tuple[Action, ...]:
     """The steps that bring it to a height, if it is not so high already."""
-    now = 0.0 if problem.state.held is None else problem.state.held.height
+    now = base_height(problem)
     return (LiftUp(height=height - now, hold=0.0),) if height > now else ()
+
+
+def base_height(problem: GraspProblem) -> float:
+    """Height of its base over the table before anything is done [m]."""
+    held = problem.state.held
+    return problem.target.pose.z if held is None else held.height
+
+
+def _object_below(problem: GraspProblem) -> SeenObject | None:
+    """The object on which it is to be put; None for a place on the table."""
+    goal = problem.frame.goal
+    if not isinstance(goal, g.Place) or goal.relation != "on":
+        return None
+    assert isinstance(goal.reference, tuple), "it is put on an object"
+    return problem.state.objects[goal.reference[0].id or ""]
 
 
 def require_room(problem: GraspProblem, there: SeenObject, near: dict[str, float]) -> None:
@@ -160,6 +190,8 @@ def require_room(problem: GraspProblem, there: SeenObject, near: dict[str, float
     """
     own, kept = footprint(there), dict(problem.motion.clear_of)
     for name, seen in problem.others.items():
+        if there.pose.z > seen.top_height - _BESIDE:
+            continue  # it stands on that one, or higher
         apart = min(problem.clearance(seen), _CLOSER * near.get(name, np.inf))
         if gap(own, footprint(seen)) < max(apart, kept.get(name, 0.0)):
             raise no_plan("place_taken", what=f"the {problem.target.name}", other=name)
@@ -167,11 +199,15 @@ def require_room(problem: GraspProblem, there: SeenObject, near: dict[str, float
         raise no_plan("table_ends", what=f"the {problem.target.name}")
 
 
-def _draft_to(problem: GraspProblem, aim: Aim, found: GoalPoses) -> MotionDraft:
-    there = object_at(problem.target, np.array([aim.x, aim.y]))
+def _draft_to(
+    problem: GraspProblem, aim: Aim, found: GoalPoses, lower: SeenObject | None
+) -> MotionDraft:
+    there = put_on(object_at(problem.target, np.array([aim.x, aim.y])), lower)
     require_room(problem, there, dict(found.goal.near))
-    steps = (*lift_steps(problem, clearance_height(problem, aim)), Carry(to=aim), SetDown())
-    return MotionDraft(steps, aim=aim, defaults=found.defaults_used)
+    last = SetDown() if lower is None else step_onto(problem, there)
+    steps = (*lift_steps(problem, clearance_height(problem, aim)), Carry(to=aim), last)
+    stands = last.prediction.stands if isinstance(last, SetOn) else 1.0
+    return MotionDraft(steps, stands, aim=aim, defaults=found.defaults_used)
 
 
 def _lift_height(problem: GraspProblem, goal: g.Lift) -> tuple[float, tuple[DefaultUsed, ...]]:
@@ -185,7 +221,5 @@ def _lift_height(problem: GraspProblem, goal: g.Lift) -> tuple[float, tuple[Defa
         }[goal.amount]
         return value, (DefaultUsed(name="lift_height", value=value, unit="m", reason=reason),)
     assert isinstance(height, float), "lengths measured in objects are resolved by now"
-    now = 0.0
-    if goal.above == "table" and problem.state.held is not None:
-        now = problem.state.held.height
+    now = base_height(problem) if goal.above == "table" else 0.0
     return value_in_bound(height, goal.bound, d.distance_tolerance) - now, ()

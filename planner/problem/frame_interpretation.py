@@ -168,9 +168,12 @@ def _target_of_hand(frame: g.Frame, state: WorldState) -> SeenObject:
         raise no_plan("hand_not_free", object=held.name)
     target = state.objects[name]
     require_resting(target)
+    require_no_load(target, state)
     if frame.goal.kind in _OF_WHAT_STANDS and target.rest is not None:
         doing = planning_problem.HAND_GOALS[frame.goal.kind]
         raise no_plan("lies", object=name, side=target.side_below, doing=doing)
+    if not isinstance(frame.goal, g.Lift | g.Place | g.SetDown):
+        require_on_table(target, state)
     return target
 
 
@@ -185,6 +188,27 @@ def require_resting(target: SeenObject) -> None:
     level = abs(target.attitude[-1]) < math.sin(LEVEL)
     rolls = level and isinstance(target.model.footprint, Disc)
     raise no_plan("rolls" if rolls else "leans", object=target.name)
+
+
+def require_no_load(target: SeenObject, state: WorldState) -> None:
+    """Make sure that nothing stands on an object.
+
+    Raises:
+        NoPlanError: something does.
+    """
+    for seen in state.carried_by(target.name):
+        raise no_plan("carries", object=target.name, other=seen.name)
+
+
+def require_on_table(target: SeenObject, state: WorldState) -> None:
+    """Make sure that an object stands on the table, with nothing on it.
+
+    Raises:
+        NoPlanError: it does not.
+    """
+    require_no_load(target, state)
+    if target.on is not None:
+        raise no_plan("stands_on", object=target.name, other=target.on)
 
 
 def require_other_objects(frame: g.Frame) -> None:

@@ -179,13 +179,11 @@ def _event_poses(problem: PlanningProblem[GoalT], goal: g.Displace, until: g.Unt
 def _place_poses(problem: PlanningProblem[GoalT], goal: g.Place) -> GoalPoses:
     target, defaults = problem.target, problem.defaults
     place = region(goal, problem.state, defaults)
-    capability = _CAPABILITIES.get(goal.relation)
-    if place is None or capability is not None:
-        raise not_capable(
-            capability or "putting objects on others",
-            "this version of the robot moves objects over the table only",
-            goal.spans,
-        )
+    by_pushes = isinstance(problem.goal, PushGoal)
+    if place is None or (by_pushes and goal.relation in _CAPABILITIES):
+        over = "pushes move objects over the table only"
+        message = over if by_pushes else "this version of the robot puts nothing into others"
+        raise not_capable(_CAPABILITIES[goal.relation], message, goal.spans)
     if goal.fraction is not None:
         place = share_of_way(place, goal.fraction, target, defaults.place_tolerance)
     spots = place.spots(target)

@@ -11,10 +11,8 @@ Frames: everything in W's table plane [m].
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 
@@ -22,6 +20,8 @@ from grammar.frames import command as g
 from objectmodels.geometry.base_shapes import Array
 from planner.geometry.directions import HEADINGS, heading_of, unit
 from planner.geometry.footprints import footprint, gap
+from planner.problem.place_measures import Measure, Region
+from planner.problem.places_on_objects import OffTop, OnTop
 from planner.types.defaults import Defaults
 from planner.types.world_state import SeenObject, TableState, WorldState
 
@@ -57,62 +57,8 @@ _CLOSE = 1e-5  # accuracy of a gap [m]
 _STEPS = 60  # advances until a gap is that accurate
 
 
-@dataclass(frozen=True)
-class Measure:
-    """One quantity of a place, as it should be and as it is.
-
-    Attributes:
-        quantity: what is measured, in words.
-        relation: how `measured` must stand to `expected`.
-        expected: what it should be [m].
-        measured: what it is [m].
-        tolerance: by how much it may miss [m].
-    """
-
-    quantity: str
-    relation: Literal["about", "at_most"]
-    expected: float
-    measured: float
-    tolerance: float
-
-    @property
-    def miss(self) -> float:
-        """Distance from what it should be [m]; never negative."""
-        excess = self.measured - self.expected
-        return abs(excess) if self.relation == "about" else max(excess, 0.0)
-
-    @property
-    def ok(self) -> bool:
-        """Return True if it is within its tolerance."""
-        return self.miss <= self.tolerance
-
-
-class Region(ABC):
-    """A place: the poses in which an object is where a word says."""
-
-    @abstractmethod
-    def spots(self, own: SeenObject) -> list[Array]:
-        """Positions of an object's origin in W at which it is in the middle of the place.
-
-        Args:
-            own: the object, with the heading that it will have there.
-
-        Returns:
-            Positions, shape (2,) each [m], the nearest to where it is first; none if there is no
-            room for it.
-        """
-
-    @abstractmethod
-    def measures(self, own: SeenObject) -> tuple[Measure, ...]:
-        """Quantities of how well an object is there."""
-
-    def holds(self, own: SeenObject) -> bool:
-        """Return True if an object is there, within the tolerances."""
-        return all(measure.ok for measure in self.measures(own))
-
-
 def region(goal: g.Place, state: WorldState, d: Defaults) -> Region | None:
-    """The place that a goal asks for, without its share of the way; None for one on an object.
+    """The place that a goal asks for, without its share of the way; None for one in an object.
 
     The objects of the goal are resolved, its length is in metres.
     """
@@ -128,6 +74,10 @@ def region(goal: g.Place, state: WorldState, d: Defaults) -> Region | None:
     match goal.relation, objects:
         case "between", (one, other):
             return Between(one, other, d.between_tolerance)
+        case "on", (other,):
+            return OnTop(other, d.no_lift)
+        case "off", (other,):
+            return OffTop(Beside(other, (), d.place_gap, d.place_gap_tolerance, 0.0), d.no_lift)
         case "touching", (other,):
             return Beside(other, (), 0.0, d.touching_gap, d.place_aside)
         case relation, (other,) if relation in SIDES or relation in ("next_to", "at"):

@@ -286,7 +286,15 @@ GraspProblem = PlanningProblem[GraspGoal]
 
 def is_handled(frame: g.Frame) -> bool:
     """Return True if a frame asks for a whole hand; what is placed may also be pushed there."""
+    if is_off_the_table(frame):
+        return frame.action in ("place", "lift", "move")
     return frame.goal.kind in HAND_GOALS and (frame.goal.kind != "place" or frame.action == "place")
+
+
+def is_off_the_table(frame: g.Frame) -> bool:
+    """Return True if a place takes an object up or down, which no push does."""
+    goal = frame.goal
+    return isinstance(goal, g.Place) and goal.relation in ("on", "off", "in", "out_of")
 
 
 def value_in_bound(value: float, bound: str, tolerance: float) -> float:

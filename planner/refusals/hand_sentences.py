@@ -74,6 +74,28 @@ _GRASPS = {
     "table_ends": impossible(
         "{what} cannot be put there: the table ends there", ("say another place",)
     ),
+    "no_level_top": impossible(
+        "the {other} has no level top to stand on", ("next to the {other}",)
+    ),
+    "falls_in": impossible(
+        "the {object} does not cover the opening of the {other}", ("next to the {other}",)
+    ),
+    "overhangs": impossible(
+        "the {object} would not stand on the {other}: a centre of mass would be {beyond:mm} beyond "
+        "the edge of what carries it",
+        ("next to the {other}",),
+    ),
+    "may_fall_off": too_uncertain(
+        "the {object} would stand on the {other} with a probability of {probability:share}, "
+        "{margin:mm} from falling, and {asked_probability:share} is asked",
+        ("next to the {other}",),
+    ),
+    "carries": blocked(
+        "the {other} stands on the {object}", ("take the {other} off the {object} first",)
+    ),
+    "stands_on": blocked(
+        "the {object} stands on the {other}", ("take the {object} off the {other} first",)
+    ),
     "place_taken": blocked(
         "{what} cannot be put there: the {other} stands there", ("move the {other} first",)
     ),

@@ -17,6 +17,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from planner.types.frozen_value import Value
+from planner.types.stack_actions import SetOn
 from planner.types.turning_actions import TurnOver
 
 Vector3 = tuple[float, float, float]
@@ -392,7 +393,8 @@ class PutOn(Value):
 
 
 Action = Annotated[
-    PushAction | GraspAction | LiftUp | Carry | TurnOver | PourOut | SetDown | FlipOver | TurnCap
+    PushAction | GraspAction | LiftUp | Carry | TurnOver | PourOut | SetDown | SetOn | FlipOver
+    | TurnCap
     | PutOn,
     Field(discriminator="kind"),
 ]  # fmt: skip

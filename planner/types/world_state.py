@@ -26,19 +26,21 @@ Colour = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class PlanarPose:
-    """Pose X_WB of an object on the table.
+    """Pose X_WB of an object on the table, or on another object.
 
     Attributes:
         x, y: position of B's origin in W [m].
         yaw: angle of B's x axis, counter-clockwise from W's x axis [rad].
         attitude: rotation of B against an upright frame of that yaw, row by row; None if the object
             stands upright.
+        z: height over the table of what it stands on [m].
     """
 
     x: float
     y: float
     yaw: float = 0.0
     attitude: tuple[float, ...] | None = None
+    z: float = 0.0
 
     @property
     def R_WB(self) -> NDArray[np.float64]:
@@ -52,7 +54,7 @@ class PlanarPose:
     @property
     def p_WB(self) -> NDArray[np.float64]:
         """Position of B's origin in W, shape (3,) [m]."""
-        return np.array([self.x, self.y, 0.0])
+        return np.array([self.x, self.y, self.z])
 
 
 @dataclass(frozen=True)
@@ -73,6 +75,7 @@ class SeenObject:
             one.
         lid_at: where the middle of a lid that is off lies in W, its lower side [m]; None if it is
             on, or does not lie level.
+        on: name of the object on which it stands; None on the table.
     """
 
     name: str
@@ -85,6 +88,7 @@ class SeenObject:
     fixed: bool = False
     lid: float | None = None
     lid_at: tuple[float, float, float] | None = None
+    on: str | None = None
 
     @property
     def lies_on(self) -> str:
@@ -152,6 +156,11 @@ class SeenObject:
         """
         return self._bulk
 
+    @property
+    def top_height(self) -> float:
+        """Height of its highest point over the table [m]."""
+        return self.pose.z + self._bulk[1]
+
     @functools.cached_property
     def _bulk(self) -> tuple[NDArray[np.float64], float]:
         outline, top = self.model.outline, self.model.top
@@ -206,3 +215,7 @@ class WorldState:
     objects: Mapping[str, SeenObject] = field(default_factory=dict)
     table: TableState = TableState(-0.2, 1.2, -0.8, 0.8)
     held: Held | None = None
+
+    def carried_by(self, name: str) -> tuple[SeenObject, ...]:
+        """Objects that stand on one."""
+        return tuple(seen for seen in self.objects.values() if seen.on == name)

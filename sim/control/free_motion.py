@@ -77,7 +77,7 @@ def look_around(
     """Looks at the table and returns where everything stands, what is held with it."""
     recorder.begin("look", "looking where everything stands")
     frames = watch(recorder, LOOK)
-    objects = estimate_objects(recorder.port.cell, frames, models)
+    objects = estimate_objects(recorder.port.cell, frames, models, held)
     recorder.rests = {name: seen.rest for name, seen in objects.items() if seen.rest is not None}
     return WorldState(objects, held=held)
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from planner.types.actions import Action, LiftUp, PourOut, SetDown
+from planner.types.stack_actions import SetOn
 from planner.types.world_state import Held
 from sim.control.grasping.hand_motion import ACCELERATES, HandMotion
 from sim.control.grasping.held_object_sensing import HandSense, Holding, Weight, estimate_weight
@@ -35,9 +36,9 @@ _WINDS_BEYOND = 1.5  # times the squeeze for which the springs are wound up at m
 _ENOUGH = 0.8  # share of the squeeze that must be felt
 _STILL = 0.5  # time for which the hand hangs still to look at what it holds [s]
 _LIFTED = 0.35  # share of the believed weight that must hang on the fingers
-_SLOW_DOWN = 0.015  # height over the table at which setting down becomes slow [m]
+_SLOW_DOWN = 0.015  # height over where it is to stand at which setting down becomes slow [m]
 _FEELING_SPEED = 0.015  # of what is set down then [m/s]
-_INTO = 0.006  # how far below the table it is looked for [m]
+_INTO = 0.006  # how far below that place it is looked for [m]
 _RIGHTED = 0.15  # time after which nothing runs out any more, once it is tilted back [s]
 _SLOWEST_POUR = 0.12  # share of the rate of tilting just before enough has run out
 _STANDS = 0.5  # share of its weight with which it stands
@@ -99,7 +100,7 @@ class GraspExecution:
         """Makes one step."""
         if isinstance(step, PourOut):
             self._pour(step, legs)
-        elif isinstance(step, SetDown):
+        elif isinstance(step, SetDown | SetOn):
             self._set_down(legs[0])
         else:
             for leg in legs:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from planner.types.actions import PourOut
 from planner.types.robot import ReachAnswer
+from planner.types.stack_actions import SetOn
 from planner.types.world_state import PlanarPose
 from sim.collision.collision_scene import TABLE_CLEARANCE, CollisionScene, Obstacle
 from sim.collision.collision_spheres import height_above_table, place_spheres, surface_spheres
@@ -30,6 +31,7 @@ _OWNER_CLEARANCE = 0.0023  # of the hand from the object whose lid it holds [m]
 _LID_CLEARANCE = 0.0015  # of a hand that puts a lid aside from the table [m]
 _FACE_CLEARANCE = 0.002  # of the open hand from what it is about to hold [m]
 _OFF_TABLE = 0.002  # of what is tilted over the table [m]
+_SINKS = 0.001  # what stands on another object into that, at most [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,11 +200,14 @@ class HoldClearance:
             return ReachAnswer(False, "table", f"{what} would hit the table while it is tilted")
         kept = dict(self._plan.limits.clear_of)
         into = {step.into for step in self._plan.steps if isinstance(step, PourOut)}
+        stood_on = {step.onto for step in self._plan.steps if isinstance(step, SetOn)}
         for each in self.scenery.others:
             if each.name == self._owner:
                 continue
             clearance = _HELD_CLEARANCE - self._spare if each.name in into else each.clearance
             clearance = max(clearance, kept.get(each.name, 0.0) - self._spare)
+            if each.name in stood_on or each.name == self._handled.held.on:
+                clearance = -_SINKS
             # What stands close already is not hit by being lifted.
             near = each.distance_to(body[:1]).min(initial=np.inf)
             if not each.is_clear(body, min(clearance, max(0.0, 0.9 * near))).all():

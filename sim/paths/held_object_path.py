@@ -37,6 +37,7 @@ from planner.types.actions import (
 )
 from planner.types.plan import Plan
 from planner.types.speed_profile import LIFT_SPEED
+from planner.types.stack_actions import SetOn
 from planner.types.turning_actions import TurnOver
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.collision.collision_scene import Obstacle
@@ -61,7 +62,7 @@ _LOWERS_SHARE = (0.55, 0.85)  # of the largest tilt, if that is little
 _HALF_HAND = 0.04  # of index and ring about the middle finger, with their thickness [m]
 _DOWN = 0.7  # of an approach from above
 _STROKE = np.radians(125.0)  # by which a wrist turns a cap at most before it grips anew
-_LETS_GO = (SetDown, PutOn, TurnCap)  # if it is the last step
+_LETS_GO = (SetDown, SetOn, PutOn, TurnCap)  # if it is the last step
 
 
 @dataclass(frozen=True, eq=False)
@@ -252,6 +253,9 @@ def _step_segments(
     elif isinstance(step, SetDown):
         stands = np.array([*p_WB[:2], _height_of_origin(handled.held, R_WB)])
         yield _straight_segment("set_down", R_WB, p_WB, stands, LIFT_SPEED)
+    elif isinstance(step, SetOn):
+        on = np.array([*p_WB[:2], step.height])
+        yield _straight_segment("set_down", R_WB, p_WB, on, LIFT_SPEED)
     elif isinstance(step, PutOn):
         on = np.array([*p_WB[:2], handled.seat])
         yield _straight_segment("lid", R_WB, p_WB, on, LIFT_SPEED)

@@ -13,7 +13,8 @@ import numpy as np
 from objectmodels.containers.lid_geometry import detached_lid
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.resting_face import LEVEL, Resting
-from planner.types.world_state import PlanarPose, SeenObject
+from planner.geometry.stacks import with_supports
+from planner.types.world_state import Held, PlanarPose, SeenObject
 from sim.cell.cell_description import CellDescription
 from sim.rotations import rot_z, yaw_of
 from sim.worlds.ports import Frame, SeenPose
@@ -34,11 +35,15 @@ def mean_pose(poses: Iterable[SeenPose]) -> PlanarPose:
 
 
 def estimate_objects(
-    cell: CellDescription, frames: Iterable[Frame], models: Mapping[str, ObjectModel]
+    cell: CellDescription,
+    frames: Iterable[Frame],
+    models: Mapping[str, ObjectModel],
+    held: Held | None = None,
 ) -> dict[str, SeenObject]:
     """The objects of a cell as the robot knows them from frames in which everything stands still.
 
-    There must be a frame, and a believed model of every object; a lid that is off is one more.
+    There must be a frame, and a believed model of every object; a lid that is off is one more. What
+    is held stands on nothing.
     """
     seen = list(frames)
     poses, lids, colours = mean_poses(seen), mean_lids(seen), seen[-1].colours
@@ -59,7 +64,15 @@ def estimate_objects(
         if lid is not None and lid.name in poses:
             found[name] = replace(seen_object, lid_at=_lid_at(seen, lid.name, poses[lid.name]))
             found[lid.name] = SeenObject.lying(lid.name, poses[lid.name], lid)
-    return found
+    upright = {item.name for item in cell.objects if poses[item.name].attitude is None}
+    if held is not None:
+        upright.discard(held.name)
+    return with_supports(found, {name: _mean_height(seen, name) for name in upright})
+
+
+def _mean_height(frames: Iterable[Frame], name: str) -> float:
+    """Mean height at which an object's origin is seen over the table [m]."""
+    return float(np.mean([f.poses[name].p_WB[2] for f in frames if name in f.poses]))
 
 
 def frame_as_things_lie(frame: Frame, rests: Mapping[str, Resting]) -> Frame:
@@ -75,8 +88,7 @@ def _lid_at(frames: list[Frame], name: str, pose: PlanarPose) -> tuple[float, fl
     """Place of a lid that is off; None if it does not lie level."""
     if pose.attitude is not None:
         return None
-    heights = [frame.poses[name].p_WB[2] for frame in frames if name in frame.poses]
-    return pose.x, pose.y, max(0.0, float(np.mean(heights)))
+    return pose.x, pose.y, max(0.0, _mean_height(frames, name))
 
 
 def mean_poses(frames: Iterable[Frame]) -> dict[str, PlanarPose]:

@@ -48,12 +48,14 @@ class Pose(Part):
 
     Attributes:
         x_m, y_m: of B's origin.
+        z_m: height over the table of what it stands on: of another object's top.
         yaw_deg: turn about the vertical, after those about B's own x and y axes.
         roll_deg, pitch_deg: turn about x, then about y; 90 lays a box on its side.
     """
 
     x_m: Coordinate
     y_m: Coordinate
+    z_m: Annotated[Coordinate, Field(ge=0.0)] = 0.0
     yaw_deg: Angle = 0.0
     roll_deg: Angle = 0.0
     pitch_deg: Angle = 0.0
@@ -79,9 +81,9 @@ class SceneObject(CellObject):
 
     @property
     def p_WB(self) -> Array:
-        """Place of B's origin in W at the start, as high as puts it on the table, (3,) [m]."""
+        """Place of B's origin in W at the start, as high as it must be to stand there, (3,) [m]."""
         lowest = float((self.truth.corners @ self.pose.R_WB[2]).min())
-        return np.array([self.pose.x_m, self.pose.y_m, 0.0 - lowest])
+        return np.array([self.pose.x_m, self.pose.y_m, self.pose.z_m - lowest])
 
 
 class FrictionVariation(Part):
@@ -172,6 +174,10 @@ class Scene(CellParts):
         """
         by_name = {o.name: o for o in self.objects}
         return by_name[name]
+
+    def level(self, item: SceneObject) -> int:
+        """Number of objects that stand on each other below an object, at most."""
+        return len({each.pose.z_m for each in self.objects if each.pose.z_m < item.pose.z_m})
 
     @property
     def cell(self) -> CellDescription:

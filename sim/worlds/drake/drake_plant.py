@@ -1,9 +1,10 @@
 """The simulated world as a Drake diagram: robot, table and objects.
 
-Model: point contact, lagged approximation; with "sap" a sliding fingertip chatters (2.3 N of
-standard deviation in a push of 3.6 N, against 0.07 N). Objects are boxes, cylinders and prisms
+Model: point contact, but for slabs, lagged approximation; with "sap" a sliding fingertip chatters
+(2.3 N of standard deviation in a push of 3.6 N, against 0.07 N). Objects are boxes, cylinders and prisms
 that touch the table with small spheres at their support points (a solid yields one contact point
-only); the solid itself touches everything but the table.
+only); the solid itself touches everything but the table. What stands on another object stands on
+that one's slab (`sim.worlds.drake.stack_contacts`).
 Lids are bodies of their own (`sim.worlds.drake.lid_bodies`), what a holder keeps is welded to the
 table. How bodies touch is in `sim.worlds.drake.body_contacts`.
 """
@@ -24,6 +25,7 @@ from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Scene, SceneObject
 from sim.worlds.drake.body_contacts import ROUGH, surface
 from sim.worlds.drake.lid_bodies import LidBody, add_lid, filter_lids
+from sim.worlds.drake.stack_contacts import STANDS_OUT, add_slab, filter_slabs
 
 if TYPE_CHECKING:
     from pydrake.geometry import GeometryId, SceneGraph, Shape
@@ -80,7 +82,7 @@ def add_empty_plant(
 
     config = MultibodyPlantConfig(
         time_step=time_step,
-        contact_model="point",
+        contact_model="hydroelastic_with_fallback",
         discrete_contact_approximation="lagged",
         stiction_tolerance=stiction,
         use_sampled_output_ports=False,
@@ -110,10 +112,12 @@ def add_plant(
             lids[item.name] = lid
         if item.fixed:
             _hold(plant, item, body)
+    slabs = [add_slab(plant, item.truth, bodies[item.name]) for item in scene.objects]
     plant.Finalize()
     for item in scene.objects:
         if not item.fixed:
-            plant.SetDefaultFloatingBaseBodyPose(bodies[item.name], initial_pose(item))
+            X_WB = initial_pose(item, scene.level(item))
+            plant.SetDefaultFloatingBaseBodyPose(bodies[item.name], X_WB)
     robot = [
         geometry
         for instance in robot_models
@@ -123,6 +127,8 @@ def add_plant(
     standing = [foot for each in feet.values() for foot in each.geometries]
     filter_collisions(scene_graph, robot=robot, table=table, solids=solids, feet=standing)
     filter_lids(scene_graph, lids.values(), robot=robot, table=table, feet=standing)
+    of_lids = [geometry for each in lids.values() for geometry in (*each.solids, *each.feet)]
+    filter_slabs(scene_graph, slabs, [*robot, table, *solids, *standing, *of_lids])
     return Plant(plant, scene_graph, bodies, feet, lids, *robot_models)
 
 
@@ -261,8 +267,9 @@ def filter_collisions(
     scene_graph.collision_filter_manager().Apply(pairs)
 
 
-def initial_pose(item: SceneObject) -> RigidTransform:
-    """Pose X_WB in which an object is at the start."""
+def initial_pose(item: SceneObject, level: int = 0) -> RigidTransform:
+    """Pose X_WB in which an object is at the start, with so many slabs below its own."""
     from pydrake.math import RigidTransform, RotationMatrix
 
-    return RigidTransform(RotationMatrix(item.pose.R_WB), item.p_WB)
+    slabs = np.array([0.0, 0.0, 2.0 * STANDS_OUT * level])
+    return RigidTransform(RotationMatrix(item.pose.R_WB), item.p_WB + slabs)

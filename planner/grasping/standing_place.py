@@ -1,0 +1,69 @@
+"""Whether something stands where it is to be put on another object.
+
+Model: `objectmodels.mechanics.stack_stability`, with the place of what is put down known as well as
+hands put things down. Frame: W.
+"""
+
+from __future__ import annotations
+
+from objectmodels.geometry.base_shapes import Polygon
+from objectmodels.mechanics.stack_stability import stack_margins, standing_probability
+from objectmodels.models.top_face import top_face
+from planner.geometry.stacks import stack_with, stacked_bodies
+from planner.problem.planning_problem import GraspProblem
+from planner.refusals.refusal_builder import no_plan
+from planner.types.stack_actions import SetOn, StandPrediction
+from planner.types.world_state import SeenObject
+
+PLACED = 0.003
+"""Standard deviation of where a hand puts something, along each axis [m]."""
+
+
+def require_level_top(lower: SeenObject) -> None:
+    """Make sure that something may stand on an object.
+
+    Raises:
+        NoPlanError: its top is not level, or it has a lid.
+    """
+    if lower.attitude is not None or lower.model.lid is not None or top_face(lower.model) is None:
+        raise no_plan("no_level_top", other=lower.name)
+
+
+def step_onto(problem: GraspProblem, there: SeenObject) -> SetOn:
+    """The step that puts an object on another one, with what is predicted of it.
+
+    Args:
+        problem: whose object it is.
+        there: the object, where it is to stand.
+
+    Raises:
+        NoPlanError: it falls into that one, or the stack does not surely stand.
+    """
+    assert there.on is not None, "it is put on something"
+    lower = problem.state.objects[there.on]
+    name = there.name
+    if not _covers_opening(there, lower):
+        raise no_plan("falls_in", object=name, other=lower.name)
+    bodies = stacked_bodies(stack_with(there, problem.state.objects), name, PLACED)
+    margin, stands = float(stack_margins(bodies).min()), standing_probability(bodies)
+    if margin < 0.0:
+        raise no_plan("overhangs", {"margin": margin, "beyond": -margin}, object=name,
+                      other=lower.name)  # fmt: skip
+    asked = problem.effort.probability
+    if stands < asked:
+        numbers = {"margin": margin, "probability": stands, "asked_probability": asked}
+        raise no_plan("may_fall_off", numbers, object=name, other=lower.name)
+    prediction = StandPrediction(margin=margin, stands=stands)
+    return SetOn(onto=lower.name, height=there.pose.z, prediction=prediction)
+
+
+def _covers_opening(there: SeenObject, lower: SeenObject) -> bool:
+    """Return True if the base of an object covers the opening of the one below, if that has one."""
+    container = lower.model.container
+    if container is None:
+        return True
+    x, y = container.opening.centre
+    middle = lower.pose.p_WB + lower.pose.R_WB @ [x, y, 0.0]
+    at = (middle - there.pose.p_WB) @ there.pose.R_WB
+    base = Polygon.convex(there.model.base.corners)
+    return bool((base.normals @ at[:2] + container.opening.radius < base.offsets).all())

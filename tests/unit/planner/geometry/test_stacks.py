@@ -1,0 +1,38 @@
+"""Who is seen to stand on whom."""
+
+from __future__ import annotations
+
+from planner.geometry.stacks import put_on, stack_with, with_supports
+from planner.types.world_state import PlanarPose
+from tests.unit.planner.conftest import world
+
+BOOK = 0.03  # its height [m]
+
+
+def test_what_is_as_high_as_a_top_below_it_stands_there() -> None:
+    state = world(
+        book=PlanarPose(0.4, 0.0),
+        mug=PlanarPose(0.42, 0.03),
+        tea_tin=PlanarPose(0.42, 0.03),
+        sugar_box=PlanarPose(0.4, 0.3),
+    )
+    tin = state.objects["tea tin"].model.top
+    heights = {"book": 0.001, "tea tin": BOOK + 0.004, "mug": BOOK + tin - 0.005, "sugar box": 0.03}
+    found = with_supports(state.objects, heights)
+    assert {name: seen.on for name, seen in found.items()} == {
+        "book": None, "tea tin": "book", "mug": "tea tin", "sugar box": None,
+    }  # fmt: skip
+    assert found["mug"].pose.z == BOOK + tin
+    assert found["sugar box"].pose.z == 0.0
+    assert found["mug"].top_height == BOOK + tin + state.objects["mug"].model.top
+
+
+def test_a_stack_has_all_that_its_lowest_object_carries() -> None:
+    state = world(
+        book=PlanarPose(0.4, 0.0), tea_tin=PlanarPose(0.38, 0.05), mug=PlanarPose(0.1, 0.0)
+    )
+    book = state.objects["book"]
+    objects = {**state.objects, "tea tin": put_on(state.objects["tea tin"], book)}
+    there = put_on(state.objects["mug"], book)
+    assert [seen.name for seen in stack_with(there, objects)] == ["book", "tea tin", "mug"]
+    assert [seen.name for seen in stack_with(objects["mug"], objects)] == ["mug"]

@@ -1,0 +1,42 @@
+"""Objects on one another in Drake: what stands, what falls, and what is not changed."""
+
+from __future__ import annotations
+
+import pytest
+
+from benchmarks.stacks import has_fallen, relative_margin, stacked_body
+from sim.truth.object_truth import Truth
+from sim.truth.scene_file import Pose, SceneObject, parse_scene
+
+POST = Truth(radius_m=0.03, height_m=0.06, mass_kg=0.4, friction_table=0.4, friction_finger=0.6)
+BEAM = Truth(size_m=(0.24, 0.03, 0.02), mass_kg=0.3, friction_table=0.4, friction_finger=0.6)
+
+
+def stack(*members: tuple[Truth, float, float]) -> list[SceneObject]:
+    """Objects on one another: how they are, where along x [m], and how they are turned [degrees]."""
+    items, z = [], 0.0
+    for number, (truth, x, yaw) in enumerate(members):
+        pose = Pose(x_m=x, y_m=0.0, z_m=z, yaw_deg=yaw)
+        items.append(SceneObject(name=f"{number}", model="box", pose=pose, truth=truth))
+        z += truth.height
+    return items
+
+
+@pytest.mark.parametrize(
+    ("members", "falls"),
+    [
+        # Faces that cross have no corner of one in the other.
+        (((BEAM, 0.0, 0.0), (BEAM, 0.0, 90.0), (BEAM, 0.0, 0.0)), False),
+        (((POST, 0.0, 0.0), (BEAM, 0.026, 0.0)), False),
+        (((POST, 0.0, 0.0), (BEAM, 0.034, 0.0)), True),
+    ],
+)
+def test_a_stack_stands_if_its_margins_say_so(
+    members: tuple[tuple[Truth, float, float], ...], falls: bool
+) -> None:
+    items = stack(*members)
+    below = [None, *range(len(items) - 1)]
+    bodies = [stacked_body(*each) for each in zip(items, below, strict=True)]
+    assert (relative_margin(bodies) < 0.0) == falls
+    scene = parse_scene("{version: 1, name: stack, objects: []}")
+    assert has_fallen(scene, items) == falls
