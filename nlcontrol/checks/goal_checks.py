@@ -97,7 +97,8 @@ def _place(goal: g.Place, e: Evidence) -> Iterator[Check]:
     if goal.fraction is not None:
         start = e.start.objects[e.name]
         place = share_of_way(place, goal.fraction, start, e.defaults.place_tolerance)
-    yield from (place_check(goal, measure) for measure in place.measures(e.end.objects[e.name]))
+    if goal.relation != "off":
+        yield from (place_check(goal, one) for one in place.measures(e.end.objects[e.name]))
     if goal.relation == "on" and isinstance(goal.reference, tuple):
         yield from handling.set_on(goal, goal.reference[0].id or "", e)
     elif handling.by_hand(e):

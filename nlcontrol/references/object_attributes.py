@@ -25,7 +25,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from objectmodels.geometry.base_shapes import Polygon
 from planner.geometry.footprints import footprint, gap
 
 if TYPE_CHECKING:
@@ -186,8 +185,7 @@ def _stands_by(relation: Relation, s: SeenObject, other: SeenObject) -> bool:
     if relation in ("in", "out_of", "off"):
         return False  # nothing is seen to stand in another thing
     if relation == "on":
-        below = Polygon.convex(footprint(other))
-        return bool((below.normals @ s.pose.p_WB[:2] < below.offsets).all())
+        return s.on == other.name
     return _object_gap(s, other) <= (TOUCHING if relation == "touching" else BESIDE)
 
 

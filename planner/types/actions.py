@@ -394,7 +394,6 @@ class PutOn(Value):
 
 Action = Annotated[
     PushAction | GraspAction | LiftUp | Carry | TurnOver | PourOut | SetDown | SetOn | FlipOver
-    | TurnCap
-    | PutOn,
+    | TurnCap | PutOn,
     Field(discriminator="kind"),
 ]  # fmt: skip

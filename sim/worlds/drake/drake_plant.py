@@ -1,10 +1,10 @@
 """The simulated world as a Drake diagram: robot, table and objects.
 
 Model: point contact, but for slabs, lagged approximation; with "sap" a sliding fingertip chatters
-(2.3 N of standard deviation in a push of 3.6 N, against 0.07 N). Objects are boxes, cylinders and prisms
-that touch the table with small spheres at their support points (a solid yields one contact point
-only); the solid itself touches everything but the table. What stands on another object stands on
-that one's slab (`sim.worlds.drake.stack_contacts`).
+(2.3 N of standard deviation in a push of 3.6 N, against 0.07 N). Objects are boxes, cylinders and
+prisms that touch the table with small spheres at their support points (a solid yields one contact
+point only); the solid itself touches everything but the table. What stands on another object stands
+on that one's slab (`sim.worlds.drake.stack_contacts`).
 Lids are bodies of their own (`sim.worlds.drake.lid_bodies`), what a holder keeps is welded to the
 table. How bodies touch is in `sim.worlds.drake.body_contacts`.
 """

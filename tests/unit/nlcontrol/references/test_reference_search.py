@@ -18,6 +18,7 @@ from nlcontrol.references.object_names import Candidate
 from nlcontrol.references.reference_resolution import Context, resolve_references
 from objectmodels import BoxModel, Registry
 from planner.geometry.footprints import gap
+from planner.geometry.stacks import put_on
 from planner.types.world_state import Colour, PlanarPose, SeenObject, WorldState
 from tests.sizes import examples
 
@@ -226,9 +227,9 @@ def test_relations_are_seen_from_the_robot(relation: str, name: str) -> None:
     assert _resolved(ref, *boxes) == name
 
 
-def test_on_is_over_it() -> None:
+def test_on_is_standing_on_it() -> None:
     book = _box("book", 0.5, 0.0, size=(0.2, 0.2, 0.03))
-    boxes = (book, _box("above", 0.55, 0.05), _box("beside", 0.5, 0.2))
+    boxes = (book, put_on(_box("above", 0.55, 0.05), book), _box("beside", 0.5, 0.2))
     assert _resolved(_ref("carton", relation="on", reference=[_ref("book")]), *boxes) == "above"
 
 

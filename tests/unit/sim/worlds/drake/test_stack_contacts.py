@@ -13,7 +13,7 @@ BEAM = Truth(size_m=(0.24, 0.03, 0.02), mass_kg=0.3, friction_table=0.4, frictio
 
 
 def stack(*members: tuple[Truth, float, float]) -> list[SceneObject]:
-    """Objects on one another: how they are, where along x [m], and how they are turned [degrees]."""
+    """Objects on one another: how each is, where along x [m], and its heading [degrees]."""
     items, z = [], 0.0
     for number, (truth, x, yaw) in enumerate(members):
         pose = Pose(x_m=x, y_m=0.0, z_m=z, yaw_deg=yaw)
