@@ -47,10 +47,10 @@ def test_it_is_put_on_the_middle_of_a_top(shelf: WorldState, hand: RuledHand) ->
     assert isinstance(down, SetOn)
     mug, book = (shelf.objects[name].model for name in ("mug", "book"))
     assert lift.height == pytest.approx(book.top + DEFAULTS.carry_clearance)
-    assert (down.onto, down.height) == ("book", pytest.approx(book.top))
-    assert (carry.to.x, carry.to.y) == (
-        pytest.approx(0.45 - mug.com[0], abs=LENGTHS), pytest.approx(0.10 - mug.com[1], abs=LENGTHS)
-    )  # fmt: skip
+    assert down.onto == "book"
+    assert down.height == pytest.approx(book.top)
+    assert carry.to.x == pytest.approx(0.45 - mug.com[0], abs=LENGTHS)
+    assert carry.to.y == pytest.approx(0.10 - mug.com[1], abs=LENGTHS)
     # The mug stands on a disc of 30 mm in radius, of which a polygon's sides are nearer.
     assert 0.029 < down.prediction.margin <= 0.030
     assert made.probability <= down.prediction.stands

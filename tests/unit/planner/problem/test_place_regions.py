@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 
 from grammar.frames import command as g
 from planner.geometry.footprints import footprint, gap
+from planner.problem.place_measures import Region
 from planner.problem.place_regions import (
     Between,
-    Region,
     object_at,
     region,
     share_of_way,
