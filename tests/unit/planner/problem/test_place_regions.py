@@ -228,8 +228,8 @@ def test_every_region_of_the_language_has_a_meaning() -> None:
         assert table_region(name, state.table, DEFAULTS).spots(state.objects["ice tea box"])
 
 
-def test_on_top_of_something_is_no_place_of_the_table() -> None:
-    assert region(g.Place(relation="on", reference=(CEREAL,)), _three(), DEFAULTS) is None
+def test_in_something_is_no_place_yet() -> None:
+    assert region(g.Place(relation="in", reference=(CEREAL,)), _three(), DEFAULTS) is None
 
 
 def test_halfway_to_the_edge() -> None:
