@@ -35,7 +35,7 @@ def test_ends_that_were_meant_are_not_early(
     "frame",
     [
         frame_of(g.HandOver()),
-        frame_of(g.Place(relation="on", reference=(MUG,))),
+        frame_of(g.Place(relation="in", reference=(MUG,))),
     ],
 )
 def test_what_cannot_be_checked_is_an_error(frame: g.Frame) -> None:
