@@ -61,11 +61,13 @@ def others(e: Evidence) -> Iterator[Check]:
 
 
 def _to_be_touched(e: Evidence) -> Iterator[str]:
-    """Objects that the sentence wants the object to touch, or to be poured into."""
-    goal = e.frame.goal
+    """Objects that it stands on, that the sentence wants it to touch, or to be poured into."""
+    goal, below = e.frame.goal, e.stood_on
+    if below is not None:
+        yield below
     if isinstance(goal, g.Pour) and goal.into is not None:
         yield goal.into.id or goal.into.text
-    if isinstance(goal, g.Place) and goal.relation in ("touching", "on", "off"):
+    if isinstance(goal, g.Place) and goal.relation in ("touching", "on"):
         assert isinstance(goal.reference, tuple)
         yield from (ref.id for ref in goal.reference if ref.id)
     for clause in e.frame.constraints:

@@ -13,6 +13,7 @@ import numpy as np
 
 from nlcontrol.checks import trace_measures as measures
 from objectmodels.errors import ModelError
+from planner.geometry.stacks import with_supports
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 
 if TYPE_CHECKING:
@@ -76,6 +77,12 @@ class Evidence:
     def model(self) -> ObjectModel:
         """Believed model of the object, as it lay at the start."""
         return self.start.objects[self.name].model
+
+    @property
+    def stood_on(self) -> str | None:
+        """Name of what the object stood on at the start; None on the table."""
+        height = float(self.trace.poses[self.name][0, 6])
+        return with_supports(self.start.objects, {self.name: height})[self.name].on
 
     @property
     def largest_tilt(self) -> float:

@@ -85,7 +85,7 @@ def lift_check(goal: g.Lift, e: Evidence) -> Iterator[Check]:
 
 def set_down(goal: g.SetDown, e: Evidence) -> Iterator[Check]:
     """It stands where it was held, or on the table if it stood on another object."""
-    if not measures.during(e.trace, ("grasp",)).any():
+    if e.stood_on is None:
         moved = float(np.linalg.norm(e.trace.displacement(e.name)[:2]))
         limit = e.defaults.place_tolerance
         yield compare(goal, "at_most", "moved while it was set down", 0.0, moved, limit, "m")
