@@ -37,7 +37,10 @@ def answer_about_scene(
 def scene_answer(state: WorldState) -> Answer:
     """The objects on the table, and where each of them stands."""
     seen = sorted(state.objects.values(), key=lambda each: each.pose.x)
-    lines = tuple(f"the {s.name} at {place_text(s.pose.x, s.pose.y)}" for s in seen)
+    lines = tuple(
+        f"the {s.name} at {place_text(s.pose.x, s.pose.y)}" + (f", on the {s.on}" if s.on else "")
+        for s in seen
+    )
     names = enumeration([f"the {each.name}" for each in seen]) or "nothing"
     held = "" if state.held is None else f" I hold the {state.held.name}."
     numbers = {"objects": float(len(seen))}

@@ -45,7 +45,6 @@ def test_every_sentence_comes_to_an_end_that_is_told(kitchen: Controller, seed: 
     ("text", "capability"),
     [
         ("hand me the coffee box", "handing objects over"),
-        ("stand the coffee box upright", "standing objects up"),
         ("push the coffee box onto the cereal box", "putting objects on others"),
         ("push the coffee box away with your left hand", "a second (left) hand"),
         ("push the coffee box on its top face", "pushing on the top face"),
