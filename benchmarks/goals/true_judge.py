@@ -68,8 +68,9 @@ class _Truth:
     def __init__(self, trace: Trace, name: str, models: Mapping[str, ObjectModel]) -> None:
         self.trace, self.name, self._models = trace, name, models
         self.rotations = np.array([_rotation(q) for q in trace.poses[name][:, :4]])
-        lean = np.clip(self.rotations[:, :, 2] @ self.rotations[0, :, 2], -1.0, 1.0)
-        self.tilts = np.arccos(lean)
+        # In W, what of the object looked up at the start; it may lie on any of its faces.
+        self.upwards = self.rotations @ self.rotations[0, 2]
+        self.tilts = np.arccos(np.clip(self.upwards[:, 2], -1.0, 1.0))
         self.moved = self.middle(name, -1) - self.middle(name, 0)
 
     def corners(self, name: str, sample: int) -> Array:
@@ -97,8 +98,8 @@ class _Truth:
         return float(twist[-1] - twist[0])
 
     def leans_to(self, sample: int) -> Array:
-        """Direction in which its axis leans more than at the start, shape (2,)."""
-        way = (self.rotations[sample, :, 2] - self.rotations[0, :, 2])[:2]
+        """Direction in which it leans against how it lay at the start, shape (2,)."""
+        way = self.upwards[sample, :2]
         return np.asarray(way / np.linalg.norm(way))
 
 

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from itertools import product
 
 import numpy as np
 
@@ -33,8 +32,8 @@ from planner.types.turning_actions import TurnOver
 from planner.types.world_state import SeenObject
 
 _UP = np.array([0.0, 0.0, 1.0])
-_SWINGS = np.radians([0.0, 45.0, -45.0, 90.0, -90.0]).tolist()
 _HALF = math.radians(150.0)  # turns by more than this are tried the other way round, too
+_SAMPLES = 32  # orientations on the way that are looked at
 _POINTS_UP = 0.2  # of straight fingers in the end, how much they go up at most
 
 
@@ -56,24 +55,22 @@ def stand_up(problem: GraspProblem) -> Plan | Reached:
     def with_loads(loads: list[GraspLoad]) -> Plan:
         return _first_way(problem, rest, stable_grasps(problem, loads))
 
-    ways = product(_SWINGS, list(body_candidates(problem)))
-    loads = ([turned for each in group for turned in _turned(each, rest, swing)]
-             for swing, group in ways)  # fmt: skip
+    loads = ([load for each in group for load in _turned(each, rest)]
+             for group in body_candidates(problem))  # fmt: skip
     some = [group for group in loads if group]
     if not some:
         raise no_plan("hand_from_below", object=problem.target.name)
     return first_plan_of_groups(some, with_loads)
 
 
-def _turned(held: Candidate, rest: Resting, swing: float) -> Iterator[GraspLoad]:
-    """A hold of an object while it turns until its bottom is below.
+def _turned(held: Candidate, rest: Resting) -> Iterator[GraspLoad]:
+    """A hold of an object while it turns until its bottom is below, this or that way round.
 
-    The fingers then point aside by an angle from where they pointed before [rad]; none if they
-    would point up.
+    None if the fingers would then point up.
     """
     level = _lean_onto(rest.foot)
     first, last = heading_of(held.approach), heading_of(level @ held.approach)
-    R = rotation_about(_UP, first + swing - last) @ level
+    R = rotation_about(_UP, first - last) @ level
     if (R @ held.approach)[2] > _POINTS_UP:
         return
     axis, angle = axis_and_angle(R)
@@ -113,7 +110,7 @@ def _motion_draft(problem: GraspProblem, rest: Resting, hold: StableGrasp) -> Mo
     aim = Aim(x=float(p_WB[0]), y=float(p_WB[1]), yaw=heading_of(R_WB[:, 0]))
     lift_planner.require_room(problem, standing_object(target, aim), {})
     here = Aim(x=target.pose.x, y=target.pose.y)
-    up = lift_planner.clearance_height(problem, here) + _room_below(target, middle)
+    up = lift_planner.clearance_height(problem, here) + _room_below(target, middle, hold.turned)
     x, y, z = axis.tolist()
     steps: tuple[Action, ...] = (
         *lift_planner.lift_steps(problem, up),
@@ -123,10 +120,17 @@ def _motion_draft(problem: GraspProblem, rest: Resting, hold: StableGrasp) -> Mo
     return MotionDraft(steps, aim=aim)
 
 
-def _room_below(target: SeenObject, middle: Array) -> float:
-    """Height by which it is lifted so that it may turn about a point in N, (3,), in any way [m]."""
-    corners = np.array(
-        [(x, y, z) for z in (0.0, target.model.top) for x, y in target.model.outline]
-    )
-    farthest = float(np.linalg.norm(corners - middle, axis=1).max())
-    return max(0.0, farthest - float(middle[2]))
+def _room_below(target: SeenObject, middle: Array, turned: Array) -> float:
+    """Height by which it is lifted so that it clears the table while it turns [m].
+
+    Args:
+        target: what is turned.
+        middle: the point in N that stays where it is, shape (3,) [m].
+        turned: rotation vector in N, shape (3,) [rad].
+    """
+    angle = float(np.linalg.norm(turned))
+    ways = rotation_about(turned / angle, np.linspace(0.0, angle, _SAMPLES))
+    outline, top = target.model.outline, target.model.top
+    corners = np.array([(x, y, z) for z in (0.0, top) for x, y in outline])
+    lowest = float(((corners - middle) @ ways[:, 2].T).min())
+    return max(0.0, -lowest - float(middle[2]))
