@@ -61,7 +61,10 @@ class ReachSearch:
         effort: ReachEffort = (
             "thorough" if self._problem.effort.thorough and here == now else "usual"
         )
-        # Of one plan nothing but the place of the object changes.
+        # Of one plan nothing but the place of the object changes. What goes as usual goes.
+        known = budget.answers.get((push, here, "usual"))
+        if known is not None and known.ok:
+            return known
         asked = push, here, effort
         return budget.answer_to(asked, lambda: self._problem.robot.reach(push, state, effort))
 

@@ -9,14 +9,15 @@ from typing import Any
 import pytest
 
 from planner.problem.frame_interpretation import interpret_frame
-from planner.problem.planning_problem import PushStep
+from planner.problem.planning_problem import PushProblem, PushStep
 from planner.pushing import contact_planner
 from planner.pushing.contact_planner import best_push
 from planner.pushing.contact_sampling import Contacts, rate_contacts
 from planner.pushing.reach_search import ContactQueries, ReachSearch
+from planner.types.actions import Push
 from planner.types.defaults import DEFAULTS
 from planner.types.refusal import NoPlanError
-from planner.types.robot import FailedPush
+from planner.types.robot import FailedPush, ReachAnswer
 from planner.types.world_state import PlanarPose, WorldState
 from tests.unit.planner.conftest import RuledReach, frame_of, planned
 
@@ -62,6 +63,48 @@ def test_only_what_stands_as_now_is_looked_at_thoroughly(kitchen: WorldState) ->
     assert search.reach(push, kitchen).ok
     later = problem.with_target(replace(problem.target, pose=PlanarPose(0.5, 0.0)))
     assert not search.reach(push, later.state).ok
+
+
+def test_what_goes_as_usual_is_not_looked_at_thoroughly(kitchen: WorldState) -> None:
+    robot = RuledReach()
+    push = planned(SENTENCE, kitchen).push
+    problem = interpret_frame(frame_of(SENTENCE), kitchen, DEFAULTS, robot)
+    usual = ReachSearch(problem).reach(push, kitchen)
+    thorough = replace(problem, effort=replace(problem.effort, thorough=True))
+    assert ReachSearch(thorough).reach(push, kitchen) == usual
+    assert len(robot.asked) == 1
+
+
+class _Crowded(ReachSearch):
+    """A search in which no hand has room anywhere, or the arm gets nowhere."""
+
+    def __init__(self, problem: PushProblem, *, crowded: bool) -> None:
+        super().__init__(problem)
+        self.asked: list[Push] = []
+        self._crowded = crowded
+
+    def reach(self, push: Push, state: WorldState) -> ReachAnswer:
+        self.asked.append(push)
+        return ReachAnswer(ok=False, reason="obstacle", blocker="jar", crowded=self._crowded)
+
+
+def test_where_no_hand_has_room_nothing_is_asked_below(kitchen: WorldState) -> None:
+    """Two contacts one above the other: the upper one tells of all that lie between."""
+    robot = RuledReach(lambda _: False)
+    push = planned(SENTENCE, kitchen).push
+    x, y, z = push.p_BC
+    low, middle, high = (
+        push.model_copy(update={"p_BC": (x, y, z + up)}) for up in (0.0, 0.01, 0.02)
+    )
+    problem = interpret_frame(frame_of(SENTENCE), kitchen, DEFAULTS, robot)
+    for crowded in (True, False):
+        search = _Crowded(problem, crowded=crowded)
+        queries = ContactQueries(search, problem)
+        assert not queries.is_reached(low)
+        queries.look_above(low, (middle, high))
+        assert not queries.is_reached(middle)
+        assert len(queries.denied) == 2
+        assert search.asked == ([low, high] if crowded else [low, middle])
 
 
 def test_no_contact_is_asked_for_twice(kitchen: WorldState) -> None:
