@@ -88,7 +88,7 @@ def plan(
 
     try:
         require_other_objects(frame)
-        if upright and _stands(frame, state):
+        if upright and state.held is None and _stands(frame, state):
             return Reached()
         if only_pushes or not is_handled(frame):
             return by_pushes()

@@ -38,19 +38,21 @@ _POINTS_UP = 0.2  # of straight fingers in the end, how much they go up at most
 
 
 def stand_up(problem: GraspProblem) -> Plan | Reached:
-    """Lifts what lies and sets it down on its own bottom.
+    """Lifts what lies and sets it down on its own bottom; what is held upright is set down.
 
     Raises:
         NoPlanError: it cannot be held, there is no room, or the hand does not get around.
     """
     rest = problem.target.rest
+    if held_already(problem):
+        if rest is None:
+            return lift_planner.set_down(problem)
+        raise no_plan("hand_not_free", object=problem.target.name)
     if rest is None:
         return Reached()
     lift_planner.require_liftable(problem)
     if problem.motion.upright:
         raise lift_planner.forbidden_meanwhile(problem, problem.motion.upright, "tilts it")
-    if held_already(problem):
-        raise no_plan("hand_not_free", object=problem.target.name)
 
     def with_loads(loads: list[GraspLoad]) -> Plan:
         return _first_way(problem, rest, stable_grasps(problem, loads))

@@ -120,3 +120,8 @@ def test_what_stands_is_left_alone() -> None:
     state = WorldState({"cube": SeenObject("cube", PlanarPose(0.4, 0.0), CUBE)}, TABLE)
     for robot in (RuledHand(), RuledReach()):
         assert isinstance(plan(frame_of("stand the cube up"), state, robot), Reached)
+    held = state_after(planned("lift the cube", state, RuledHand()), state)
+    assert held is not None
+    down = plan(frame_of("stand the cube up"), held, RuledHand())
+    assert isinstance(down, Plan)
+    assert down.steps == (SetDown(),)

@@ -29,7 +29,7 @@ def kitchen() -> Controller:
 def _checks(
     kitchen: Controller, goal: Any, trace: Trace, *constraints: Any, of: g.ObjectRef = CARTON
 ) -> dict[str, Check]:
-    action = {"set_down": "place"}.get(goal.kind, goal.kind)
+    action = {"set_down": "place", "upright": "place"}.get(goal.kind, goal.kind)
     frame = g.Frame(action=action, object=of, goal=goal, constraints=constraints)
     require_checkable(frame)
     return {f"{c.clause}: {c.quantity}": c for c in kitchen.check(frame, trace)}
@@ -72,6 +72,22 @@ def test_a_height_over_the_table_is_no_matter_of_where_it_was(
 def test_what_fell_out_of_the_hand_was_not_lifted(kitchen: Controller) -> None:
     found = _checks(kitchen, g.Lift(), hand_trace("ice tea", up=0.1, at_end=0.0))
     assert not found["lift: held higher at the end"].ok
+
+
+@pytest.mark.parametrize(("lay", "ends", "ok"), [(90, 0, True), (90, 90, False), (0, 4, False)])
+def test_what_stands_up_does_so_on_its_own_bottom(
+    kitchen: Controller, lay: float, ends: float, ok: bool
+) -> None:
+    trace = hand_trace("ice tea")
+    pose = trace.poses["ice tea"].copy()
+    half = np.radians(np.where(trace.phase == "settle", ends, lay)) / 2.0
+    pose[:, :4] = np.column_stack([np.cos(half), np.sin(half), 0.0 * half, 0.0 * half])
+    # On its side B's origin, in the middle of its bottom, is half of the depth of 44 mm up.
+    pose[:, 6] = 0.022 * np.sin(2.0 * half)
+    found = _checks(kitchen, g.Upright(), replace(trace, poses={**trace.poses, "ice tea": pose}))
+    assert found["upright: tilt at the end"].ok is ok
+    # It was only turned, so that rounding alone is between this and the truth.
+    assert found["upright: tilt at the end"].measured == pytest.approx(np.radians(ends), abs=1e-6)
 
 
 def test_what_is_held_is_upright(kitchen: Controller) -> None:
