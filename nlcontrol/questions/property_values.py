@@ -24,6 +24,8 @@ Told = tuple[str, dict[str, float]]
 EVERYTHING = ("mass", "friction", "size")
 """What is told if a question names no property."""
 
+_SEEN = {"position", "load", "support"}
+
 
 def property_answer(frame: g.Frame, state: WorldState, position_sd: float) -> Answer:
     """The believed values that a question asks for, given how well positions are seen [m].
@@ -38,6 +40,8 @@ def property_answer(frame: g.Frame, state: WorldState, position_sd: float) -> An
     for name in which or EVERYTHING:
         if name == "position":
             text, figures = _position(target, position_sd)
+        elif name == "load":
+            text, figures = _load(target, state)
         elif name == "fill" and target.model.vessel is not None:
             text, figures = _fill(target)
         elif name in _TOLD:
@@ -46,7 +50,7 @@ def property_answer(frame: g.Frame, state: WorldState, position_sd: float) -> An
             raise _unknown(name, target, goal.spans or frame.spans)
         parts.append(text)
         numbers |= figures
-    source = "" if which == ("position",) else f" ({_source(target, which or EVERYTHING)})"
+    source = "" if which and set(which) <= _SEEN else f" ({_source(target, which or EVERYTHING)})"
     text = f"The {target.name} {enumeration(parts)}{source}."
     return Answer(query="value", text=text, numbers=numbers)
 
@@ -131,6 +135,16 @@ def _centre_of_mass(target: SeenObject) -> Told:
     return text, figures
 
 
+def _load(target: SeenObject, state: WorldState) -> Told:
+    carried = state.carried_by(target.name)
+    names = enumeration([f"the {each.name}" for each in carried]) or "nothing"
+    return f"carries {names}", {"objects": float(len(carried))}
+
+
+def _support(target: SeenObject) -> Told:
+    return f"stands on the {target.on or 'table'}", {"height": target.pose.z}
+
+
 def _position(target: SeenObject, sd: float) -> Told:
     pose = target.pose
     figures = {"x": pose.x, "y": pose.y, "yaw": pose.yaw, "position_sd": sd}
@@ -149,4 +163,5 @@ _TOLD: dict[str, Callable[[SeenObject], Told]] = {
     "length": _side("length", "deep"),
     "size": _size,
     "centre_of_mass": _centre_of_mass,
+    "support": _support,
 }

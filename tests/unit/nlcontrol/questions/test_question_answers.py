@@ -28,6 +28,7 @@ from objectmodels import BoxModel
 from planner.types.plan import Plan
 from planner.types.refusal import Refusal
 from sim.simulated_executor import simulation
+from sim.truth.scene_file import parse_scene
 
 MASS, MASS_SD, MU, MU_SD, HALF, COM_SD = 0.9952, 0.0375, 0.378, 0.0689, 0.045, 0.003
 WEIGHT = MASS * 9.81
@@ -535,3 +536,28 @@ def test_an_answer_is_a_frozen_value() -> None:
     assert Answer.model_config["frozen"]
     with pytest.raises(ValueError, match="extra"):
         Answer.model_validate({"query": "value", "text": "", "colour": "red"})
+
+
+def test_what_stands_on_what_is_told_by_the_camera() -> None:
+    high = Controller(
+        parse_scene(
+            """
+            version: 1
+            name: high
+            objects:
+              - {name: book, model: book, pose: {x_m: 0.45, y_m: 0.1}}
+              - {name: mug, model: mug, pose: {x_m: 0.46, y_m: 0.12, z_m: 0.03}}
+            """
+        )
+    )
+    told = {
+        said: high.say(said).answer for said in ("what is on the book", "what is under the mug")
+    }
+    answers = {said: answer.text for said, answer in told.items() if answer}
+    assert answers == {
+        "what is on the book": "The book carries the mug.",
+        "what is under the mug": "The mug stands on the book.",
+    }
+    refused = high.say("push the book to the left", plan_only=True).error
+    assert refused is not None
+    assert refused.code == "blocked"
