@@ -29,8 +29,8 @@ STANDS_OUT = 5e-5
 """How far a slab stands out at top and bottom [m]."""
 
 _DRAWN_IN = 5e-4  # at the sides, more than solids ever overlap there [m]
-_STIFFNESS = 1e12  # so that what presses on an edge leans by less than a tenth of a degree [Pa/m]
-_DISSIPATION = 5e3  # a box that rocks by a degree stands still after half a second [s/m]
+_STIFFNESS = 5e12  # so that what presses on an edge leans by less than a tenth of a degree [Pa/m]
+_DISSIPATION = 2e3  # a box that rocks by a degree stands still after half a second [s/m]
 
 
 def add_slab(plant: MultibodyPlant, truth: Truth, body: RigidBody) -> GeometryId:
