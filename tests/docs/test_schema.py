@@ -169,9 +169,9 @@ def test_a_plan_is_a_list_of_actions() -> None:
     ]  # fmt: skip
     actions = _definition("Plan")["properties"]["actions"]["items"]["discriminator"]["mapping"]
     assert set(actions) == {
-        "push", "grasp", "lift_up", "carry", "pour_out", "set_down", "flip_over", "turn_cap",
-        "put_on",
+        "push", "grasp", "lift_up", "carry", "turn_over", "pour_out", "set_down", "set_on",
+        "flip_over", "turn_cap", "put_on",
     }  # fmt: skip
     assert set(_definition("Plan")["properties"]["task"]["enum"]) == {
-        "push", "topple", "tilt", "lift", "place", "pour", "open", "close",
+        "push", "topple", "tilt", "lift", "place", "stand", "pour", "open", "close",
     }  # fmt: skip
