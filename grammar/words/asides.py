@@ -205,8 +205,9 @@ class Asides:
 
     def _says_too_little(self, kind: str, match: re.Match[str], left: Normalised) -> bool:
         """Check for a rest that needs what is left out: "to the right now", "no, right"."""
-        if match[0].strip(" .") == "right" and 0 < match.start() < match.end() < len(match.string):
-            return True  # "push it 5 cm. Right. Slowly"
+        after = match.string[match.end() :].lstrip(" .")
+        if match[0].strip(" .") == "right" and match.start() and after:
+            return not self._courtesy.begins_command(after)  # "push it 5 cm. Right. Slowly"
         if kind == "restarts":
             return self._courtesy.is_closing(left)  # "hold on, thanks"
         if kind != "after" or not left.text:

@@ -141,6 +141,10 @@ class Courtesy:
                 return _begun_with(instead, said, start)
         return said
 
+    def begins_command(self, text: str) -> bool:
+        """Check for words with which a command begins: "then", "push"."""
+        return self._has_kind({"NEXT", "VERB"}, text, 0)
+
     def _without_topic(self, said: Normalised) -> Normalised:
         """The sentence that begins with its thing: "as for the jar, push it" is "the jar, …"."""
         topic = self._topics.match(said.text)
