@@ -65,11 +65,11 @@ def lift(problem: GraspProblem, goal: g.Lift) -> Plan | Reached:
     return _plan_with_grasps(problem, lift_plan)
 
 
-def set_down(problem: GraspProblem) -> Plan:
+def set_down(problem: GraspProblem) -> Plan | Reached:
     """Down where it is held; what stands on another object is put on the table beside that.
 
     Raises:
-        NoPlanError: the hand holds nothing, or nothing can stand there.
+        NoPlanError: nothing can stand there.
     """
     lower = problem.target.on
     if problem.state.held is None and lower is not None:
@@ -77,7 +77,7 @@ def set_down(problem: GraspProblem) -> Plan:
         frame = problem.frame.model_copy(update={"goal": off})
         return place(replace(problem, frame=frame))
     if problem.state.held is None:
-        raise no_plan("holds_nothing")
+        return Reached()  # it stands on the table
     require_room(problem, problem.target, {})
     draft = MotionDraft((SetDown(),), aim=pose_as_aim(problem.target))
     return first_reachable_plan(problem, "place", each_with_each(held_already(problem), [draft]))

@@ -82,6 +82,10 @@ def test_it_is_taken_off_and_put_on_the_table(
     assert after.objects["mug"].pose.z == 0.0
 
 
+def test_what_is_on_the_table_is_put_down_already(shelf: WorldState, hand: RuledHand) -> None:
+    assert plan(frame_of("put the mug on the table"), shelf, hand) == Reached()
+
+
 @pytest.mark.parametrize(
     ("said", "code"),
     [
