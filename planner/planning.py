@@ -137,8 +137,9 @@ def _is_placed(frame: g.Frame, state: WorldState, defaults: Defaults) -> bool:
     if not isinstance(goal, g.Place) or goal.fraction is not None or state.held is not None:
         return False
     assert frame.object is not None
-    place = region(goal, state, defaults)
-    return place is not None and place.holds(state.objects[frame.object.id or ""])
+    target = state.objects[frame.object.id or ""]
+    place = region(goal, state, defaults, target)
+    return place is not None and place.holds(target)
 
 
 def _plan_with_hand(problem: GraspProblem) -> Plan | Reached:

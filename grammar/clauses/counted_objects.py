@@ -50,6 +50,39 @@ def with_exception(
     return [replace(things[0], ref=ref.model_copy(update=update))]
 
 
+def without_both(things: Sequence[ph.Thing]) -> list[ph.Thing]:
+    """The objects of a clause, of which "both the one and the other" names two."""
+    if len(things) != 2 or things[0].ref.quantifier != "both":
+        return list(things)
+    ref = things[0].ref.model_copy(update={"quantifier": None})
+    return [replace(things[0], ref=ref), things[1]]
+
+
+def with_left_alone(frames: Sequence[g.Frame]) -> tuple[g.Frame, ...]:
+    """Frames without those that leave a thing where it is, which the others do not touch then."""
+    left = {id(frame): clause for frame in frames if (clause := _left_alone(frame)) is not None}
+    if len(left) == len(frames):
+        return tuple(frames)
+    spared = tuple(left.values())
+    return tuple(
+        frame.model_copy(update={"constraints": (*frame.constraints, *spared)})
+        for frame in frames
+        if id(frame) not in left
+    )
+
+
+def _left_alone(frame: g.Frame) -> g.NoTouch | None:
+    """A constraint for "leave the jar where it is"; None if a frame says something else."""
+    goal, thing = frame.goal, frame.object
+    if not isinstance(goal, g.Place) or goal.relation != "place_of" or thing is None:
+        return None
+    where = goal.reference
+    stays = isinstance(where, tuple) and len(where) == 1 and where[0].pronoun
+    if frame.action != "place" or not stays or frame.query or thing.pronoun:
+        return None
+    return g.NoTouch(object=thing, spans=(*frame.spans, *thing.spans, *goal.spans))
+
+
 def require_no_other_meant(clause: Parts, frames: Sequence[g.Frame], sentence: Normalised) -> None:
     """Refuses "them" in a clause about one object, where the clauses before it are about others.
 

@@ -26,7 +26,9 @@ from grammar.clauses.counted_objects import (
     require_countable,
     require_no_other_meant,
     with_exception,
+    with_left_alone,
     with_listed_exceptions,
+    without_both,
 )
 from grammar.clauses.object_descriptions import attach_descriptions
 from grammar.clauses.remark_reader import GOES_ON, RemarkReader, joint_dialogue
@@ -64,7 +66,29 @@ def frames_of(
         frames += read
         previous = said
     require_countable(frames, sentence)
-    return tuple(frames)
+    return _with_ways_back(frames, sentence)
+
+
+def _with_ways_back(frames: Sequence[g.Frame], sentence: Normalised) -> tuple[g.Frame, ...]:
+    """Takes "put it back" alone for an undoing, and behind something else for a place."""
+    if len(frames) == 1:
+        (frame,) = frames
+        goal, thing = frame.goal, frame.object
+        back = isinstance(goal, g.Place) and goal.relation == "back" and not frame.query
+        if back and thing is not None and thing.quantifier is None and not frame.constraints:
+            spans = tuple(sorted((*frame.spans, *goal.spans)))
+            return (g.Frame(dialogue="undo", object=thing, spans=spans),)
+        return tuple(frames)
+    return with_left_alone([_as_way_back(frame, sentence) for frame in frames])
+
+
+def _as_way_back(frame: g.Frame, sentence: Normalised) -> g.Frame:
+    said = [sentence.words_as_written(span).casefold().split() for span in frame.spans]
+    if frame.dialogue != "undo" or not any("back" in words for words in said):
+        return frame
+    it = g.ObjectRef(text="it", spans=frame.spans, pronoun=True)
+    goal = g.Place(relation="back", reference=())
+    return g.Frame(action="place", object=frame.object or it, goal=goal, spans=frame.spans)
 
 
 def _in_order(clauses: list[Parts]) -> list[Parts]:
@@ -154,7 +178,9 @@ class _ClauseReader:
             return RemarkReader(self._parts, remarks, self._lexicon, self._sentence).frames()
         excluded = self._take_parts(ph.NotThis)
         excepted = self._take_parts(ph.Except)
-        things = clause_objects(self._parts, ask, remarks, self._lexicon, self._sentence)
+        things = without_both(
+            clause_objects(self._parts, ask, remarks, self._lexicon, self._sentence)
+        )
         if any(thing.ref.quantifier in ("all", "rest") for thing in things):
             excepted, excluded = [*excepted, *excluded], []
         for part in excepted:

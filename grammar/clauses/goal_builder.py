@@ -10,6 +10,13 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, cast
 
+from grammar.clauses.arrangement_goals import (
+    clear_goal,
+    orientation_goal,
+    row_goal,
+    straight_goal,
+    swap_goal,
+)
 from grammar.clauses.clause_parts import ON_THE_TABLE, Clause
 from grammar.clauses.constraint_builder import can_be_same
 from grammar.errors import ParseError
@@ -24,6 +31,12 @@ _MEASURED = ("from", "toward")
 
 _SOURCES = {"off": "off", "out_of": "out_of", "from": "off"}
 """Relation → that of a place from which a thing is taken."""
+
+_NO_GAP = frozenset({
+    "touching", "on", "between", "at", "in", "out_of", "off", "in_row", "together", "place_of",
+    "back",
+})  # fmt: skip
+"""Relations that leave no gap to be said."""
 
 _SENSES: dict[g.Direction, g.Sense] = {"left": "ccw", "right": "cw"}
 
@@ -112,6 +125,10 @@ def _place_goal(clause: Clause) -> g.Displace | g.Place | g.SetDown:
     place, table = clause.take_place(), clause.take_only(ph.Table)
     if place is None and table is not None:
         return g.SetDown(spans=clause.all_spans)
+    back = clause.first_part(ph.Direction)
+    if place is None and back is not None and clause.quote(back).casefold() == '"back"':
+        clause.take_only(ph.Direction)
+        return g.Place(relation="back", reference=(), spans=clause.all_spans)
     if place is None:
         hints = ("next to the mug", "to the middle of the table", "to x 0.6 y -0.1")
         raise clause.no_place_error("where to put it", *hints)
@@ -131,7 +148,7 @@ def _place_goal_at(clause: Clause, place: ph.Place) -> g.Place:
         relation = "next_to" if objects else "at"
     relation = ON_THE_TABLE.get(relation, relation)
     edge = str(place.reference).endswith("edge")
-    apart = edge or relation not in ("touching", "on", "between", "at", "in", "out_of", "off")
+    apart = edge or relation not in _NO_GAP
     if length is not None and (not apart or length.bound != "exact" or length.most):
         raise clause.does_not_apply_error(
             length, "does not go with this place", "10 cm from the mug"
@@ -151,6 +168,8 @@ def _place_goal_at(clause: Clause, place: ph.Place) -> g.Place:
 
 
 def _rotate_goal(clause: Clause) -> g.Rotate:
+    if (oriented := orientation_goal(clause)) is not None:
+        return oriented
     sense = clause.take_only(ph.Sense)
     aside = clause.first_part(ph.Direction)
     direction = clause.take_direction()
@@ -315,6 +334,10 @@ GOAL_BUILDERS: dict[str, Callable[[Clause], g.Goal]] = {
     "contact": _contact_goal,
     "place": _place_goal,
     "rotate": _rotate_goal,
+    "straighten": straight_goal,
+    "clear": clear_goal,
+    "swap": swap_goal,
+    "line_up": row_goal,
     "tilt": _tilt_goal,
     "topple": _topple_goal,
     "upright": lambda _: g.Upright(),

@@ -98,8 +98,11 @@ class Place(BaseGoal):
     """Bring the object to a place.
 
     Attributes:
-        relation: where, as seen from `reference`; `in` and `on` it, or taken `out_of` or `off` it.
-        reference: objects, a point or a part of the table.
+        relation: where, as seen from `reference`; `in` and `on` it, or taken `out_of` or `off` it;
+            `clear_of` it; where it stands (`place_of`); `in_row` or `together` with it; or `back`
+            to where the object itself stands when the sentence begins.
+        reference: objects, a point or a part of the table. No object: out of the way (`clear_of`),
+            or the objects that are named together, among themselves.
         distance: gap between the surfaces [m], at most 10, or measured in objects; None if not
             said.
         fraction: share of the way to a part of the table ("halfway to the left edge"), as of
@@ -132,6 +135,9 @@ class Rotate(BaseGoal):
         sense: `ccw` or `cw`, as seen from above; None if not said.
         bound: whether `angle` is meant exactly or as a bound.
         amount: `little` or `lot`, if the sentence says no more.
+        facing: object, or direction, that a broad side of it faces at the end.
+        parallel_to: edge of the table, or object, along which its broad sides lie at the end; any
+            `edge` if it is to stand straight.
     """
 
     words: ClassVar[GoalWords] = GoalWords(verbs={"turn": "turn"}, outcomes=("turns",))
@@ -140,6 +146,8 @@ class Rotate(BaseGoal):
     sense: Sense | None = None
     bound: Bound = "exact"
     amount: Amount | None = None
+    facing: ObjectRef | Direction | None = None
+    parallel_to: ObjectRef | TableRegion | None = None
     spans: Spans = ()
 
 

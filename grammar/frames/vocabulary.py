@@ -44,10 +44,12 @@ FaceName = Literal["front", "back", "left", "right", "top"]
 Relation = Literal[
     "next_to", "left_of", "right_of", "in_front_of", "behind", "between", "touching", "at", "on",
     "front_left_of", "front_right_of", "behind_left_of", "behind_right_of", "in", "out_of", "off",
+    "clear_of", "place_of", "back", "in_row", "together",
 ]  # fmt: skip
 TableRegion = Literal[
     "center", "edge", "left_edge", "right_edge", "front_edge", "back_edge", "corner",
     "front_left_corner", "front_right_corner", "back_left_corner", "back_right_corner",
+    "left_half", "right_half", "front_half", "back_half",
 ]  # fmt: skip
 
 Quality = Literal[

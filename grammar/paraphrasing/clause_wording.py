@@ -117,7 +117,7 @@ class Phrasing(Naming):
         return [f"{length} {self.phrase_for('HEIGHT_REFERENCE', goal.above)}"]
 
     def _turn_words(self, goal: g.Tilt | g.Rotate) -> list[str]:
-        words = []
+        words = self._orientation_words(goal) if isinstance(goal, g.Rotate) else []
         if isinstance(goal, g.Rotate) and goal.sense:
             words.append(self.phrase_for("SENSE", goal.sense))
         if isinstance(goal, g.Tilt) and goal.direction:
@@ -125,6 +125,18 @@ class Phrasing(Naming):
         if goal.angle is not None:
             words.append(f"by {self.bound_words(goal.bound)}{self.angle_words(goal.angle)}")
         return words + self._amount_words(goal.amount)
+
+    def _orientation_words(self, goal: g.Rotate) -> list[str]:
+        words = []
+        for said, thing, place in (
+            (goal.facing, "FACING", "FACING_WAY"),
+            (goal.parallel_to, "PARALLEL", "PARALLEL_EDGE"),
+        ):
+            if isinstance(said, g.ObjectRef):
+                words.append(f"{self.phrase_for(thing)} {self.object_words(said)}")
+            elif said is not None:
+                words.append(self.phrase_for(place, said))
+        return words
 
     def _displace_words(self, goal: g.Displace) -> list[str]:
         words = self._way_words(goal.fraction)
@@ -152,7 +164,9 @@ class Phrasing(Naming):
             case g.Point(x=x, y=y):
                 words.append(f"to x {_plain_number(x)} y {_plain_number(y)}")
             case str():
-                if goal.distance is not None:
+                if goal.relation == "clear_of":
+                    words.append(self.phrase_for("OUT_OF_REGION", goal.reference))
+                elif goal.distance is not None:
                     words.append(self.length_words(goal.distance))
                     words.append(self.phrase_for("FROM_REGION", goal.reference))
                 else:
@@ -160,7 +174,10 @@ class Phrasing(Naming):
             case _:
                 if goal.distance is not None:
                     words.append(self.length_words(goal.distance))
-                words.append(self._relation_words(goal.relation, goal.reference))
+                if goal.reference:
+                    words.append(self._relation_words(goal.relation, goal.reference))
+                else:
+                    words.append(self.phrase_for("MUTUAL", goal.relation))
         return words
 
     # --- constraints --------------------------------------------------------------------------

@@ -256,6 +256,24 @@ class Sense(Part):
     value: str
 
 
+class Facing(Part):
+    """An object, or a direction, that a side is to face."""
+
+    target: g.ObjectRef | g.Direction
+
+
+class Parallel(Part):
+    """An edge of the table, or an object, along which a side is to lie."""
+
+    target: g.ObjectRef | g.TableRegion
+
+
+class Room(Part):
+    """An object for which there is to be room."""
+
+    target: g.ObjectRef
+
+
 # --- constraints ------------------------------------------------------------------------------
 
 

@@ -43,6 +43,8 @@ _PLAIN: dict[str, tuple[Callable[..., ph.Part], str]] = {
     "toward_region": (ph.Toward, "TOWARD_REGION"),  # towards the edge
     "away_from_region": (ph.AwayFrom, "AWAY_FROM_REGION"),  # away from the edge
     "sense": (ph.Sense, "SENSE"),  # clockwise
+    "facing_way": (ph.Facing, "FACING_WAY"),  # facing me
+    "parallel_edge": (ph.Parallel, "PARALLEL_EDGE"),  # parallel to the edge
     "amount": (ph.Amount, "AMOUNT"),  # a little
     "on_table": (ph.Table, ""),  # on the table
     "from_table": (ph.FromTable, ""),  # from the table
@@ -118,6 +120,30 @@ class Parts(Names, Manners, Outcomes, Questions):
         ends = [c for c in children if isinstance(c, Token)]
         first, last = self.span_of(ends[:1]), self.span_of(ends[-1:])
         return [ph.Verb(first, _CAUSED[event], completed=last), *things_in(children)]
+
+    def made_to_face_part(self, children: Children) -> list[ph.Part]:
+        """Make the box face the mug: turn it."""
+        cause, thing, *facing = children
+        target = things_in(facing)[0].ref if things_in(facing) else None
+        way = target or cast(g.Direction, self.value_of(facing, "FACING_WAY"))
+        verb = ph.Verb(self.span_of([cause]), "turn", completed=self.span_of(facing[:1]))
+        return [verb, thing, ph.Facing(self.span_of(facing), way)]
+
+    def clears_part(self, children: Children) -> list[ph.Part]:
+        """Clear the left half of the table."""
+        span = self.span_of(children)
+        region = cast(g.TableRegion, self.value_of(children, "CLEARED"))
+        return [*self._everything_cleared(span), ph.Place(span, "clear_of", region)]
+
+    def makes_room_part(self, children: Children) -> list[ph.Part]:
+        """Make room for the box; around the mug; next to it."""
+        span = self.span_of(children[:1])
+        room = [ph.Room(self.span_of(children), thing.ref) for thing in things_in(children)]
+        return [*self._everything_cleared(span), *room]
+
+    def _everything_cleared(self, span: g.Span) -> list[ph.Part]:
+        everything = g.ObjectRef(text="everything", spans=(span,), quantifier="all")
+        return [ph.Verb(span, "clear"), ph.Thing(span, everything)]
 
     def held_part(self, children: Children) -> list[ph.Part]:
         """Use the handle to: take hold of the handle, then."""
@@ -222,6 +248,27 @@ class Parts(Names, Manners, Outcomes, Questions):
         """From the left edge."""
         region = cast(g.TableRegion, self.value_of(children, "FROM_REGION"))
         return ph.Place(self.span_of(children), "from", region)
+
+    def out_of_region_part(self, children: Children) -> ph.Place:
+        """Out of the left half."""
+        region = cast(g.TableRegion, self.value_of(children, "OUT_OF_REGION"))
+        return ph.Place(self.span_of(children), "clear_of", region)
+
+    def mutual_part(self, children: Children) -> ph.Place:
+        """In a row; together; out of the way; back."""
+        return ph.Place(self.span_of(children), self.value_of(children, "MUTUAL"), ())
+
+    def where_stands_part(self, children: Children) -> ph.Place:
+        """To where the mug is."""
+        return ph.Place(self.span_of(children), "place_of", (children[1].ref,))
+
+    def facing_part(self, children: Children) -> ph.Facing:
+        """Facing the mug."""
+        return ph.Facing(self.span_of(children), children[1].ref)
+
+    def parallel_part(self, children: Children) -> ph.Parallel:
+        """Parallel to the box."""
+        return ph.Parallel(self.span_of(children), children[1].ref)
 
     def point_part(self, children: Children) -> ph.Place:
         """To x 0.6 y −0.1."""

@@ -13,6 +13,7 @@ from nlcontrol.checks import trace_measures as measures
 from nlcontrol.checks.verdicts import Check, Clause, Relation, compare, object_name, place_check
 from planner.geometry.directions import HEADINGS, angle_between, heading_of
 from planner.problem.goal_poses import goal_distance, goal_heading
+from planner.problem.orientations import is_orientation, turns_to_orientation
 from planner.problem.place_regions import region, share_of_way
 from planner.problem.tilt_goals import tilt_goal
 
@@ -92,10 +93,10 @@ def _distance(goal: g.Displace, along: float, e: Evidence) -> Check:
 
 
 def _place(goal: g.Place, e: Evidence) -> Iterator[Check]:
-    place = region(goal, e.end, e.defaults)
+    start = e.start.objects[e.name]
+    place = region(goal, e.end, e.defaults, start)
     assert place is not None, "a place in an object is refused before"
     if goal.fraction is not None:
-        start = e.start.objects[e.name]
         place = share_of_way(place, goal.fraction, start, e.defaults.place_tolerance)
     if goal.relation != "off":
         yield from (place_check(goal, one) for one in place.measures(e.end.objects[e.name]))
@@ -109,16 +110,25 @@ def _place(goal: g.Place, e: Evidence) -> Iterator[Check]:
 
 def _rotate(goal: g.Rotate, e: Evidence) -> Iterator[Check]:
     d = e.defaults
+    if is_orientation(goal):
+        off = abs(turns_to_orientation(goal, e.end.objects[e.name], e.end)[0])
+        yield compare(goal, "at_most", "off the asked heading", 0.0, off, d.turn_tolerance, "rad")
+    else:
+        yield _turned(goal, e)
+    drift = float(np.linalg.norm(e.trace.displacement(e.name)[:2]))
+    yield compare(goal, "at_most", "moved while turning", 0.0, drift, d.turn_drift, "m")
+    yield from _still_stands(goal, e)
+
+
+def _turned(goal: g.Rotate, e: Evidence) -> Check:
+    d = e.defaults
     turned = float(measures.turn(e.trace, e.name)[-1])
     measured = {"ccw": turned, "cw": -turned, None: abs(turned)}[goal.sense]
     by_default = {None: d.turn, "little": d.turn_little, "lot": d.turn_lot}
     asked = goal.angle or by_default[goal.amount]
     tolerance = d.turn_tolerance if goal.bound == "exact" else 0.0
     sense = {"ccw": " to the left", "cw": " to the right", None: ""}[goal.sense]
-    yield compare(goal, _relation(goal.bound), f"turned{sense}", asked, measured, tolerance, "rad")
-    drift = float(np.linalg.norm(e.trace.displacement(e.name)[:2]))
-    yield compare(goal, "at_most", "moved while turning", 0.0, drift, d.turn_drift, "m")
-    yield from _still_stands(goal, e)
+    return compare(goal, _relation(goal.bound), f"turned{sense}", asked, measured, tolerance, "rad")
 
 
 def _tilt(goal: g.Tilt, e: Evidence) -> Iterator[Check]:

@@ -32,6 +32,7 @@ from grammar.frames.command import (
     RelativeLength,
     Topple,
 )
+from nlcontrol.references.arrangements import arranged_frames, frames_to_clear
 from nlcontrol.references.object_names import Candidate
 from nlcontrol.references.reference_search import (
     Spoken,
@@ -40,6 +41,7 @@ from nlcontrol.references.reference_search import (
     find_several,
     matching_objects,
 )
+from planner.types.defaults import DEFAULTS, Defaults
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel
@@ -84,12 +86,14 @@ def resolve_references(
     known: Sequence[ObjectModel],
     look: Callable[[], WorldState],
     context: Context = NOTHING_SAID,
+    defaults: Defaults = DEFAULTS,
 ) -> Command:
     """The command with the `id` of every object filled in, and every length in metres.
 
     The `id` is a name of the scene. The object of a question that can be answered for one that
     stands alone may get the name of a model that is known instead. A frame about several objects
-    becomes one for each. The robot looks once, and only if names do not decide.
+    becomes one for each; how they are to stand to each other becomes a place for each. The robot
+    looks once, and only if names do not decide.
 
     Raises:
         ControlError: `unknown_object`, `ambiguous_object`, `not_on_table` or `no_antecedent`.
@@ -101,11 +105,14 @@ def resolve_references(
         latest = tuple(n for f in frames for n in objects_spoken_of(f)) or context.latest
         it = _pronoun_meanings(frame, spoken, context.held)
         before = Spoken(it, it[:1], latest, context.moved, context.group)
-        for each in _frames_of_several(frame, around, before):
-            frames.append(_resolve_frame(each, around, before))
-            said = objects_spoken_of(frames[-1])
+        each = [
+            _resolve_frame(f, around, before) for f in _frames_of_several(frame, around, before)
+        ]
+        for resolved in frames_to_clear(each, around.look, defaults):
+            frames.append(resolved)
+            said = objects_spoken_of(resolved)
             spoken = (*said, *(name for name in spoken if name not in said))
-    return command.model_copy(update={"frames": tuple(frames)})
+    return command.model_copy(update={"frames": arranged_frames(frames, around.look)})
 
 
 def _pronoun_meanings(frame: Frame, spoken: tuple[str, ...], held: str | None) -> tuple[str, ...]:

@@ -1,8 +1,7 @@
 """The way of a sentence: parse, resolve, plan, execute, check, each a call of its own.
 
-The controller knows what the robot is told of its cell and what it believes: models of the
-registry, poses as the executor sees them. What is true in a simulated world stays behind the
-executor. Poses are in W; the table plane is z = 0.
+The controller knows what the robot is told of its cell and what it believes: models, and poses as
+the executor sees them. What is true in a simulated world stays behind the executor. Poses are in W.
 """
 
 from __future__ import annotations
@@ -20,6 +19,7 @@ from nlcontrol.references.initial_beliefs import initial_models
 from nlcontrol.references.object_names import names_on_table
 from nlcontrol.references.reference_resolution import NOTHING_SAID, Context, resolve_references
 from nlcontrol.results.result import Result, result_with
+from nlcontrol.results.step_endings import status_of
 from nlcontrol.session.events import FORCE_RATE, Supervisor
 from nlcontrol.session.executor import Executor, Motion, Planner
 from nlcontrol.session.recipe import LOOKED, Journal, Recipe
@@ -149,8 +149,8 @@ class Controller:
         Raises:
             ControlError: `unknown_object`, `ambiguous_object`, `not_on_table` or `no_antecedent`.
         """
-        on_table = names_on_table(self.cell.objects, self.models)
-        return resolve_references(command, on_table, tuple(self.registry), self.look, context)
+        here, known = names_on_table(self.cell.objects, self.models), tuple(self.registry)
+        return resolve_references(command, here, known, self.look, context, self.defaults)
 
     @in_turn
     def look(self) -> WorldState:
@@ -379,7 +379,7 @@ class Controller:
 
         Where its first plan was approved, its objects are resolved already.
         """
-        from nlcontrol.session.frame_execution import run_command, status_of
+        from nlcontrol.session.frame_execution import run_command
 
         result, supervisor = self.empty_result(command.text, command), Supervisor.of(progress)
         supervisor.tell("understood", command.paraphrase)

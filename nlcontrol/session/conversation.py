@@ -24,10 +24,10 @@ from nlcontrol.references.reference_resolution import (
 )
 from nlcontrol.reports.why_answers import deed_answer, why_answer
 from nlcontrol.results.result import result_with
+from nlcontrol.results.step_endings import status_of
 from nlcontrol.session.corrected_sentences import result_with_corrections
 from nlcontrol.session.events import FORCE_RATE, Supervisor
 from nlcontrol.session.frame_documents import text_of
-from nlcontrol.session.frame_execution import status_of
 from nlcontrol.session.proposals import Approval, Intention, Proposal
 from nlcontrol.session.recipe import Deed
 from nlcontrol.session.remarks import follow_up_frames as follow_up

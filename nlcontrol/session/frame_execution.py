@@ -11,6 +11,10 @@ happened for the frame.
 What a whole hand does is one plan: all its steps are made. Where that fails, the hand has put back
 what it held, and another plan is made, up to `Defaults.most_tries` of them
 (`nlcontrol.learning.lessons`).
+
+Where a frame has no plan because something stands in the way, or because another one named with it
+should go first, other steps are looked for that bring all of it about
+(`nlcontrol.session.foresight`).
 """
 
 from __future__ import annotations
@@ -21,10 +25,12 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from grammar.frames import command as g
-from nlcontrol.errors import INTERNAL, NOT_UNDERSTOOD, ControlError, ErrorInfo, refusal_error
+from nlcontrol.errors import ControlError, refusal_error
 from nlcontrol.plan_text import plan_lines
 from nlcontrol.reports.result_report import check_line
 from nlcontrol.results.result import Result, ResultStatus, Step, result_with, summary
+from nlcontrol.results.step_endings import result_with_step, stop_info, unanswered_status
+from nlcontrol.session.foresight.step_search import Ways, ways_around
 from nlcontrol.session.whereabouts import whereabouts
 from planner.explanation.push_explanation import Basis
 from planner.geometry.directions import angle_between
@@ -41,6 +47,9 @@ if TYPE_CHECKING:
     from nlcontrol.session.events import Supervisor
     from nlcontrol.session.executor import Motion
     from nlcontrol.session.proposals import Approval
+
+MOST_REARRANGED = 2
+"""Times that other steps are looked for in one command."""
 
 
 def run_command(
@@ -60,26 +69,36 @@ def run_command(
     with the motion `simulate` alone. What was approved is carried out from where things were seen
     last.
     """
-    result = result_with(result, frames=command.frames)
-    for index, frame in enumerate(command.frames):
-        supervisor.frame = index
+    frames, left = command.frames, MOST_REARRANGED
+    made = {} if approval is None else {approval.frame: approval.made}
+    result, index = result_with(result, frames=frames), 0
+    while index < len(frames):
+        supervisor.frame, frame = index, frames[index]
         touches = motion == "simulate" and not plan_only
         if frame.action == "explore" or (touches and _to_be_found_out(controller, frame)):
             result = _explore_frame(controller, index, frame, result, plan_only, supervisor)
         elif frame.query is not None:
             result = _answer_question(controller, index, frame, result, supervisor)
         else:
-            run = FrameRun(controller, index, command.frames, result, supervisor)
-            made = approval.made if approval is not None and approval.frame == index else None
-            result = run.run(plan_only, made)
+            run = FrameRun(controller, index, frames, result, supervisor)
+            tried = run.run(plan_only, made.get(index))
+            ways = ways_around(controller, frames, index, run.refused, supervisor) if left else None
+            if isinstance(ways, Ways):
+                frames, left = (*frames[:index], *ways.frames), left - 1
+                made[index] = ways.first
+                notes = (*result.notes, *ways.notes)
+                result = result_with(result, frames=frames, notes=notes)
+                continue
+            result = tried if ways is None else result_with(tried, error=ways)
         if result.error or result.status == "planned":
             break
-    if result.status == "planned" and len(command.frames) > 1:
+        index += 1
+    if result.status == "planned" and len(frames) > 1:
         note = (
-            f"planned is the first of {len(command.frames)} steps; "
+            f"planned is the first of {len(frames)} steps; "
             "where the others start depends on what comes of it"
         )
-        result = result_with(result, notes=(note,))
+        result = result_with(result, notes=(*result.notes, note))
     return result_with(result, notes=(*result.notes, *whereabouts(result, controller.held)))
 
 
@@ -93,15 +112,15 @@ def _answer_question(
         step = step.model_copy(update={"basis": Basis.of(frame, state, controller.defaults)})
         answer = controller.answer(frame, state, stop=supervisor.stop)
     except Stopped:
-        return _result_with_step(result, step, "cancelled", _stop_info(controller, None))
+        return result_with_step(result, step, "cancelled", stop_info(controller.held, None))
     except ControlError as raised:
-        return _result_with_step(result, step, _unanswered_status(raised.info), raised.info)
+        return result_with_step(result, step, unanswered_status(raised.info), raised.info)
     if _to_be_found_out(controller, frame):
         from nlcontrol.session.exploration_commands import answer_with_offer
 
         answer = answer_with_offer(answer, frame, state, controller.robot.limits)
     step = step.model_copy(update={"answer": answer})
-    return _result_with_step(result_with(result, answer=answer), step, "answered")
+    return result_with_step(result_with(result, answer=answer), step, "answered")
 
 
 def _to_be_found_out(controller: Controller, frame: g.Frame) -> bool:
@@ -130,20 +149,26 @@ def _explore_frame(
         step = step.model_copy(update={"basis": Basis.of(frame, state, controller.defaults)})
         if plan_only:
             notes = (*result.notes, exploration_notice(controller, frame, state))
-            return _result_with_step(result_with(result, notes=notes), step, "planned")
+            return result_with_step(result_with(result, notes=notes), step, "planned")
         found, answer = explore_parameters(controller, frame, supervisor)
     except Stopped as stopped:
         result = result_with(result, trace=stopped.trace)
-        return _result_with_step(result, step, "cancelled", _stop_info(controller, stopped.trace))
+        return result_with_step(
+            result, step, "cancelled", stop_info(controller.held, stopped.trace)
+        )
     except ControlError as raised:
-        return _result_with_step(result, step, _unanswered_status(raised.info), raised.info)
+        return result_with_step(result, step, unanswered_status(raised.info), raised.info)
     step = step.model_copy(update={"exploration": found and found.report, "answer": answer})
     result = result_with(result, answer=answer, trace=found and found.trace)
-    return _result_with_step(result, step, "done" if frame.query is None else "answered")
+    return result_with_step(result, step, "done" if frame.query is None else "answered")
 
 
 class FrameRun:
-    """One of a command's frames, by its index, on its way."""
+    """One of a command's frames, by its index, on its way.
+
+    Attributes:
+        refused: why there was no first plan, and from where; None if there was one.
+    """
 
     def __init__(
         self,
@@ -160,6 +185,7 @@ class FrameRun:
         self.step = Step(frame=index, status="failed")
         self.traces: list[Trace] = []
         self.failed: list[Failed] = []
+        self.refused: tuple[Refusal, WorldState] | None = None
         self._yaw: float | None = None
 
     def run(self, plan_only: bool, approved: Plan | Reached | None = None) -> Result:
@@ -168,11 +194,11 @@ class FrameRun:
         try:
             return self._run(plan_only, approved)
         except Stopped:
-            info = _stop_info(self.controller, self.traces[-1] if self.traces else None)
+            info = stop_info(self.controller.held, self.traces[-1] if self.traces else None)
         except ControlError as raised:
-            status, info = _unanswered_status(raised.info), raised.info
+            status, info = unanswered_status(raised.info), raised.info
         result = self._result_with_trace() if self.traces else self.result
-        return _result_with_step(result, self.step, status, info)
+        return result_with_step(result, self.step, status, info)
 
     def _run(self, plan_only: bool, approved: Plan | Reached | None) -> Result:
         controller = self.controller
@@ -185,9 +211,10 @@ class FrameRun:
                 made = self._looked_through(made, state)
             if isinstance(made, Refusal):
                 if attempt == 0:
+                    self.refused = made, state
                     info = refusal_error(made)
                     self._note(marks=made.marks)
-                    return _result_with_step(self.result, self.step, made.status, info)
+                    return result_with_step(self.result, self.step, made.status, info)
                 self._note(stuck=made.message)
                 break
             if isinstance(made, Reached):
@@ -211,12 +238,12 @@ class FrameRun:
 
                 guide = motion_guide(made, state, controller.robot)
                 result = result_with(self.result, guide=guide)
-                return _result_with_step(result, self.step, "planned")
+                return result_with_step(result, self.step, "planned")
             if self._carried_out(made, state):
                 break
             previous = made if made.pushes else None
         if plan_only:
-            return _result_with_step(self.result, self.step, "planned")
+            return result_with_step(self.result, self.step, "planned")
         return self._check_frame(self._result_with_trace())
 
     def _look_and_plan(
@@ -243,7 +270,8 @@ class FrameRun:
         """The plan by which the later frames can be done, too, or why they cannot."""
         if len(self.ahead) == 1 or self.result.trace is not None:
             return made
-        from nlcontrol.session.foreseen_steps import looked_through  # one frame does without it
+        # One frame does without it.
+        from nlcontrol.session.foresight.foreseen_steps import looked_through
 
         return looked_through(self.controller, made, state, self.ahead, self.supervisor.stop)
 
@@ -347,10 +375,10 @@ class FrameRun:
         if missed:
             from nlcontrol.checks.frame_checks import not_held
 
-            return _result_with_step(
+            return result_with_step(
                 result, self.step, "failed", not_held(missed, trace, self.step.stuck)
             )
-        return _result_with_step(result, self.step, "done")
+        return result_with_step(result, self.step, "done")
 
 
 def _spent(made: Plan, times: int) -> str:
@@ -363,38 +391,3 @@ FAILURES: frozenset[EndReason] = frozenset(
     {"no_touch", "unreachable", "guard", "too_close", "turned_off", "speed"}
 )
 """Ends of a push after which another contact is tried, where there is one."""
-
-
-def _result_with_step(
-    result: Result, step: Step, status: ResultStatus, reason: ErrorInfo | None = None
-) -> Result:
-    """The result with the end of one more step."""
-    step = step.model_copy(update={"status": status, "error": reason})
-    return result_with(
-        result, ok=reason is None, status=status, error=reason, steps=(*result.steps, step)
-    )
-
-
-def status_of(info: ErrorInfo) -> ResultStatus:
-    """Status of a sentence that is not even planned."""
-    return "failed" if info.status.exit == INTERNAL else "not_understood"
-
-
-def _stop_info(controller: Controller, trace: Trace | None) -> ErrorInfo:
-    """The way in which a stop has left the robot."""
-    held = controller.held
-    told = "it was told to stop before anything moved" if trace is None else trace.detail
-    left = "the hand is empty and at rest"
-    if held is not None:
-        left = f"the hand holds the {held.name} and stands still"
-    hint = "say it again" if held is None else "say “put it down”"
-    return ErrorInfo(code="interrupted", message=f"{told}; {left}", suggestions=(hint,))
-
-
-def _unanswered_status(info: ErrorInfo) -> ResultStatus:
-    """Status of a question without an answer, or of a frame that got no further."""
-    if info.code in ("unsupported", "uncheckable"):
-        return "unsupported"
-    if info.status.exit == INTERNAL:
-        return "failed"
-    return "not_understood" if info.status.exit == NOT_UNDERSTOOD else "refused"

@@ -17,6 +17,7 @@ from grammar.frames import command as g
 from objectmodels.geometry.base_shapes import Array, Disc
 from planner.geometry.directions import FACE_OF_PUSH, HEADINGS, bisector, heading_of, unit
 from planner.geometry.footprints import footprint, free_travel, gap, travel_to_edge
+from planner.problem.orientations import is_orientation, turns_to_orientation
 from planner.problem.place_regions import Beside, Between, region, share_of_way, table_region
 from planner.problem.planning_problem import GoalT, PlanningProblem, PushGoal, value_in_bound
 from planner.refusals.refusal_builder import no_plan, not_capable
@@ -178,12 +179,12 @@ def _event_poses(problem: PlanningProblem[GoalT], goal: g.Displace, until: g.Unt
 
 def _place_poses(problem: PlanningProblem[GoalT], goal: g.Place) -> GoalPoses:
     target, defaults = problem.target, problem.defaults
-    place = region(goal, problem.state, defaults)
+    place = region(goal, problem.state, defaults, target)
     by_pushes = isinstance(problem.goal, PushGoal)
     if place is None or (by_pushes and goal.relation in _CAPABILITIES):
         over = "pushes move objects over the table only"
         message = over if by_pushes else "this version of the robot puts nothing into others"
-        raise not_capable(_CAPABILITIES[goal.relation], message, goal.spans)
+        raise not_capable(_CAPABILITIES.get(goal.relation, "going there"), message, goal.spans)
     if goal.fraction is not None:
         place = share_of_way(place, goal.fraction, target, defaults.place_tolerance)
     spots = place.spots(target)
@@ -215,6 +216,10 @@ def _aim_beyond(aim: Aim, target: SeenObject, by: float) -> Aim:
 
 def _rotation_poses(problem: PlanningProblem[GoalT], goal: g.Rotate) -> GoalPoses:
     angle, used, defaults = goal.angle, [], problem.defaults
+    if is_orientation(goal):
+        pose, turns = problem.target.pose, turns_to_orientation(goal, problem.target, problem.state)
+        aims = tuple(Aim(x=pose.x, y=pose.y, yaw=pose.yaw + turn) for turn in turns)
+        return GoalPoses(PushGoal(aims=aims, rotates=True))
     if angle is None:
         angle, reason = {
             "little": (defaults.turn_little, "“a little”"),

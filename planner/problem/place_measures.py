@@ -26,7 +26,7 @@ class Measure:
     """
 
     quantity: str
-    relation: Literal["about", "at_most"]
+    relation: Literal["about", "at_most", "at_least"]
     expected: float
     measured: float
     tolerance: float
@@ -35,7 +35,9 @@ class Measure:
     def miss(self) -> float:
         """Distance from what it should be [m]; never negative."""
         excess = self.measured - self.expected
-        return abs(excess) if self.relation == "about" else max(excess, 0.0)
+        return {
+            "about": abs(excess), "at_most": max(excess, 0.0), "at_least": max(-excess, 0.0)
+        }[self.relation]  # fmt: skip
 
     @property
     def ok(self) -> bool:

@@ -20,6 +20,7 @@ from grammar.frames import command as g
 from objectmodels.geometry.base_shapes import Array
 from planner.geometry.directions import HEADINGS, heading_of, unit
 from planner.geometry.footprints import footprint, gap
+from planner.problem.cleared_places import Aside, Beyond, InHalf
 from planner.problem.place_measures import Measure, Region
 from planner.problem.places_on_objects import OffTop, OnTop
 from planner.types.defaults import Defaults
@@ -52,17 +53,29 @@ _EDGES: dict[str, tuple[tuple[str, ...], ...]] = {
 """Edges at which an object must stand to be in a region of the table; any of the choices will do.
 """
 
+OTHER_HALF = {
+    "left_half": "right_half", "right_half": "left_half",
+    "front_half": "back_half", "back_half": "front_half",
+}  # fmt: skip
+"""Halves of the table, and where what is cleared from them goes."""
+
+_DOT = 1e-3 * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])  # a point, nearly [m]
 _EIGHTH = math.tan(math.pi / 8.0)  # nearer to the diagonal than to either side
 _CLOSE = 1e-5  # accuracy of a gap [m]
 _STEPS = 60  # advances until a gap is that accurate
 
 
-def region(goal: g.Place, state: WorldState, d: Defaults) -> Region | None:
+def region(
+    goal: g.Place, state: WorldState, d: Defaults, start: SeenObject | None = None
+) -> Region | None:
     """The place that a goal asks for, without its share of the way; None for one in an object.
 
-    The objects of the goal are resolved, its length is in metres.
+    The objects of the goal are resolved, its length is in metres. What is moved aside stood at the
+    start where `start` says.
     """
     reference = goal.reference
+    if goal.relation == "clear_of":
+        return _place_clear_of(goal, state, d, start)
     if isinstance(reference, g.Point):
         return Spot(reference.x, reference.y, d.place_tolerance)
     if isinstance(reference, str):
@@ -89,8 +102,33 @@ def region(goal: g.Place, state: WorldState, d: Defaults) -> Region | None:
     return None
 
 
+def _place_clear_of(
+    goal: g.Place, state: WorldState, d: Defaults, start: SeenObject | None
+) -> Region | None:
+    """The place away from objects, from a part of the table, or aside."""
+    reference, distance = goal.reference, goal.distance
+    assert not isinstance(distance, g.RelativeLength), "lengths measured in objects are resolved"
+    if isinstance(reference, tuple) and not reference:
+        way = d.aside if distance is None else distance
+        return None if start is None else Aside(start, way, d.distance_tolerance)
+    if isinstance(reference, str) and reference in OTHER_HALF:
+        return InHalf(state.table, OTHER_HALF[reference], d.edge_tolerance)
+    room = d.room if distance is None else distance
+    if isinstance(reference, tuple):
+        objects = [state.objects[ref.id or ""] for ref in reference]
+        return Beyond(tuple((o.name, footprint(o)) for o in objects), room, d.place_tolerance)
+    if reference != "center":
+        return None
+    middle = np.array(
+        [state.table.x_min + state.table.x_max, state.table.y_min + state.table.y_max]
+    )
+    return Beyond((("middle of the table", _DOT + middle / 2.0),), room, d.place_tolerance)
+
+
 def table_region(name: str, table: TableState, d: Defaults) -> Region:
     """A region of the table by its name in the frame contract."""
+    if name in OTHER_HALF:
+        return InHalf(table, name, d.edge_tolerance)
     if name == "center":
         middle = (table.x_min + table.x_max) / 2.0, (table.y_min + table.y_max) / 2.0
         return Spot(*middle, d.centre_tolerance)

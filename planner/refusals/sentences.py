@@ -64,6 +64,9 @@ _PUSHES = {
     "between_one": impossible(
         "a place between takes two objects, not the {other} twice", ("next to the {other}",)
     ),
+    "no_sides": impossible(
+        "the {other} has no sides along which something could lie", ("turn it by an angle",)
+    ),
     "never_met": impossible(
         "the {object} does not come to the {other} in that direction",
         ("push it towards the {other}",),

@@ -13,58 +13,30 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cache
-from typing import Annotated, Any, get_type_hints
+from typing import Any, get_type_hints
 
-
-@dataclass(frozen=True)
-class Kind:
-    """Unit of a default, and the values between which it lies.
-
-    Attributes:
-        unit: SI unit; "" for a plain number.
-        suffix: of its name where people set it.
-        scale: SI units in one unit of theirs.
-        most: the largest value.
-        zero: whether it may be 0.
-        whole: whether it counts something.
-    """
-
-    unit: str
-    suffix: str
-    scale: float
-    most: float
-    zero: bool = False
-    whole: bool = False
-
-
-DEGREE = math.radians(1.0)
-_LISTED = ("nlcontrol defaults lists all with their units",)
-
-Length = Annotated[float, Kind("m", "_m", 1.0, 10.0)]
-Gap = Annotated[float, Kind("m", "_m", 1.0, 10.0, zero=True)]
-Angle = Annotated[float, Kind("rad", "_deg", DEGREE, math.tau)]
-Rate = Annotated[float, Kind("rad/s", "_deg_s", DEGREE, math.tau)]
-Volume = Annotated[float, Kind("m³", "_ml", 1e-6, 1e-2)]
-Force = Annotated[float, Kind("N", "_n", 1.0, 1000.0)]
-Speed = Annotated[float, Kind("m/s", "_m_s", 1.0, 10.0)]
-Time = Annotated[float, Kind("s", "_s", 1.0, 1000.0)]
-Share = Annotated[float, Kind("", "", 1.0, 1.0)]
-Probability = Annotated[float, Kind("", "", 1.0, 0.9999)]
-Count = Annotated[int, Kind("", "", 1.0, 1000.0, whole=True)]
-Work = Annotated[int, Kind("", "", 1.0, 1e6, whole=True)]
-Factor = Annotated[float, Kind("", "", 1.0, 10.0)]
-
-
-class DefaultsError(ValueError):
-    """A default that is none, or that has no sensible value.
-
-    Attributes:
-        suggestions: what would be right.
-    """
-
-    def __init__(self, message: str, suggestions: tuple[str, ...] = _LISTED) -> None:
-        super().__init__(message)
-        self.suggestions = suggestions
+from planner.types.default_kinds import (
+    DEGREE,
+    LISTED,
+    Angle,
+    Choice,
+    Count,
+    DefaultsError,
+    Factor,
+    Force,
+    Gap,
+    Kind,
+    Length,
+    Probability,
+    Rate,
+    Share,
+    Speed,
+    Time,
+    Volume,
+    Work,
+    out_of_range,
+    value_of_word,
+)
 
 
 @dataclass(frozen=True)
@@ -164,6 +136,10 @@ class Defaults:
         most_grasps: grasps of each kind for which one plan asks whether the hand gets there.
         most_tries: times that a whole hand tries what failed, before it is given up.
         lift_tolerance: of the height to which something is lifted [m].
+        clear: what stands in the way and is not fragile is moved aside: 0 (`no`), never; 1 (`ask`),
+            never, but the refusal says how; 2 (`yes`), and the plan says so.
+        room: that is kept around what is to have room [m].
+        aside: way of what is moved aside [m].
         stays_put: what stands by itself while a hand works on it, or pours into it, moves by less
             than this [m].
         pour_least: share of what was to be poured in that must arrive, if no volume is said.
@@ -265,6 +241,9 @@ class Defaults:
     most_grasps: Count = 120
     most_tries: Count = 3
     lift_tolerance: Length = 0.02
+    clear: Choice = 2
+    room: Length = 0.10
+    aside: Length = 0.20
     stays_put: Length = 0.01
     pour_least: Share = 0.9
     pour_share: Share = 0.1
@@ -283,14 +262,6 @@ class Defaults:
             value = getattr(self, name)
             if not (0.0 < value <= kind.most or (kind.zero and value == 0.0)):
                 raise out_of_range(name + kind.suffix, value / kind.scale, kind)
-
-
-def out_of_range(name: str, value: float, kind: Kind) -> DefaultsError:
-    """The error of a value, in the unit in which people give it."""
-    least = "at least 0" if kind.zero else "more than 0"
-    return DefaultsError(
-        f"{name} must be {least} and at most {kind.most / kind.scale:g}, found {value:g}"
-    )
 
 
 @cache
@@ -346,7 +317,7 @@ def settings_beginning(names: Sequence[str], defaults: Defaults = DEFAULTS) -> t
     return tuple(each for each in listed if each.name.startswith(tuple(names)))
 
 
-def with_settings(defaults: Defaults, values: Mapping[str, float]) -> Defaults:
+def with_settings(defaults: Defaults, values: Mapping[str, float | str]) -> Defaults:
     """The defaults with some of them set.
 
     Args:
@@ -358,10 +329,11 @@ def with_settings(defaults: Defaults, values: Mapping[str, float]) -> Defaults:
     """
     known = {name + kind.suffix: (name, kind) for name, kind in kinds().items()}
     found: dict[str, Any] = {}
-    for said, value in values.items():
+    for said, given in values.items():
         if said not in known:
             raise _unknown_default(said, tuple(known))
         name, kind = known[said]
+        value = value_of_word(given, kind.words) if kind.words else given
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise DefaultsError(f"{said} must be a number, found {value!r}")
         number = math.inf if abs(value) > sys.float_info.max else float(value)
@@ -381,7 +353,7 @@ def _unknown_default(said: str, names: tuple[str, ...]) -> DefaultsError:
     close = units or difflib.get_close_matches(said, names, n=3)
     return DefaultsError(
         f"there is no default '{said}'",
-        tuple(f"did you mean '{name}'?" for name in close) or _LISTED,
+        tuple(f"did you mean '{name}'?" for name in close) or LISTED,
     )
 
 

@@ -23,7 +23,8 @@ from objectmodels.files.file_reading import read_text
 from objectmodels.files.validation_faults import first_fault
 from objectmodels.files.value_types import Angle, Coordinate, Deviation, length_of, range_of
 from objectmodels.files.yaml_documents import parse_yaml
-from planner.types.defaults import DEFAULTS, Defaults, DefaultsError, with_settings
+from planner.types.default_kinds import DefaultsError
+from planner.types.defaults import DEFAULTS, Defaults, with_settings
 from sim.cell.cell_description import (
     CellDescription,
     CellObject,

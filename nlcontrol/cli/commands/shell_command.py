@@ -128,8 +128,8 @@ def _answer_line(
     conversation: Conversation, text: str, motion: Motion | None, answer: LiveAnswer
 ) -> Result:
     """Result of one sentence, or of frames as JSON, whatever goes wrong."""
+    from nlcontrol.results.step_endings import status_of
     from nlcontrol.session.frame_documents import frames_of_json
-    from nlcontrol.session.frame_execution import status_of
 
     try:
         said = frames_of_json(text) if text.startswith(("[", "{")) else text

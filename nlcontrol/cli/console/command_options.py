@@ -27,7 +27,7 @@ Placed = tuple[str, float, float, float]
 
 
 class Assignment(click.ParamType[tuple[str, float]]):
-    """A name and a number with an equals sign between them."""
+    """A name and a number, or a word for one, with an equals sign between them."""
 
     name = "name=value"
 
@@ -35,9 +35,13 @@ class Assignment(click.ParamType[tuple[str, float]]):
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> tuple[str, float]:
         """Read the name and the number."""
+        from planner.types.default_kinds import CLEARED
+
         if isinstance(value, tuple):
             return value
         name, _, number = str(value).partition("=")
+        if number in CLEARED:
+            return name.strip(), float(CLEARED.index(number))
         try:
             return name.strip(), float(number)
         except ValueError:

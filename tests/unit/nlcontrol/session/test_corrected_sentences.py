@@ -16,7 +16,7 @@ from nlcontrol.session.corrected_sentences import BEFORE, LEFT_OUT, REMARKS
 from planner import plan
 from planner.refusals.refusal_builder import no_plan
 from planner.refusals.sentences import SENTENCES
-from planner.types.defaults import DEFAULTS
+from planner.types.defaults import DEFAULTS, with_settings
 from planner.types.plan import PlanningResult
 from planner.types.robot import Robot
 from planner.types.world_state import WorldState
@@ -157,7 +157,7 @@ def test_every_suggestion_with_a_number_becomes_a_sentence() -> None:
 # -- where no change of the sentence does -------------------------------------------------------
 
 
-def refusing(rule: Callable[[g.Frame, WorldState], bool]) -> Controller:
+def refusing(rule: Callable[[g.Frame, WorldState], bool], clear: str = "no") -> Controller:
     """A controller whose planner finds the mug in the way of the hand where a rule says."""
 
     def planner(frame: g.Frame, state: WorldState, robot: Robot, **others: Any) -> PlanningResult:
@@ -170,10 +170,11 @@ def refusing(rule: Callable[[g.Frame, WorldState], bool]) -> Controller:
             return no_plan("pushes_blocked", {"ways": 2.0}, **words).refusal
         return plan(frame, state, robot, **others)
 
-    return Controller("kitchen", planner=planner)
+    defaults = with_settings(DEFAULTS, {"clear": clear})
+    return Controller("kitchen", planner=planner, defaults=defaults)
 
 
-def test_what_is_in_the_way_is_moved_first() -> None:
+def mug_in_the_way() -> Callable[[g.Frame, WorldState], bool]:
     there: dict[str, float] = {}
 
     def rule(frame: g.Frame, state: WorldState) -> bool:
@@ -181,9 +182,31 @@ def test_what_is_in_the_way_is_moved_first() -> None:
         assert frame.object is not None
         return frame.object.id != "mug" and x == there.setdefault("mug", x)
 
-    error = refusing(rule).say("push the ice tea box 5 cm away", plan_only=True).error
+    return rule
+
+
+def test_moving_what_is_in_the_way_is_offered() -> None:
+    said = "push the ice tea box 5 cm away"
+    error = refusing(mug_in_the_way()).say(said, plan_only=True).error
     assert error is not None
     assert error.say == ("move the mug, then push the ice tea box away by 5 cm",)
+    asked = refusing(mug_in_the_way(), "ask").say(said, plan_only=True)
+    assert asked.error is not None
+    assert len(asked.error.say) == 1
+    assert re.fullmatch(r"move the mug .+ by \d+ cm, then push .+ by 5 cm", asked.error.say[0])
+    assert [frame.object.id for frame in asked.frames if frame.object] == ["ice tea box"]
+
+
+def test_what_is_in_the_way_is_moved_first_and_what_is_spared_is_not() -> None:
+    said = "push the ice tea box 5 cm away"
+    done = refusing(mug_in_the_way(), "yes").say(said, plan_only=True)
+    assert done.status == "planned"
+    assert [frame.object.id for frame in done.frames if frame.object] == ["mug", "ice tea box"]
+    assert done.plan is not None
+    assert done.plan.object == "mug"
+    spared = refusing(mug_in_the_way(), "yes")
+    refused = spared.say(f"{said} without touching the mug", plan_only=True)
+    assert refused.status == "refused"
 
 
 def test_another_direction_is_offered_where_no_amount_of_the_one_has_a_plan() -> None:

@@ -1,0 +1,219 @@
+"""Steps by which a command can be done that cannot be done as it stands.
+
+Objects that are named together ("both", "all") are moved in any order, and what stands in the way
+is moved aside before (`planner.clearing`). The search is depth first over predicted states: each
+step is planned from where those before it leave everything, so that the whole is planned before
+anything moves, as far as what comes of a step is predicted. The first way that is found is taken;
+objects are moved aside as few as possible, since a way without that is looked for first.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING
+
+from grammar import paraphrase
+from nlcontrol.errors import ControlError, refusal_error
+from nlcontrol.session.stoppable_robot import StoppableRobot
+from planner import planning
+from planner.clearing import clearing_frames, may_be_cleared, obstacles
+from planner.predicted_states import state_after
+from planner.problem.search_budget import SearchBudget
+from planner.types.default_kinds import CLEARED
+from planner.types.plan import Plan, PlanningResult, Reached
+from planner.types.refusal import Refusal
+from sim.supervision import Stopped
+
+if TYPE_CHECKING:
+    from grammar.frames import command as g
+    from nlcontrol.errors import ErrorInfo
+    from nlcontrol.session.events import Supervisor
+    from nlcontrol.session.foresight.foreseen_steps import StepPlanner
+    from planner.types.world_state import WorldState
+    from sim.supervision import StopToken
+
+    Frames = tuple[g.Frame, ...]
+    Steps = list[tuple[g.Frame, Plan | Reached]]
+
+MOST_WORK, MOST_EACH = 30_000, 12_000
+"""Work of all plans of a search, and of each: about four seconds and two of a quiet core."""
+
+MOST_ASIDE = 3
+"""Objects that are moved aside for one command."""
+
+
+@dataclass(frozen=True)
+class Ways:
+    """Steps in place of those of a command.
+
+    Attributes:
+        frames: what is done, in order; what is moved aside stands among them.
+        aside: those of them that move something aside.
+        first: plan of the first step.
+        why: the command cannot be done as it stands.
+    """
+
+    frames: Frames
+    aside: Frames
+    first: Plan | Reached
+    why: str
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """A sentence on what is moved aside; none if only the order is another one."""
+        return (f"first {paraphrase(self.aside)}, since {self.why}",) if self.aside else ()
+
+
+def ways_around(
+    controller: StepPlanner,
+    frames: Frames,
+    index: int,
+    refused: tuple[Refusal, WorldState] | None,
+    supervisor: Supervisor,
+) -> Ways | ErrorInfo | None:
+    """Steps in place of frames of which one was refused, or an error that tells them.
+
+    Args:
+        controller: that plans.
+        frames: of the command, their objects resolved.
+        index: of the frame that was refused; what stands before it is done.
+        refused: why, and what was believed then; None if it was not.
+        supervisor: told of a search, and asked whether to go on.
+
+    Returns:
+        None if there are none; the error if they are not to be done without being asked.
+    """
+    left = frames[index:]
+    if refused is None or not (obstacles(refused[0]) or len(_next_frames(left)) > 1):
+        return None
+    refusal, state = refused
+    supervisor("plan", 0.0, f"looking for other steps, since {refusal.message}")
+    moved = frozenset(f.object.id or "" for f in frames[:index] if f.object is not None)
+    try:
+        found = StepSearch(controller, left, moved, supervisor.stop).ways(state, refusal.message)
+    except (Stopped, ControlError):
+        return None
+    if found is None or not found.aside or controller.defaults.clear == CLEARED.index("yes"):
+        return found
+    step = f"{paraphrase(found.aside)} first"
+    return refusal_error(refusal).model_copy(update={"suggestions": (step,)})
+
+
+class StepSearch:
+    """Looks for steps by which frames can be done.
+
+    Args:
+        controller: that plans.
+        frames: what is left of a command, its objects resolved.
+        moved: names of objects that were moved for it by now, and stay where they are.
+        stop: asked whether to go on.
+    """
+
+    def __init__(
+        self, controller: StepPlanner, frames: Frames, moved: frozenset[str], stop: StopToken
+    ) -> None:
+        self._frames, self._moved = frames, moved
+        self._defaults = controller.defaults
+        self._robot = StoppableRobot(controller.robot, stop, controller.time_limit)
+        self._planner = controller.planner
+        self._left = MOST_WORK
+        self._made: dict[tuple[object, ...], PlanningResult] = {}
+
+    def ways(self, state: WorldState, why: str) -> Ways | None:
+        """The steps from where everything is; None if none are found with the work allowed."""
+        for most in range(MOST_ASIDE + 1):
+            found = self._steps(self._frames, state, self._moved, most)
+            if found:
+                frames = tuple(frame for frame, _ in found)
+                aside = tuple(frame for frame in frames if frame not in self._frames)
+                return Ways(frames, aside, found[0][1], why)
+        return None
+
+    def _steps(
+        self, frames: Frames, state: WorldState, moved: frozenset[str], most: int
+    ) -> Steps | None:
+        """Steps for what is left, with so many objects moved aside at most; None if there are none.
+
+        What was moved is not moved aside any more.
+        """
+        if not frames:
+            return []
+        refused: list[tuple[g.Frame, Refusal]] = []
+        for frame in _next_frames(frames):
+            rest = tuple(other for other in frames if other is not frame)
+            made = self._plan(frame, state)
+            if isinstance(made, Refusal):
+                refused.append((frame, made))
+            elif found := self._joined(frame, made, rest, state, moved, most):
+                return found
+        about = {other.object.id for other in frames if other.object is not None}
+        for frame, refusal in refused if most else ():
+            for name in obstacles(refusal):
+                # What one of them is about is moved anyhow.
+                asked = self._defaults.clear == CLEARED.index("no") and name not in about
+                if asked or name in moved or not may_be_cleared(name, frames, state):
+                    continue
+                if found := self._cleared(name, frame, state, moved, frames, most - 1):
+                    return found
+        return None
+
+    def _cleared(
+        self,
+        name: str,
+        frame: g.Frame,
+        state: WorldState,
+        moved: frozenset[str],
+        frames: Frames,
+        most: int,
+    ) -> Steps | None:
+        """Steps for frames, the first of which moves an object out of the way of one of them."""
+        for step in clearing_frames(name, frame, state, self._defaults):
+            made = self._plan(step, state)
+            if not isinstance(made, Plan):
+                continue
+            if found := self._joined(step, made, frames, state, moved, most):
+                return found
+            then = state_after(made, state)
+            again = None if then is None else self._plan(frame, then)
+            if isinstance(again, Refusal) and name not in obstacles(again):
+                return None  # elsewhere it would be no more out of the way
+        return None
+
+    def _joined(
+        self,
+        frame: g.Frame,
+        made: Plan | Reached,
+        rest: Frames,
+        state: WorldState,
+        moved: frozenset[str],
+        most: int,
+    ) -> Steps | None:
+        """A step and those after it; where its end is not predicted, they are as they were."""
+        then = state_after(made, state)
+        if then is None:
+            return [(frame, made), *((other, Reached()) for other in rest)]
+        own = frame.object.id if frame.object is not None else None
+        found = self._steps(rest, then, moved | {own or ""}, most)
+        return None if found is None else [(frame, made), *found]
+
+    def _plan(self, frame: g.Frame, state: WorldState) -> PlanningResult:
+        """The plan of a step, with no more work than is left."""
+        if frame.query is not None or frame.action == "explore":
+            return Reached()
+        poses = ((name, seen.pose, seen.lies_on) for name, seen in state.objects.items())
+        key = (frame, state.held, *poses)
+        if key not in self._made:
+            budget = SearchBudget(min(self._left, MOST_EACH))
+            planner = self._planner or partial(planning.plan, budget=budget)
+            self._made[key] = planner(frame, state, self._robot, defaults=self._defaults)
+            self._left -= budget.done
+        return self._made[key]
+
+
+def _next_frames(frames: Frames) -> Frames:
+    """The frames that may be done next: the first, and those said by the same words."""
+    first = frames[0]
+    if not first.spans or first.query is not None:
+        return frames[:1]
+    return tuple(frame for frame in frames if frame.spans == first.spans)

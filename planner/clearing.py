@@ -1,0 +1,146 @@
+"""Steps that clear what stands in the way of an object, as frames like those of a sentence.
+
+Model: what is in the way goes straight along one of eight directions to a place that leaves the
+object its way and the hand some room, the nearest first. Whether it can be pushed there, and
+whether the object then gets where it should, is planned as for any other frame.
+
+Frames: W, its table plane.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from grammar.frames import command as g
+from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.support_points import hull_polygon
+from planner.geometry.directions import bisector, unit
+from planner.geometry.footprints import footprint, gap, room_to_edge
+from planner.problem.frame_interpretation import interpret_frame
+from planner.problem.place_regions import object_at
+from planner.pushing.push_paths import Obstructions, PathSegment
+from planner.types.defaults import Defaults
+from planner.types.marks import ObstacleMark
+from planner.types.refusal import NoPlanError, Refusal
+from planner.types.world_state import SeenObject, WorldState
+
+_WAYS: tuple[tuple[g.Direction, ...], ...] = (
+    ("left",), ("right",), ("away",), ("toward",),
+    ("away", "left"), ("away", "right"), ("toward", "left"), ("toward", "right"),
+)  # fmt: skip
+_STEPS = (0.04, 0.06, 0.08, 0.10, 0.12, 0.15, 0.20, 0.25, 0.30, 0.40)  # ways that are tried [m]
+_HAND = 0.05  # room that a hand has beside what was cleared [m]
+_BESIDE = 0.02  # a clearance, and what pushes miss by [m]
+_KEPT = frozenset({"no_touch", "gentle", "slow", "max_force", "max_speed", "no_lift"})
+"""Constraints of a frame that a step before it keeps, too."""
+
+
+def obstacles(refusal: Refusal) -> tuple[str, ...]:
+    """Names of what stands in the way, by a refusal."""
+    marks = (mark.object for mark in refusal.marks if isinstance(mark, ObstacleMark))
+    return tuple(dict.fromkeys(marks))
+
+
+def may_be_cleared(name: str, frames: Sequence[g.Frame], state: WorldState) -> bool:
+    """Return True if an object may be moved out of the way of frames.
+
+    It may not if it is fixed, fragile or held, if a frame says that it is not touched, or if a
+    frame tells by it where to go. What a frame is about may be moved anyhow.
+    """
+    seen, held = state.objects[name], state.held
+    about = {frame.object.id for frame in frames if frame.object is not None}
+    if seen.fixed or (held is not None and held.name == name):
+        return False
+    if seen.fragile and name not in about:
+        return False
+    for frame in frames:
+        own = frame.object is not None and frame.object.id == name
+        spared = [c.object for c in frame.constraints if isinstance(c, g.NoTouch) and not own]
+        if any(other is None or other.id == name for other in spared):
+            return False
+        if name in _places_told_by(frame.goal):
+            return False
+    return True
+
+
+def _places_told_by(goal: g.Goal) -> set[str | None]:
+    """Names of the objects that tell where something goes."""
+    said = [getattr(goal, field, None) for field in ("toward", "away_from", "into", "reference")]
+    refs = [ref for value in said for ref in (value if isinstance(value, tuple) else (value,))]
+    return {ref.id for ref in refs if isinstance(ref, g.ObjectRef)}
+
+
+def clearing_frames(
+    name: str, frame: g.Frame, state: WorldState, defaults: Defaults
+) -> Iterator[g.Frame]:
+    """Frames that move an object out of the way of another frame, the shortest way first.
+
+    Args:
+        name: of what is in the way.
+        frame: that cannot be carried out before.
+        state: what is believed.
+        defaults: margins.
+    """
+    seen = state.objects[name]
+    constraints = tuple(c for c in frame.constraints if c.kind in _KEPT)
+    for way, distance in _ways_out(seen, frame, state, defaults):
+        direction = way if len(way) == 2 else way[0]
+        yield g.Frame(
+            action="move",
+            object=g.ObjectRef(text=name, noun=name, id=name),
+            goal=g.Displace(direction=direction, distance=distance),
+            constraints=constraints,
+        )
+
+
+def _ways_out(
+    seen: SeenObject, frame: g.Frame, state: WorldState, defaults: Defaults
+) -> list[tuple[tuple[g.Direction, ...], float]]:
+    """Directions, and how far along each [m], the shortest way first."""
+    others = [other for name, other in state.objects.items() if name != seen.name]
+    kept = {other.name: _kept_apart(seen, other, defaults) for other in others}
+    free = Obstructions(seen, state, kept, defaults.clearance)
+    lanes = _lanes(frame, state, defaults)
+    here = [gap(footprint(seen), lane) for lane in lanes]
+    found = []
+    for way in _WAYS:
+        heading = bisector(way)
+        assert heading is not None, "neighbouring directions have a middle"
+        for distance in _STEPS:
+            there = footprint(object_at(seen, (seen.pose.p_WB + distance * unit(heading))[:2]))
+            around = [gap(there, footprint(other)) for other in others]
+            if min([room_to_edge(there, state.table), *around]) < _HAND:
+                continue
+            rooms = [gap(there, lane) for lane in lanes]
+            if not any(map(_leaves_way, here, rooms)):
+                continue
+            if free.first_stop((PathSegment(heading, distance),)) is None:
+                found.append((way, distance))
+            break
+    return sorted(found, key=lambda each: each[1])
+
+
+def _leaves_way(before: float, after: float) -> bool:
+    """Return True if what stood in a way leaves it; what stood beside it is in the hand's way."""
+    return after >= _BESIDE and (before < _BESIDE or after >= before + _HAND)
+
+
+def _kept_apart(seen: SeenObject, other: SeenObject, defaults: Defaults) -> float:
+    """Distance that what is cleared keeps from another object; less where it stands closer [m]."""
+    usual = defaults.clearance_fragile if other.fragile else defaults.clearance
+    return min(usual, max(gap(footprint(seen), footprint(other)), 0.0))
+
+
+def _lanes(frame: g.Frame, state: WorldState, defaults: Defaults) -> list[Array]:
+    """Polygons that an object covers on the straight way to each of its aims, (k, 2) each [m]."""
+    assert frame.object is not None, "what is in the way of nothing is not cleared"
+    target = state.objects[frame.object.id or ""]
+    here = footprint(target)
+    try:
+        aims = interpret_frame(frame, state, defaults).goal.aims
+    except NoPlanError:
+        aims = ()
+    ends = [here + (np.array([aim.x, aim.y]) - target.pose.p_WB[:2]) for aim in aims]
+    return [hull_polygon(np.vstack([here, end])).vertices for end in ends or [here]]
