@@ -21,6 +21,8 @@ FORBIDDEN = {
     ("rotate", "no_turn"): "turn it clockwise without turning it",
     ("lift", "no_lift"): "lift it 5 cm without lifting it",
     ("pour", "no_tilt"): "pour the milk into the mug without tilting it",
+    ("upright", "no_tilt"): "stand the mug up without tilting it",
+    ("upright", "max_tilt"): "stand the mug up without tilting it more than 5 degrees",
     ("displace", "no_slide"): "slide it away without sliding it",
     ("place", "no_slide"): "push it next to the mug without sliding it",
 }
