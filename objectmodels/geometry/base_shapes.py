@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from math import asinh, hypot
+from math import asinh, hypot, inf, sqrt
 from typing import Protocol
 
 import numpy as np
@@ -64,6 +64,11 @@ class Base(Protocol):
             weight: G [N].
             shift: the centre of mass may be nearer to every edge by this, along x and y [m].
         """
+
+    def single_topple_force(
+        self, m: tuple[float, float], e: tuple[float, float], w: float, weight: float
+    ) -> float:
+        """The force of `topple_force` for one push, in plain numbers [N]."""
 
     def nearest_edge(self, q: Array) -> tuple[Array, NDArray[np.int64]]:
         """Outward normals (n, 2) of the edges nearest to points (n, 2), and their indices.
@@ -201,6 +206,19 @@ class Polygon(Base):
         assert least is not None
         return least
 
+    def single_topple_force(
+        self, m: tuple[float, float], e: tuple[float, float], w: float, weight: float
+    ) -> float:
+        """See `Base`."""
+        least = inf
+        (m_x, m_y), (e_x, e_y) = m, e
+        for n_x, n_y, d in self._plain_edges:
+            growing = n_x * e_x + n_y * e_y + w * d
+            if growing > 0.0:
+                holding = weight * d - (n_x * m_x + n_y * m_y)
+                least = min(least, max(holding, 0.0) / growing)
+        return least
+
     @cached_property
     def _plain_edges(self) -> list[tuple[float, float, float]]:
         """Normal and offset of each edge."""
@@ -286,6 +304,19 @@ class Disc(Base):
         """The first positive root of |m + s·e| = R (G − s·w); see `Base`."""
         drawn = weight * float(np.hypot(*np.broadcast_to(shift, 2)))
         return _leaves_circle(m, e, self.radius * weight - drawn, self.radius * w)
+
+    def single_topple_force(
+        self, m: tuple[float, float], e: tuple[float, float], w: float, weight: float
+    ) -> float:
+        """See `Base`, and `_leaves_circle`."""
+        room, shrink = self.radius * weight, self.radius * w
+        a = e[0] * e[0] + e[1] * e[1] - shrink * shrink
+        b = m[0] * e[0] + m[1] * e[1] + room * shrink
+        c = min(m[0] * m[0] + m[1] * m[1] - room * room, 0.0)
+        under = b * b - a * c
+        if under < 0.0 or (a <= 0.0 and b <= 0.0):
+            return inf
+        return -c / (b + sqrt(under)) if b > 0.0 else (sqrt(under) - b) / a
 
     def nearest_edge(self, q: Array) -> tuple[Array, NDArray[np.int64]]:
         """See `Base`."""

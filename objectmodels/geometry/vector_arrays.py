@@ -14,6 +14,9 @@ from objectmodels.errors import ModelError
 
 Array = NDArray[np.float64]
 
+UNIT = 1e-6
+"""Share by which the length of a unit vector may be off."""
+
 _UNIT_LENGTH = "divide each by its length: `v / np.linalg.norm(v, axis=1, keepdims=True)`"
 
 
@@ -84,7 +87,7 @@ def require_amount(value: float, name: str, hint: str) -> None:
 
 def require_units(u: Array) -> None:
     """Refuses directions that are not unit vectors, shape (n, 3)."""
-    if np.any(np.abs(np.linalg.norm(u, axis=1) - 1.0) > 1e-6):
+    if np.any(np.abs(np.sqrt(np.einsum("ij,ij->i", u, u)) - 1.0) > UNIT):
         raise ModelError(
             "bad_array", "directions must be unit vectors", suggestions=(_UNIT_LENGTH,)
         )
@@ -92,7 +95,7 @@ def require_units(u: Array) -> None:
 
 def require_normals(n: Array) -> None:
     """Refuses normals that are not those of side faces, shape (n, 3)."""
-    if np.any(np.abs(np.linalg.norm(n, axis=1) - 1.0) > 1e-6) or np.any(np.abs(n[:, 2]) > 0.99):
+    if np.any(np.abs(np.linalg.norm(n, axis=1) - 1.0) > UNIT) or np.any(np.abs(n[:, 2]) > 0.99):
         raise ModelError(
             "bad_array",
             "normals must be unit vectors of side faces",

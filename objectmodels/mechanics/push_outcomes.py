@@ -21,14 +21,12 @@ from numpy.typing import NDArray
 
 from objectmodels.geometry.base_shapes import Array, Base
 from objectmodels.html_table import html_table
+from objectmodels.mechanics.closed_form import Figures, slide_and_topple_forces
 from objectmodels.mechanics.push_thresholds import (
     centre_of_pressure,
     push_axes,
-    slide_threshold,
     sliding_twist,
-    topple_threshold,
     toppling_twist,
-    yaw_arm,
 )
 
 if TYPE_CHECKING:
@@ -78,6 +76,8 @@ class Thresholds:
     @cached_property
     def code(self) -> NDArray[np.uint8]:
         """Class at the onset as an index into `OUTCOMES`, shape (n,)."""
+        if len(self.slide) == 1:
+            return np.array([_single_code(self.slide.item(), self.topple.item())], dtype=np.uint8)
         with np.errstate(invalid="ignore"):
             undecided = np.abs(self.slide - self.topple) <= UNDECIDED * self.onset
         code = 2 - (self.slide < self.topple).astype(np.uint8)
@@ -229,6 +229,15 @@ def _range_of(values: Array) -> str:
     return low if low == high else f"{low} to {high}"
 
 
+def _single_code(slide: float, topple: float) -> int:
+    """Class at the onset of one push."""
+    onset = min(slide, topple)
+    if onset == np.inf:
+        return 0
+    undecided = abs(slide - topple) <= UNDECIDED * onset
+    return 3 if undecided else 1 if slide < topple else 2
+
+
 def closed_form_thresholds(
     model: PushedBody, p: Array, u: Array, friction: Friction = "static"
 ) -> Thresholds:
@@ -236,17 +245,12 @@ def closed_form_thresholds(
 
     A zero direction never moves anything.
     """
-    c, weight = np.array(model.com), model.weight
     # One component after the other: numpy is much faster on arrays that lie in a row.
     p, u = np.asfortranarray(p), np.asfortranarray(u)
     mu, radius = model.friction_coefficient(friction), model.friction_radius
-    return Thresholds(
-        slide=slide_threshold(u, yaw_arm(p, u, c), mu, radius, weight),
-        topple=topple_threshold(model.base, p, u, c, weight),
-        friction=friction,
-        push=(p, u),
-        body=(model.base, c, radius, weight),
-    )
+    body = Figures(model.base, np.array(model.com), mu, radius, model.weight)
+    slide, topple = slide_and_topple_forces(body, p, u)
+    return Thresholds(slide, topple, friction, (p, u), (body.base, body.com, radius, body.weight))
 
 
 def size_and_direction(f: Array) -> tuple[Array, Array]:

@@ -16,6 +16,8 @@ threshold that is never met is infinite.
 
 from __future__ import annotations
 
+from typing import Any, TypeVar
+
 import numpy as np
 
 from objectmodels.geometry.base_shapes import Array, Base
@@ -24,8 +26,12 @@ from objectmodels.geometry.vector_arrays import cross
 GRAVITY = 9.81
 """Standard acceleration of free fall used throughout [m/s²]."""
 
-# Newton steps on the polynomial of `_load_ratio`; all but one push in a thousand need no more.
-_QUICK_STEPS = 5
+Number = TypeVar("Number", float, Array)
+
+QUICK_STEPS = 5
+"""Newton steps to a load ratio; all but one push in a thousand need no more."""
+
+_ROUNDING = 16.0 * np.finfo(float).eps
 
 # More than enough for a bracketed Newton iteration in double precision; usually five are used.
 _MAX_ITERATIONS = 100
@@ -113,23 +119,31 @@ def _load_ratio(h: Array, w: Array, a: Array, mu: Array) -> Array:
     """
     h2, a2 = h * h, a * a
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        flat = mu / np.sqrt(h2 + a2)  # exact for a horizontal force, else near by
-        r = flat.copy()
-        for _ in range(_QUICK_STEPS if a.any() else 0):
-            y = 1.0 + r * w
-            part = h2 + y * y * a2
-            r = r - (r * r * part - mu * mu) / (2.0 * r * (part + r * y * w * a2))
-        y = 1.0 + r * w
-        part = h2 + y * y * a2
-        # A pull has one root. One that presses down slides at the root found if nothing bends.
-        sure = np.abs(r * r * part - mu * mu) <= 16.0 * np.finfo(float).eps * mu * mu
-        sure &= (w >= 0.0) | ((a2 <= 8.0 * h2) & (r * -w < 1.0))
-        sure &= (r > 0.0) & (h > 0.0)
+        r = mu / np.sqrt(h2 + a2)  # exact for a horizontal force, else near by
+        for _ in range(QUICK_STEPS if a.any() else 0):
+            r = nearer_ratio(r, w, h2, a2, mu)
+        sure = is_first_ratio(r, w, h2, a2, mu)
     if sure.all():
         return r
     (i,) = np.nonzero(~sure)
     r[i] = _careful_load_ratio(h[i], w[i], a[i], np.broadcast_to(mu, h.shape)[i])
     return r
+
+
+def nearer_ratio(r: Number, w: Number, h2: Number, a2: Number, mu: Number) -> Number:
+    """A load ratio r after a Newton step on r² (h² + (1 + r w)² a²) = μ²."""
+    y = 1.0 + r * w
+    part = h2 + y * y * a2
+    return r - (r * r * part - mu * mu) / (2.0 * r * (part + r * y * w * a2))
+
+
+def is_first_ratio(r: Number, w: Number, h2: Number, a2: Number, mu: Number) -> Any:
+    """Return True where a load ratio surely is the least one that solves this."""
+    y = 1.0 + r * w
+    # A pull has one root. One that presses down slides at the root found if nothing bends.
+    solves = abs(r * r * (h2 + y * y * a2) - mu * mu) <= _ROUNDING * mu * mu
+    bends_not = (w >= 0.0) | ((a2 <= 8.0 * h2) & (r * -w < 1.0))
+    return solves & bends_not & (r > 0.0) & (h2 > 0.0)
 
 
 def _careful_load_ratio(h: Array, w: Array, a: Array, mu: Array) -> Array:
@@ -168,7 +182,7 @@ def _solve_load_ratio(h: Array, w: Array, a: Array, mu: Array, flat: Array) -> A
         new = np.where((step >= lo) & (step <= hi), step, 0.5 * (lo + hi))
         change = np.abs(new - r)
         r = new
-        if np.all(change <= 4.0 * np.finfo(float).eps * r):
+        if np.all(jams | (change <= 4.0 * np.finfo(float).eps * r)):
             break
     return np.where(jams, np.inf, r)
 

@@ -30,14 +30,19 @@ def checked_contacts(
         ModelError: `bad_array`; `off_object` if a point is far outside of the box around it.
     """
     p, v = checked_pairs(points, vectors)
+    low, high = contact_room(model)
+    off = (p < low) | (p > high)
+    if off.any():
+        raise _off_object(model, p[off.any(axis=1).argmax()], low, high)
+    return p, v
+
+
+def contact_room(model: ObjectModel) -> tuple[Array, Array]:
+    """Corners of the box in which contacts may lie, with the least and the largest x, y, z [m]."""
     outline, top = model.outline, model.top
     low, high = np.append(outline.min(axis=0), 0.0), np.append(outline.max(axis=0), top)
     near = BESIDE * float((high - low).max())
-    low, high = low - near, high + near
-    off = ((p < low) | (p > high)).any(axis=1)
-    if off.any():
-        raise _off_object(model, p[off.argmax()], low, high)
-    return p, v
+    return low - near, high + near
 
 
 def _off_object(model: ObjectModel, p: Array, low: Array, high: Array) -> ModelError:

@@ -44,6 +44,7 @@ from objectmodels.mechanics.push_outcomes import (
 from objectmodels.models.contact_points import checked_contacts
 from objectmodels.models.parameters import RADIUS_SHARE_SD, Parameters
 from objectmodels.models.resting_face import Resting, lowest_rest
+from objectmodels.models.single_push import single_prediction, single_thresholds
 from objectmodels.models.vessel import Vessel
 
 if TYPE_CHECKING:
@@ -178,12 +179,9 @@ class ObjectModel(Parameters, ABC):
             hint = "give [x, y, z] in metres, from the middle of the base on the table"
             raise ModelError("bad_value", found, path="com", suggestions=(hint,))
         if self.container is not None and self.container.mass >= self.mass:
-            raise ModelError(
-                "bad_value",
-                f"the contents weigh {self.container.mass:.3f} kg, all of it {self.mass} kg",
-                path="container",
-                suggestions=("give the mass of the object with what is in it",),
-            )
+            found = f"the contents weigh {self.container.mass:.3f} kg, all of it {self.mass} kg"
+            hint = "give the mass of the object with what is in it"
+            raise ModelError("bad_value", found, path="container", suggestions=(hint,))
         _ = self.vessel  # which refuses what does not fit
         return self
 
@@ -245,6 +243,8 @@ class ObjectModel(Parameters, ABC):
         Raises:
             ModelError: `bad_array` if a shape or a value is wrong; `off_object`.
         """
+        if not exact and (single := single_thresholds(self, points, directions, friction)):
+            return single
         p, u = checked_contacts(self, points, directions)
         require_units(u)
         return self._thresholds_by_tier(p, u, exact, friction)
@@ -274,6 +274,8 @@ class ObjectModel(Parameters, ABC):
         Raises:
             ModelError: `bad_array` if a shape or a value is wrong; `off_object`.
         """
+        if not exact and (single := single_prediction(self, points, forces, friction)):
+            return single
         p, f = checked_contacts(self, points, forces)
         force, u = size_and_direction(f)
         return Prediction(force, self._thresholds_by_tier(p, u, exact, friction))

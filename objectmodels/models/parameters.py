@@ -17,6 +17,7 @@ from pydantic import (
     model_validator,
 )
 
+from objectmodels.cached_values import cached_property
 from objectmodels.errors import ModelError
 from objectmodels.files.value_types import Coordinate, Deviation, Length, Mass, Name, length_of
 from objectmodels.files.value_types import Friction as Coefficient
@@ -138,7 +139,7 @@ class Parameters(Part):
     def __hash__(self) -> int:
         return hash((type(self), self._field_values))
 
-    @property
+    @cached_property
     def _field_values(self) -> tuple[object, ...]:
         return tuple(getattr(self, name) for name in type(self).model_fields)
 
