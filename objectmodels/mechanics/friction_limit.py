@@ -98,7 +98,6 @@ def friction_limit(
         compared: ratios, shape (n,); a coarse limit will do that lies on the same side of them.
         near: limits for loads and places that differ a little, to begin with.
     """
-    found = Limit.empty_limit(*loads.shape)
     compared = np.full(loads.shape[1], np.nan) if compared is None else compared
     # Few points carry the centre of rotation often, one of many hardly ever.
     methods = [_about_a_point, _by_newton, _by_descent]
@@ -106,7 +105,8 @@ def friction_limit(
         methods = [_by_newton, _about_a_point, _by_descent]
     if near is not None:
         methods.insert(methods.index(_by_newton), _from_another)
-    for method in methods:
+    found = methods[0](loads, along, left, compared, near)
+    for method in methods[1:]:
         (rest,) = np.nonzero(np.isinf(found.residual))
         if not rest.size:
             break
@@ -125,35 +125,30 @@ def _about_a_point(
     its limit. Others keep an infinite residual.
     """
     k, n = loads.shape
-    found = Limit.empty_limit(k, n)
-    at_once = max(_ABOUT // (k * n), 1)
+    at_once = max(_ABOUT // max(k * n, 1), 1)
+    least, about, pushes = np.full(n, np.inf), np.zeros(n, dtype=np.intp), np.arange(n)
     for first in range(0, k, at_once):
-        about = np.arange(first, min(first + at_once, k))
-        own = np.arange(len(about)), about
         # Centres first, then all points, then pushes.
-        x, y = along - along[about, None], left - left[about, None]
-        r = np.hypot(x, y)
-        r[own] = 1.0
-        turn = 1.0 / left[about]
-        sense = np.sign(turn)[:, None]
-        d_x, d_y = -sense * y / r, sense * x / r
-        r[own] = d_x[own] = d_y[own] = 0.0
-        ratio = (loads * r).sum(axis=1) * np.abs(turn)
-        # What is left for the point in the centre to balance the push.
-        missing_x = (ratio - (loads * d_x).sum(axis=1)) / loads[about]
-        missing_y = -(loads * d_y).sum(axis=1) / loads[about]
-        holds = np.hypot(missing_x, missing_y) <= 1.0
-        d_x[own], d_y[own] = missing_x, missing_y
-        (i,) = np.nonzero(holds.any(axis=0) & np.isinf(found.residual))
-        if i.size:
-            j = holds[:, i].argmax(axis=0)
-            across = -along[about[j], i] * turn[j, i]
-            found.take_over(
-                i,
-                Limit(ratio[j, i], across, turn[j, i], d_x[j, :, i].T, d_y[j, :, i].T,
-                      np.zeros(i.size)),
-            )  # fmt: skip
-    return found
+        x, y = along[first : first + at_once, None], left[first : first + at_once, None]
+        off_x, off_y = along - x, left - y
+        power = (loads * np.sqrt(off_x * off_x + off_y * off_y)).sum(axis=1) / np.abs(y[:, 0])
+        power[np.isnan(power)] = np.inf
+        here = power.argmin(axis=0)
+        power = power[here, pushes]
+        less = power < least
+        least[less], about[less] = power[less], first + here[less]
+    # If it turns about a point, then about the one that takes the least power.
+    own = about, pushes
+    x, y, turn = along - along[own], left - left[own], 1.0 / left[own]
+    r, sense = np.hypot(x, y), np.sign(turn)
+    ratio = (loads * r).sum(axis=0) * np.abs(turn)
+    r[own] = 1.0
+    d_x, d_y = -sense * y / r, sense * x / r
+    # What is left for the point in the centre to balance the push.
+    d_x[own] = (ratio - (loads * d_x).sum(axis=0)) / loads[own]
+    d_y[own] = -(loads * d_y).sum(axis=0) / loads[own]
+    holds = np.hypot(d_x[own], d_y[own]) <= 1.0
+    return Limit(ratio, -along[own] * turn, turn, d_x, d_y, np.where(holds, 0.0, np.inf))
 
 
 def _start_motion(loads: Array, along: Array, left: Array) -> tuple[Array, Array]:
@@ -202,6 +197,9 @@ def _newton_limit(
         smooth = max(_SHARPER * smooth, _SHARPEST)
         found_now, done = _certified_limit(loads, along, left, across, turn, d_x, d_y)
         done |= _is_beside(found_now, compared)
+        if done.all() and len(done) == len(found.ratio):
+            found = found_now
+            break
         if done.any():
             found.take_over(left_over[done], found_now.chosen_pushes(done))
             keep = ~done
