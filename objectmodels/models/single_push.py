@@ -35,7 +35,7 @@ def single_thresholds(
         directions: unit direction of the force in B, shape (1, 3).
         friction: which coefficient at the table decides.
     """
-    if not (_is_on(model, points) and _is_single(directions)):
+    if not (_is_on(points, model) and _is_single(directions)):
         return None
     is_unit = abs(_size(directions) - 1.0) <= UNIT
     return closed_form_thresholds(model, points, directions, friction) if is_unit else None
@@ -45,7 +45,7 @@ def single_prediction(
     model: ObjectModel, points: ArrayLike, forces: ArrayLike, friction: Friction
 ) -> Prediction | None:
     """Outcome of one push with a force, shape (1, 3) [N]; None as for `single_thresholds`."""
-    if not (_is_on(model, points) and _is_single(forces)):
+    if not (_is_on(points, model) and _is_single(forces)):
         return None
     size = _size(forces)
     if not size < inf:
@@ -59,13 +59,13 @@ def _is_single(vectors: ArrayLike) -> TypeGuard[Array]:
     return isinstance(vectors, np.ndarray) and vectors.shape == (1, 3) and vectors.dtype == float
 
 
-def _is_on(model: ObjectModel, points: ArrayLike) -> TypeGuard[Array]:
+def _is_on(points: ArrayLike, model: ObjectModel) -> TypeGuard[Array]:
     """Return True for one contact on a model."""
     if not _is_single(points):
         return False
     ((x, y, z),) = points.tolist()
     low, high = _room(model)
-    return low[0] <= x <= high[0] and low[1] <= y <= high[1] and low[2] <= z <= high[2]
+    return bool(low[0] <= x <= high[0] and low[1] <= y <= high[1] and low[2] <= z <= high[2])
 
 
 @remember_answers(64)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from unittest.mock import Mock
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ from objectmodels import ModelError, ObjectModel, Registry
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.mechanics import closed_form
 from objectmodels.mechanics.closed_form import BLOCK
+from objectmodels.mechanics.push_thresholds import slide_threshold
 
 MODELS = "ice tea box", "sugar box", "mug"
 
@@ -43,12 +46,11 @@ def test_one_push_is_predicted_as_among_many(name: str) -> None:
 def test_one_push_takes_no_arrays_but_seldom(monkeypatch: pytest.MonkeyPatch) -> None:
     model = Registry.built_in().get("ice tea box")
     p, u = pushes_of_all_kinds(model, 400)
-    looks: list[int] = []
-    look = closed_form.slide_threshold
-    monkeypatch.setattr(closed_form, "slide_threshold", lambda *a: looks.append(1) or look(*a))
+    looks = Mock(side_effect=slide_threshold)
+    monkeypatch.setattr(closed_form, "slide_threshold", looks)
     for i in range(len(p)):
         model.thresholds(p[[i]], u[[i]])
-    assert len(looks) <= 8  # pushes with two roots, and such as go straight up or down
+    assert looks.call_count <= 8  # pushes with two roots, and such as go straight up or down
 
 
 def test_one_push_is_refused_as_among_many() -> None:
