@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import Literal, Protocol
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from objectmodels.geometry.base_shapes import Array, Base
@@ -18,6 +19,9 @@ Friction = Literal["static", "kinetic"]
 
 UNCERTAIN = ("mass", "friction", "finger_friction", "friction_radius", "com_x", "com_y", "com_z")
 """Names of the uncertain parameters, in the order of `PushedBody.means`."""
+
+BESIDE = 0.5
+"""A contact may lie so far beside the shape, as a share of its size: shapes leave out handles."""
 
 
 class PushedBody(Protocol):
@@ -115,3 +119,11 @@ class PushedBody(Protocol):
 
     def friction_coefficient(self, friction: Friction) -> float:
         """μ at the table, static or kinetic."""
+
+
+def contact_room(body: PushedBody) -> tuple[Array, Array]:
+    """Corners of the box in which contacts may lie, with the least and the largest x, y, z [m]."""
+    outline = body.outline
+    low, high = np.append(outline.min(axis=0), 0.0), np.append(outline.max(axis=0), body.top)
+    near = BESIDE * float((high - low).max())
+    return low - near, high + near

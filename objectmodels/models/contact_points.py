@@ -12,13 +12,11 @@ from numpy.typing import ArrayLike
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.pushed_body import contact_room
 from objectmodels.geometry.vector_arrays import checked_pairs
 
 if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel
-
-BESIDE = 0.5
-"""A point may lie so far beside the shape, as a share of its size: shapes leave out handles."""
 
 
 def checked_contacts(
@@ -35,14 +33,6 @@ def checked_contacts(
     if off.any():
         raise _off_object(model, p[off.any(axis=1).argmax()], low, high)
     return p, v
-
-
-def contact_room(model: ObjectModel) -> tuple[Array, Array]:
-    """Corners of the box in which contacts may lie, with the least and the largest x, y, z [m]."""
-    outline, top = model.outline, model.top
-    low, high = np.append(outline.min(axis=0), 0.0), np.append(outline.max(axis=0), top)
-    near = BESIDE * float((high - low).max())
-    return low - near, high + near
 
 
 def _off_object(model: ObjectModel, p: Array, low: Array, high: Array) -> ModelError:
