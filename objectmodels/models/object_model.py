@@ -129,11 +129,9 @@ class ObjectModel(Parameters, ABC):
         for rest in self.rests:
             if rest.face == face:
                 return rest.model
-        raise ModelError(
-            "unknown_face",
-            f"the {self.name} cannot rest on {face!r}",
-            suggestions=(f"it rests on: {', '.join(rest.face for rest in self.rests)}",),
-        )
+        hint = f"it rests on: {', '.join(rest.face for rest in self.rests)}"
+        wrong = f"the {self.name} cannot rest on {face!r}"
+        raise ModelError("unknown_face", wrong, suggestions=(hint,))
 
     def resting_face(self, R_WB: ArrayLike) -> Resting:
         """Face on which it rests in an orientation: the pose picks the base.
