@@ -4,8 +4,9 @@
     python -m docs.draw_pictures pour.png   # by name; some take minutes
     python -m docs.draw_pictures --check    # are those that take seconds what stands in the guides?
 
-The pictures of the page need a browser: `python -m docs.take_page_pictures` takes them. That
-beside an experiment takes ten minutes; the guide to predictions has its commands.
+Pictures of the page and of replays need a browser: `python -m docs.take_page_pictures` and
+`python -m docs.take_replay_pictures` take them. The guide to predictions has the commands of
+`map_experiment.png`, which takes ten minutes.
 """
 
 from __future__ import annotations

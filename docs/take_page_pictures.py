@@ -11,6 +11,8 @@ from __future__ import annotations
 import shutil
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -30,14 +32,21 @@ REFUSED = "push the ice tea box away at the top without toppling it"
 
 def main(folder: Path = IMAGES) -> None:
     """Takes all pictures."""
+    with serving() as server, new_browser() as browser:
+        _take_all(browser, server.url, folder)
+
+
+@contextmanager
+def new_browser() -> Iterator[Browser]:
+    """Context with a browser that needs no display."""
     from playwright.sync_api import sync_playwright
 
     path = next((found for name in NAMES if (found := shutil.which(name))), None)
     if path is None:
         sys.exit(f"no browser: none of {', '.join(NAMES)} is installed")
-    with serving() as server, sync_playwright() as playwright:
+    with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=path, args=FLAGS)
-        _take_all(browser, server.url, folder)
+        yield browser
         browser.close()
 
 

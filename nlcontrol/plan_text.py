@@ -29,6 +29,7 @@ from planner.types.actions import (
     TurnCap,
 )
 from planner.types.plan import Plan
+from planner.types.probability_text import probability_text
 from planner.types.stack_actions import SetOn
 from planner.types.turning_actions import TurnOver
 
@@ -132,7 +133,7 @@ def _end(plan: Plan, aim: Aim) -> str:
     """Place where everything leads, and how sure that is."""
     heading = "" if aim.yaw is None else f", heading {quantity(aim.yaw, 'rad')}"
     pushes = len(plan.pushes)
-    sure = f" (probability of all {pushes} pushes {_surely(plan.probability)})"
+    sure = f" (probability of all {pushes} pushes {probability_text(plan.probability)})"
     return f"It should end at {place_text(aim.x, aim.y)}{heading}{sure if pushes > 1 else ''}."
 
 
@@ -151,7 +152,7 @@ def _prediction(push: PushAction) -> str:
         "tilted": "tilts and stands again",
         "toppled": "topples",
     }.get(push.ends_on) or _VERBS.get(p.outcome, p.outcome)
-    text = f"it {verb} (probability {_surely(p.probability)}); {', '.join(starts)}."
+    text = f"it {verb} (probability {probability_text(p.probability)}); {', '.join(starts)}."
     if p.critical_height is not None and p.critical_height_worst is not None:
         text += (
             f" Pushed above {quantity(p.critical_height, 'm')} it would topple instead of slide "
@@ -177,10 +178,6 @@ def _safety(push: PushAction) -> str:
         f"the contact is {quantity(margins.height, 'm')} {where} where it could {other} instead, "
         f"and that would take {spare} more, {case}."
     )
-
-
-def _surely(p: float) -> str:
-    return "over 0.999" if p > 0.999 else f"{p:.3f}"
 
 
 def _push_reason(plan: Plan) -> str:
@@ -244,11 +241,6 @@ def _hand_lines(plan: Plan) -> Iterator[str]:
 def _hand_reason(plan: Plan) -> str:
     why = plan_reasons(plan) or predicted_outcomes(plan)
     return f"To {plan.task} the {plan.object}: {steps_text(plan)}; {'; '.join(why)}."
-
-
-def probability_text(probability: float) -> str:
-    """A probability as people read it."""
-    return "over 0.99" if probability > 0.99 else f"{probability:.2f}"
 
 
 def _holding(plan: Plan) -> str:

@@ -23,6 +23,7 @@ from planner.geometry.directions import HEADINGS, angle_between, face_name, head
 from planner.planning import plan
 from planner.types.actions import FaceName
 from planner.types.defaults import DEFAULTS, Defaults
+from planner.types.probability_text import probability_text
 from planner.types.refusal import Refusal
 from planner.types.robot import Robot
 from planner.types.world_state import SeenObject, WorldState
@@ -105,7 +106,7 @@ def _hand_affordances(
                 frame.action, "", *none, False, made.reason, made.message, made.suggestions
             )
         elif made.status == "planned":
-            told = f"probability {made.probability:.2f}"
+            told = f"probability {probability_text(made.probability)}"
             if made.grasp is not None:
                 told = f"squeezed with {made.grasp.squeeze:.1f} N, {told}"
             yield Affordance(frame.action, "", *none, True, None, told)
@@ -228,7 +229,7 @@ def _push_affordance(
         pushes = f"{len(made.pushes)} pushes, first " if several else ""
         message = (
             f"{pushes}{fingers} {1e3 * push.p_BC[2]:.0f} mm up, at most {push.force_limit:.1f} N, "
-            f"probability {made.probability:.2f}"
+            f"probability {probability_text(made.probability)}"
         )
         return Affordance(outcome, way, face, True, *on_it, True, None, message)
     assert isinstance(made, Refusal), "a goal of its own is never reached beforehand"

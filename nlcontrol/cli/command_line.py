@@ -136,8 +136,9 @@ def _run_command(args: Sequence[str], *, as_json: bool) -> int:
             return _print_interruption(as_json)
         if isinstance(raised, OSError):
             _require_output()
-            if raised.filename is None and not as_json:  # of a stream, not of a file
-                raise
+            is_of_file = raised.filename is not None or isinstance(raised, FileNotFoundError)
+            if not (is_of_file or as_json):
+                raise  # of a stream
         return _print_failure(raised, as_json)
 
 

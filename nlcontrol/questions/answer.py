@@ -109,15 +109,6 @@ def force_text(value: float, sd: float | None = None) -> str:
     return text if not sd else f"{text} ± {sd:.{digits}f} N"
 
 
-def likelihood(probability: float) -> str:
-    """A probability in as many digits as mean something."""
-    if probability > 0.99:
-        return "over 0.99"
-    if probability < 0.01:
-        return "below 0.01"
-    return f"{probability:.2f}"
-
-
 def affordance_lines(found: Sequence[Affordance]) -> Iterator[str]:
     """The things that may be done with an object, each in up to three lines.
 

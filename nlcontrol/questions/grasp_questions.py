@@ -23,7 +23,7 @@ from nlcontrol.plan_text import (
     predicted_outcomes,
     steps_text,
 )
-from nlcontrol.questions.answer import Answer, likelihood
+from nlcontrol.questions.answer import Answer
 from nlcontrol.questions.asked_push import push_asked_about, target_of
 from nlcontrol.questions.push_questions import most_favourable
 from nlcontrol.text_format import quantity
@@ -33,6 +33,7 @@ from planner.grasping.lid_planner import is_open
 from planner.problem.planning_problem import is_handled
 from planner.problem.tilt_goals import tilt_goal
 from planner.types.plan import Plan
+from planner.types.probability_text import probability_text
 from planner.types.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -121,7 +122,7 @@ def spill_answer(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answe
     if p < 0.5:
         text = (
             f"{start}, the {target.name} would spill nothing: it stays upright (probability "
-            f"that it topples {likelihood(p)})."
+            f"that it topples {probability_text(p)})."
         )
         return Answer(
             query="predict",
@@ -131,7 +132,9 @@ def spill_answer(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answe
             yes=False,
             push=push.push_in_answer,
         )
-    fallen = f"{start}, the {target.name} would topple (probability {likelihood(p)}); on its side"
+    fallen = (
+        f"{start}, the {target.name} would topple (probability {probability_text(p)}); on its side"
+    )
     told = _spill_text(target, _ON_ITS_SIDE, heading, fallen, p, defaults)
     return told.model_copy(update={"push": push.push_in_answer})
 

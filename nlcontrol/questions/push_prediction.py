@@ -21,6 +21,7 @@ from nlcontrol.text_format import aside_text
 from objectmodels import Face, ObjectModel
 from objectmodels.mechanics.outcome_probability import sample_at
 from planner.geometry.directions import HEADINGS, angle_between, heading_of
+from planner.types.probability_text import probability_text
 
 Array = NDArray[np.float64]
 
@@ -256,7 +257,7 @@ def _sentences(found: PushPrediction) -> list[str]:
         )
     chance = found.probability[found.outcome]
     if chance < SURE:
-        lines.append(f"That is not sure: its probability is {chance:.2f}.")
+        lines.append(f"That is not sure: its probability is {probability_text(chance)}.")
     if found.optimistic is not None and found.pessimistic is not None:
         low, high = found.pessimistic, found.optimistic
         if low == 0.0:
@@ -269,7 +270,9 @@ def _sentences(found: PushPrediction) -> list[str]:
                 f"It moves between {low:.2f} N and {high:.2f} N, depending on how it stands."
             )
     lines.append(
-        "Probabilities: " + ", ".join(f"{k} {v:.2f}" for k, v in found.probability.items()) + "."
+        "Probabilities: "
+        + ", ".join(f"{k} {probability_text(v)}" for k, v in found.probability.items())
+        + "."
     )
     lines += particulars(found)
     lines.append(f"({found.friction} friction; exact tier, residual {found.residual:.0e})")

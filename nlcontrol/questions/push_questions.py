@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from grammar.frames import command as g
-from nlcontrol.questions.answer import DOES, Answer, Chart, force_text, likelihood
+from nlcontrol.questions.answer import DOES, Answer, Chart, force_text
 from nlcontrol.questions.asked_push import Inquiry, outcome_of, push_asked_about, wanted_event
 from nlcontrol.questions.push_prediction import (
     CERTAIN,
@@ -27,6 +27,7 @@ from nlcontrol.questions.push_prediction import (
 from nlcontrol.text_format import quantity
 from objectmodels.mechanics.outcome_map import OutcomeMap, outcome_map
 from planner.affordances import SPACING, least, turning_map
+from planner.types.probability_text import probability_text
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -70,7 +71,8 @@ def _needed_force(push: Inquiry, event: g.Event) -> Answer:
     first, other = in_turn(found)
     outcome = first if event == "moves" else outcome_of(event)
     p, name = found.probability[outcome], push.target.name
-    likely = f"(probability that it {DOES[outcome if event == 'moves' else event]} {likelihood(p)})"
+    does = DOES[outcome if event == "moves" else event]
+    likely = f"(probability that it {does} {probability_text(p)})"
     value, sd = needed_force(found, outcome)
     if outcome != first or value is None:
         never = "never" if value is None else "not"
@@ -129,7 +131,7 @@ def _without_toppling(push: Inquiry, defaults: Defaults) -> Answer:
     topples = threshold(found, "topple", force_text, only=True)
     text = (
         f"Pushed slowly {push.where}, the {push.target.name} does not topple however hard it is "
-        f"pushed: it {slides} and {topples} (probability that it topples {likelihood(p)})."
+        f"pushed: it {slides} and {topples} (probability that it topples {probability_text(p)})."
     )
     return _force_answer(push, text, figures(found), 1.0 - p)
 
@@ -146,7 +148,7 @@ def _up_to(push: Inquiry, outcomes: tuple[str, ...], defaults: Defaults) -> Answ
     first, other = in_turn(found)
     text = (
         f"With up to {force_text(most)} the {push.target.name}, pushed {push.where}, {stays} "
-        f"(probability {likelihood(p)}): it {threshold(found, first, force_text)} and "
+        f"(probability {probability_text(p)}): it {threshold(found, first, force_text)} and "
         f"{threshold(found, other, force_text, only=True)}."
     )
     return _force_answer(push, text, figures(found) | {"force": most}, p)
@@ -236,7 +238,7 @@ def _flip(push: Inquiry) -> dict[str, float]:
 
 
 def _places_text(push: Inquiry, event: g.Event, found: Places, numbers: dict[str, float]) -> str:
-    name, level = push.target.name, likelihood(numbers["probability"])
+    name, level = push.target.name, f"{numbers['probability']:g}"
     does = "slides and stays upright" if event == "moves" else DOES[event]
     flip = _flipping(event, numbers.get("critical_height"))
     if not found.sure.any():

@@ -20,7 +20,6 @@ from nlcontrol.questions.answer import (
     Considered,
     affordance_lines,
     force_text,
-    likelihood,
 )
 from nlcontrol.questions.asked_push import EVENTS, Inquiry, push_asked_about, target_of
 from nlcontrol.questions.grasp_questions import (
@@ -44,6 +43,7 @@ from planner import plan
 from planner.affordances import TURNING_ARM, affordances
 from planner.geometry.directions import HEADINGS, heading_of, phrase
 from planner.types.plan import Plan, Reached
+from planner.types.probability_text import probability_text
 
 if TYPE_CHECKING:
     from planner.affordances import Affordance
@@ -115,11 +115,11 @@ def _predict(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answer:
     start = f"Pushed{with_force} {push.where}"
     if frame.event is None:
         p, does = found.probability[found.outcome], DOES.get(found.outcome, "stays where it is")
-        likely, yes = f"probability that it {does} {likelihood(p)}", None
+        likely, yes = f"probability that it {does} {probability_text(p)}", None
     else:
         p = _probability(frame.event, found, turns)
         yes = p >= 0.5
-        likely = f"probability that it {DOES[frame.event]} {likelihood(p)}"
+        likely = f"probability that it {DOES[frame.event]} {probability_text(p)}"
         start = f"{_yes_or_no(p)}, {start[0].lower()}{start[1:]}"
     text = (
         f"{start}, the {push.target.name} would {_state(found, frame.event, turns)}: "
@@ -210,7 +210,7 @@ def _push_answer(made: Plan) -> Answer:
         query="possible",
         text=f"Yes: {first}{fingers} on its {push.face} face, {quantity(push.p_BC[2], 'm')} above "
         f"the table, with at most {force_text(push.force_limit)} (probability {what} "
-        f"{likelihood(made.probability)}).",
+        f"{probability_text(made.probability)}).",
         numbers={
             "height": push.p_BC[2],
             "force": push.force_limit,

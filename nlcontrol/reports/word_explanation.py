@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from pydantic import BaseModel
 
 from grammar.frames import command as g
-from nlcontrol.questions.answer import DOES, force_text, likelihood
+from nlcontrol.questions.answer import DOES, force_text
 from nlcontrol.questions.push_prediction import CERTAIN
 from nlcontrol.references.reference_resolution import parts_within
 from nlcontrol.text_format import aside_text, quantity
@@ -26,6 +26,7 @@ from planner.explanation.grasp_explanation import explain_hand
 from planner.explanation.push_explanation import belief_values, explain_push
 from planner.explanation.rows import Clause, Row, Value, frame_clauses, quotation, row
 from planner.geometry.directions import phrase
+from planner.types.probability_text import probability_text
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -213,7 +214,7 @@ def _numbers(answer: Answer) -> Iterator[Value]:
     if "critical_height" in told:
         yield Value("topples if pushed above", quantity(told["critical_height"], "m"))
     if answer.probability is not None:
-        yield Value("probability", likelihood(answer.probability))
+        yield Value("probability", probability_text(answer.probability))
 
 
 def _comes(told: dict[str, float]) -> str:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 from pydantic import BaseModel, ConfigDict
 
 from grammar.frames import command as g
+from planner.types.probability_text import probability_text
 
 if TYPE_CHECKING:
     from planner.types.plan import DefaultUsed, Plan
@@ -124,8 +125,7 @@ def amount_value(name: str, told: str, used: DefaultUsed | None) -> Value:
 
 def outcome_value(does: str, plan: Plan) -> Value:
     """The outcome of a plan, and how likely it is."""
-    likely = "over 0.999" if plan.probability > 0.999 else f"{plan.probability:.3f}"
-    return Value("outcome", f"{does}, probability {likely}")
+    return Value("outcome", f"{does}, probability {probability_text(plan.probability)}")
 
 
 def place_text(x: float, y: float) -> str:

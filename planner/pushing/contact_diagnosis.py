@@ -21,6 +21,7 @@ from planner.pushing.contact_sampling import EDGE, has_place, model_limited_by_h
 from planner.refusals.refusal_builder import refusal
 from planner.types.defaults import Defaults
 from planner.types.marks import HeightMark
+from planner.types.probability_text import probability_text
 from planner.types.refusal import NoPlanError, Refusal, RefusalReason
 from planner.types.world_state import SeenObject
 
@@ -127,7 +128,7 @@ def _with_doubt(
         object=problem.target.name,
         height=height,
         about="asked",
-        text=f"pushed at {_mm(height)} it {verb} with {probability:.2f}",
+        text=f"pushed at {_mm(height)} it {verb} with probability {probability_text(probability)}",
     )
     doubt = {"probability": probability, "probability_then": then, "asked_probability": asked}
     with_doubt = refusal(

@@ -24,6 +24,7 @@ from planner.problem.planning_problem import PushProblem, PushStep
 from planner.problem.tilt_goals import prediction_with_return
 from planner.pushing.contact_sampling import Contact, Contacts, model_limited_by_hand
 from planner.types.actions import Margins, Prediction, Push, Vector3
+from planner.types.probability_text import probability_text
 
 SURE = 0.999
 """Probability of a slide by the closed form that the exact tier does not lower by 0.0002."""
@@ -225,7 +226,8 @@ def selection_notes(
     if contact.among.sigmas < sigmas:
         notes.append(
             f"certain within {contact.among.sigmas:g} instead of {sigmas:g} standard deviations of "
-            f"the parameters; over all of them its probability is {predicted.probability:.3f}"
+            f"the parameters; over all of them its probability is "
+            f"{probability_text(predicted.probability)}"
         )
     if contact.among.guarded:
         notes.append(

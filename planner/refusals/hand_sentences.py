@@ -43,7 +43,7 @@ _GRASPS = {
         _SQUEEZE + "the fingers have {strongest:N} at {width:mm}", ("push it instead",)
     ),
     "may_slip": too_uncertain(
-        "squeezed with {squeeze:N} the {object} holds with a probability of {probability:share}, "
+        "squeezed with {squeeze:N} the {object} holds with a probability of {probability:chance}, "
         "and {asked_probability:share} is asked",
         ("{learn}",),
     ),
@@ -53,7 +53,7 @@ _GRASPS = {
         ("push it",),
     ),
     "unlikely_grasp": too_uncertain(
-        "{doing} the {object} succeeds with a probability of {probability:share}, and "
+        "{doing} the {object} succeeds with a probability of {probability:chance}, and "
         "{asked_probability:share} is asked",
         (_WEIGH,),
     ),
@@ -113,7 +113,7 @@ _TURN = (
     "{held:Nm}"
 )
 _STAYS = (
-    "; it stays with a probability of {probability:share}, and {asked_probability:share} is asked"
+    "; it stays with a probability of {probability:chance}, and {asked_probability:share} is asked"
 )
 _HOLDER = "fix it in a holder"
 _LOOSE = ("find out how slippery the {object} is first", _HOLDER)
@@ -139,7 +139,7 @@ _LIDS = {
     ),
     "may_give_way": too_uncertain(
         _ARC
-        + "; it opens with a probability of {probability:share}, and {asked_probability:share} is "
+        + "; it opens with a probability of {probability:chance}, and {asked_probability:share} is "
         "asked",
         (_WEIGH,),
     ),
@@ -191,8 +191,8 @@ _POURS = {
     "wrong_side_in_hand": impossible(_SIDE, ("put the {object} down, then pour from it",)),
     "may_spill": too_uncertain(
         "of {volume:ml} the {into}, with room for {room:ml}, receives {received:ml} and "
-        "{spilled:ml} are spilled; that it goes well has a probability of {probability:share}, and "
-        "{asked_probability:share} is asked",
+        "{spilled:ml} are spilled; that it goes well has a probability of {probability:chance}, "
+        "and {asked_probability:share} is asked",
         (_WEIGH, "pour less"),
     ),
 }

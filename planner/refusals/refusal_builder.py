@@ -10,6 +10,7 @@ from typing import Any
 from planner.refusals.refusal_marks import height_marks
 from planner.refusals.sentences import SENTENCES
 from planner.types.marks import Mark, ObstacleMark
+from planner.types.probability_text import probability_text
 from planner.types.refusal import NoPlanError, Refusal, RefusalReason
 
 Spans = tuple[tuple[int, int], ...]
@@ -39,6 +40,7 @@ QUANTITIES: dict[str, Callable[[float], str]] = {
     "kg": lambda mass: f"{mass:.2f} kg",
     "ml": lambda volume: f"{1e6 * volume:.0f} ml",
     "ml_down": lambda volume: f"{_floor(1e6 * volume)} ml",
+    "chance": probability_text,
     "share": lambda share: f"{share:.2f}",
     "times": lambda factor: f"{factor:.1f} times",
     "count": lambda number: f"{number:.0f}",

@@ -143,7 +143,7 @@ _PUSHES = {
     "in_the_way_so_far": blocked(_IN_WAY, ("up to {free:mm_down} would do",)),
     "unlikely_pushes": too_uncertain(
         "{pushes} pushes are needed, and all of them succeed with a probability of "
-        "{probability:share}; {asked_probability:share} is asked",
+        "{probability:chance}; {asked_probability:share} is asked",
         ("find out the weight and the friction of the {object} first",),
     ),
     "turn_blocked": blocked(
@@ -253,7 +253,7 @@ _CONTACTS = {
         ("find out the friction and the centre of mass of the {object} first",),
     ),
     "not_sure": too_uncertain(
-        "{message}; pushed {at:mm} up it {verb} with a probability of {probability:share}, and "
+        "{message}; pushed {at:mm} up it {verb} with a probability of {probability:chance}, and "
         "{asked_probability:share} is asked",
         ("find out its weight and friction first",),
     ),

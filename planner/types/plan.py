@@ -12,6 +12,7 @@ from typing import Literal
 from objectmodels.html_table import html_table
 from planner.types.actions import Action, Aim, GraspAction, Limits, PushAction
 from planner.types.frozen_value import Value
+from planner.types.probability_text import probability_text
 from planner.types.refusal import Refusal
 
 PlanTask = Literal["push", "topple", "tilt", "lift", "place", "stand", "pour", "open", "close"]
@@ -82,7 +83,7 @@ class Plan(Value):
         header = ("step", "contact in B [mm]", "at most [N]", "travel [mm]", "sliding from [N]",
                   "toppling from [N]")  # fmt: skip
         rows = [_step_texts(action) for action in self.actions]
-        caption = f"{self.task} the {self.object}, probability {self.probability:.3f}"
+        caption = f"{self.task} the {self.object}, probability {probability_text(self.probability)}"
         return html_table(caption, header, rows)
 
     @property

@@ -29,6 +29,12 @@ def test_standard_output_that_takes_nothing(to: str, option: str, sentence: str)
     assert "Traceback" not in done.stderr
 
 
+def test_a_folder_that_is_gone_is_no_stream_that_takes_nothing(tmp_path: Path) -> None:
+    done = shell(f"mkdir {tmp_path}/a; cd {tmp_path}/a; rmdir ../a; {NLCONTROL} objects check a:B")
+    assert done.returncode == 1
+    assert "system_error" in done.stderr
+
+
 def test_no_stream_at_all() -> None:
     assert shell(f"{NLCONTROL} parse 'push the mug away' <&- >&- 2>&-").returncode == 2
 

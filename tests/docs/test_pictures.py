@@ -9,6 +9,7 @@ import pytest
 from PIL import Image, ImageDraw
 
 from docs.draw_pictures import IMAGES, LONG, QUICK, are_alike, outdated
+from docs.take_replay_pictures import PICTURES
 
 ROOT = Path(__file__).parents[2]
 
@@ -29,4 +30,9 @@ def test_every_picture_is_shown_and_every_one_that_is_shown_is_there() -> None:
     pages = [ROOT / "README.md", *(ROOT / "docs").rglob("*.md")]
     shown = set(re.findall(r"images/([\w.]+)\)", "".join(p.read_text("utf-8") for p in pages)))
     assert shown == {path.name for path in IMAGES.iterdir()}
-    assert set(QUICK | LONG) <= shown
+    assert set(QUICK | LONG | PICTURES) <= shown
+
+
+def test_every_picture_has_a_command_that_draws_it() -> None:
+    commands = "".join(path.read_text("utf-8") for path in (ROOT / "docs").glob("*.py"))
+    assert [path.name for path in IMAGES.iterdir() if path.name not in commands] == []

@@ -26,10 +26,15 @@ def test_a_type_checker_accepts_the_python_of_the_guides(checker: str, tmp_path:
     guides = 0
     for guide in (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))):
         text = guide.read_text(encoding="utf-8")
-        blocks = re.findall(r"^```python[^\n]*\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
-        if blocks:  # which may go on from one to the next
-            guides += 1
-            (tmp_path / f"{guide.stem.lower()}.py").write_text("\n".join(blocks), encoding="utf-8")
+        blocks = re.findall(r"^```python([^\n]*)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+        guides += bool(blocks)
+        files: dict[str, str] = {}  # without a title one may go on from another
+        for opening, block in blocks:
+            title = re.search(r'title="(.*)"', opening)
+            name = title[1] if title else f"{guide.stem.lower()}.py"
+            files[name] = files.get(name, "") + "\n" + block
+        for name, program in files.items():
+            (tmp_path / name).write_text(program, encoding="utf-8")
     assert guides > 8
     for program in (*ROOT.glob("examples/*.py"), *ROOT.glob("examples/*/*/__init__.py")):
         name = program.parent.name if program.stem == "__init__" else program.stem

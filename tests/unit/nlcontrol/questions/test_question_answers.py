@@ -101,7 +101,7 @@ def test_the_words_of_a_prediction(kitchen: Controller) -> None:
     assert found.text == (
         "Pushed on its front face, 192 mm above the table, the ice tea box would topple: it topples"
         " from 2.3 N ± 0.2 N on and slides only from 3.7 N ± 0.7 N on (probability that it topples"
-        " 0.94)."
+        " 0.939)."
     )
     assert "falls by itself beyond 21.4°" in found.lines[0]
 

@@ -69,6 +69,9 @@ def test_every_sentence_is_used() -> None:
         ("N_up", 3.1, "3.5 N"),
         ("ml", 2.5e-4, "250 ml"),
         ("share", 0.987, "0.99"),
+        ("chance", 0.9496, "0.950"),
+        ("chance", 1.0, "over 0.999"),
+        ("chance", 0.0, "below 0.001"),
     ],
 )
 def test_how_a_number_is_read(quantity: str, value: float, text: str) -> None:
