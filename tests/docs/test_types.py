@@ -31,10 +31,10 @@ def test_a_type_checker_accepts_the_python_of_the_guides(checker: str, tmp_path:
         files: dict[str, str] = {}  # without a title one may go on from another
         for opening, block in blocks:
             title = re.search(r'title="(.*)"', opening)
-            name = title[1] if title else f"{guide.stem.lower()}.py"
-            files[name] = files.get(name, "") + "\n" + block
-        for name, program in files.items():
-            (tmp_path / name).write_text(program, encoding="utf-8")
+            file = title[1] if title else f"{guide.stem.lower()}.py"
+            files[file] = files.get(file, "") + "\n" + block
+        for file, text in files.items():
+            (tmp_path / file).write_text(text, encoding="utf-8")
     assert guides > 8
     for program in (*ROOT.glob("examples/*.py"), *ROOT.glob("examples/*/*/__init__.py")):
         name = program.parent.name if program.stem == "__init__" else program.stem
