@@ -100,7 +100,6 @@ def test_every_kind_has_an_example_that_makes_sense() -> None:
 
 
 REFUSED = {
-    "upright": "unsupported",
     "hand_over": "unsupported",
     "duration": "unsupported",
     "set_down": "impossible",  # nothing is held
