@@ -222,8 +222,9 @@ def _is_description(part: ph.Place, parts: Parts, i: int, before: Parts, lexicon
 
 def _brings_me(parts: Parts, lexicon: Lexicon) -> bool:
     """Check for "bring me the mug next to it"; "push me the mug next to it" may be for me."""
-    verb = next((part for part in parts if isinstance(part, ph.Verb)), None)
-    brings = verb is not None and lexicon.verbs[verb.word].direction == "toward"
+    said = next((part.word for part in parts if isinstance(part, ph.Verb)), "")
+    verb = lexicon.find_verb(said)
+    brings = verb is not None and verb.direction == "toward"
     return brings and any(isinstance(part, ph.Me) for part in parts)
 
 

@@ -155,8 +155,10 @@ def test_verbs_give_actions_and_goals_of_the_contract() -> None:
     for verb in LEXICON.verbs.values():
         assert verb.action in get_args(Action)
         # A touch alone has no goal; it gets one from what the sentence says. Filling is pouring;
-        # what is removed is taken from somewhere, or a lid.
-        assert verb.goal in goals - {"none"} | {"contact", "fill", "remove"}
+        # what is removed is taken from somewhere, or a lid. Others are goals of several frames, or
+        # get the one that the sentence leaves open.
+        several = {"swap", "line_up", "clear", "straighten"}
+        assert verb.goal in goals - {"none"} | {"contact", "fill", "remove"} | several
 
 
 def test_no_words_are_both_read_and_put_off() -> None:
@@ -220,7 +222,11 @@ FORMS = {
     "thrust": ("thrust", "thrusting"),
     "yank": ("yanked", "yanking"), "slip": ("slipped", "slipping"),
     "reorient": ("reoriented", "reorienting"),
-    "capsize": ("capsized", "capsizing"),
+    "capsize": ("capsized", "capsizing"), "swap": ("swapped", "swapping"),
+    "exchange": ("exchanged", "exchanging"), "interchange": ("interchanged", "interchanging"),
+    "align": ("aligned", "aligning"), "straighten": ("straightened", "straightening"),
+    "square": ("squared", "squaring"), "line": ("lined", "lining"),
+    "arrange": ("arranged", "arranging"), "clear": ("cleared", "clearing"),
 }  # fmt: skip
 """Participle and gerund of every verb, from the dictionary."""
 

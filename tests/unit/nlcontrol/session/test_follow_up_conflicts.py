@@ -19,6 +19,7 @@ GOALS: dict[str, g.Goal] = {
     "tilt": g.Tilt(),
     "rotate": g.Rotate(),
     "lift": g.Lift(),
+    "upright": g.Upright(),
     "pour": g.Pour(),
     "displace": g.Displace(direction="away"),
     "place": g.Place(relation="at", reference="center"),
