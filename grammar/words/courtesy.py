@@ -51,9 +51,12 @@ class Courtesy:
         self._topics = re.compile(rf"(?:{lexicon.courtesy['topics']}) ")
         self._opening = self._words["both"] | self._words["before"]
         self._closing = self._words["both"] | self._words["after"]
+        self._stops = frozenset(lexicon.phrases_of("STOP"))
 
     def is_closing(self, said: Normalised) -> bool:
         """Check for words of courtesy alone, with which somebody thanks or leaves."""
+        if said.text.rstrip(" .") in self._stops:
+            return False
         words = said.text.replace(" ,", "").replace(" .", "").split()
         known = self._opening | self._closing | self._words["beside_thanks"]
         known -= self._words["greeting"]

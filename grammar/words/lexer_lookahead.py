@@ -14,6 +14,7 @@ from grammar.words.phrase_places import BEFORE_NUMBERS, WORD, Phrases, stands_at
 
 _PERCENT = re.compile(r"[^ %]+ ?(?:%|percent|per cent)(?= |$)")
 _NAMED = re.compile(r" (?:the|my|your|our|its|it|this|that|\")")
+_CONTACT = re.compile(r" (?:any )?contact with ")
 _ARTICLE = re.compile(r"an? ")
 _BEFORE_QUANTITIES = ("in", "under", "above", "below")
 _ASKED = ("CAN_YOU", "HOW", "HOW_HARD", "HOW_MUCH_DOES", "SEEN", "WHAT_CAN", "WHAT_DID", "WHAT_IF",
@@ -74,6 +75,7 @@ class Lookahead:
             **dict.fromkeys(("FILLED", "FILLED_WITH"), self._behind_fill),
             "ON_TABLE": self._put_there,
             "OR_MORE": lambda _phrase, text, end, _last: not stands_at("than", text, end + 1),
+            "LETTING": lambda _phrase, text, end, _last: not _CONTACT.match(text, end),
             "PARTICLE": self._not_off_a_thing,
             "PART_OF": lambda _phrase, _text, _end, last: last == "VOLUME_UNIT",
             "PORTION": self._of_a_liquid,

@@ -48,3 +48,14 @@ def test_greetings_and_complaints_ask_for_nothing(text: str) -> None:
 )
 def test_what_stands_around_a_command_changes_nothing(text: str, plain: str) -> None:
     assert parse(text).paraphrase == parse(plain).paraphrase
+
+
+@pytest.mark.parametrize("text", ["enough", "Enough!", "no thanks"])
+def test_who_has_enough_stops_what_moves(text: str) -> None:
+    assert parse(text).frames[0].dialogue == "stop"
+
+
+def test_making_contact_is_touching() -> None:
+    text = "push the tin away without {} the jar"
+    said = parse(text.format("making any contact with"))
+    assert said.paraphrase == parse(text.format("touching")).paraphrase

@@ -12,8 +12,9 @@ from sim.simulated_executor import simulation
 def test_a_later_step_that_cannot_be_done_is_told_before_anything_moves() -> None:
     controller = Controller("kitchen")
     result = controller.say("topple the ice tea box, then lift it by 5 cm")
-    assert (result.status, result.exit_status) == ("impossible", 4)
+    assert (result.status, result.exit_status) == ("refused", 4)
     assert result.error is not None
+    assert result.error.code == "impossible"
     assert "nothing is moved: after “topple the ice tea box”" in result.error.message
     assert not simulation(controller.executor).is_built
     assert [step.plan for step in result.steps] == [None]
