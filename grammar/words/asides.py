@@ -143,11 +143,11 @@ class Asides:
             return self._without_reason(said, start, end)
         if kind == "corrections":
             hesitates = _HESITATING.issuperset(match[0].split()) and "uh uh" not in match[0]
-            return self._corrections.corrected(
+            return self._corrections.correction(
                 said, start, end, RESTATED if hesitates else frozenset()
             )
         restates = kind == "fillers" and "please" not in match[0]
-        if restates and (corrected := self._corrections.corrected(said, start, end, RESTATED)):
+        if restates and (corrected := self._corrections.correction(said, start, end, RESTATED)):
             return corrected
         if kind == "fillers":
             start, end = self._with_pauses(said.text, start, end)

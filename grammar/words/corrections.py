@@ -56,7 +56,7 @@ class Corrections:
         self._repeats = repeats
         self._ends_names = lexicon.ends_names - lexicon.adjectives.keys()
 
-    def corrected(
+    def correction(
         self, said: Normalised, start: int, end: int, only: frozenset[str] = frozenset()
     ) -> Normalised | None:
         """The sentence with what follows a mark of correction in the place of what it corrects."""

@@ -52,50 +52,25 @@ class Lookahead:
             for form, verb in lexicon.verb_words[kind].items()
         }
         self._goals = {verb: asks.goal for verb, asks in lexicon.verbs.items()}
-        self._rules: dict[str, Rule] = {
-            **dict.fromkeys(BEFORE_NUMBERS, self._before_a_number),
-            **dict.fromkeys(("REGION", "FACE", "SIDE_QUALITY"), self._not_into_a_name),
-            **dict.fromkeys(_DIRECTIONS, self._not_towards_a_name),
-            "AMOUNT": self._no_little_box,
+        self._rules = self._rules_of_actions() | self._rules_of_places() | self._rules_of_things()
+
+    def _rules_of_actions(self) -> dict[str, Rule]:
+        """Of what is to be done, when and how."""
+        return {
             "CAUSE": self._makes_it_happen,
-            "CUPS": self._no_cup,
             "DOES_NOT": self._no_can,
-            "THE": lambda phrase, text, end, _last: (
-                phrase != "its" or not self._any("SIDE_OF_OBJECT", text, end + 1)
-            ),
-            "UPON": self._onto_what_is_pushed,
             "DO": lambda phrase, text, end, _last: phrase != "go" or end == len(text),
-            "EXCEPT": self._behind_several,
             "FILLER": self._before_what_it_fills,
             "AND_WITH": self._and_with_another_thing,
-            "QUALITY": lambda _phrase, text, end, _last: text[end + 1 : end + 2] in ",.;",
             "STOP": lambda phrase, text, end, _last: (
                 end == len(text) or not (phrase.endswith("not") or phrase.startswith("leave"))
             ),
-            **dict.fromkeys(("FILLED", "FILLED_WITH"), self._behind_fill),
-            "ON_TABLE": self._put_there,
-            "OR_MORE": lambda _phrase, text, end, _last: not stands_at("than", text, end + 1),
             "LETTING": lambda _phrase, text, end, _last: not _CONTACT.match(text, end),
-            "PARTICLE": self._not_off_a_thing,
-            "PART_OF": lambda _phrase, _text, _end, last: last == "VOLUME_UNIT",
-            "PORTION": self._of_a_liquid,
-            "THAT_IS": lambda _phrase, text, end, last: (
-                bool(last) and not self._any("COMPARATIVE", text, end + 1)
-            ),
             "WHICH_IS": lambda _phrase, text, end, _last: (
                 self._any("COMPARATIVE", text, end + 1) or self._any("SUPERLATIVE", text, end + 1)
             ),
             "TO_BE": lambda phrase, text, end, _last: (
                 not phrase.endswith("get") or self._any("VERB_ED", text, end + 1)
-            ),
-            "TO_LEVEL": lambda _phrase, text, end, _last: bool(_PERCENT.match(text, end + 1)),
-            "FROM_SIDE": lambda _phrase, text, end, _last: self._ends_name(text, end),
-            "FROM_TABLE": lambda phrase, text, end, last: (
-                last != "LENGTH_UNIT"
-                and not (phrase.startswith("up ") and self._last_goal(text, end) is None)
-            ),
-            "LENGTH_UNIT": lambda phrase, text, end, _last: (
-                phrase != "in" or not self._begins_a_number(text, end + 1)  # "0.1 in at most 5 s"
             ),
             "NEEDS": lambda _phrase, text, end, _last: (
                 self._any("STROKE", text, end + 1) or self._any("VERB_ING", text, end + 1)
@@ -103,15 +78,8 @@ class Lookahead:
             "NEXT": lambda phrase, text, end, _last: (
                 not (phrase.endswith("next") and stands_at("to", text, end + 1))
             ),
-            "OF": lambda _phrase, text, end, _last: bool(_NAMES_BEGIN.match(text, end)),
             "OR": self._in_a_list,
-            "RELATION": self._before_a_thing,
-            "QUANTIFIER": lambda phrase, text, end, last: (
-                last not in ("TOUCH", "TOUCHING")
-                and self._last_goal(text, end - len(phrase)) not in ("pour", "fill")
-            ),
             "SAME": self._to_another_thing,
-            "SOME_OF": self._some_of_a_liquid,
             "BE": lambda phrase, text, end, _last: (
                 phrase not in _IS or self._any("VERB_ED", text, end + 1)
             ),
@@ -121,7 +89,6 @@ class Lookahead:
             "STROKE": lambda phrase, text, end, last: (
                 last == "NEEDS" or self._last_goal(text, end - len(phrase)) == "hand_over"
             ),
-            "TOWARD": self._not_to_make,
             "KEEP": lambda phrase, text, end, _last: (
                 phrase != "leave"
                 or self._begins_a_number(text, end + 1)
@@ -131,8 +98,55 @@ class Lookahead:
             "USING": lambda _phrase, text, end, last: (
                 last in _BEFORE_COMMANDS and not self._follows(("TOOL", *_AMOUNTS), text, end)
             ),
-            "UNDO": self._not_back_on,
             **dict.fromkeys(("NOT", "WHY_DID"), lambda _phrase, text, end, _last: end < len(text)),
+        }
+
+    def _rules_of_places(self) -> dict[str, Rule]:
+        """Of places and directions."""
+        return {
+            **dict.fromkeys(("REGION", "FACE", "SIDE_QUALITY"), self._not_into_a_name),
+            **dict.fromkeys(_DIRECTIONS, self._not_towards_a_name),
+            "UPON": self._onto_what_is_pushed,
+            "ON_TABLE": self._put_there,
+            "PARTICLE": self._not_off_a_thing,
+            "THAT_IS": lambda _phrase, text, end, last: (
+                bool(last) and not self._any("COMPARATIVE", text, end + 1)
+            ),
+            "FROM_SIDE": lambda _phrase, text, end, _last: self._ends_name(text, end),
+            "FROM_TABLE": lambda phrase, text, end, last: (
+                last != "LENGTH_UNIT"
+                and not (phrase.startswith("up ") and self._last_goal(text, end) is None)
+            ),
+            "RELATION": self._before_a_thing,
+            "TOWARD": self._not_to_make,
+            "UNDO": self._not_back_on,
+        }
+
+    def _rules_of_things(self) -> dict[str, Rule]:
+        """Of things and amounts."""
+        return {
+            **dict.fromkeys(BEFORE_NUMBERS, self._before_a_number),
+            "AMOUNT": self._no_little_box,
+            "CUPS": self._no_cup,
+            "THE": lambda phrase, text, end, _last: (
+                phrase != "its" or not self._any("SIDE_OF_OBJECT", text, end + 1)
+            ),
+            "EXCEPT": self._behind_several,
+            "QUALITY": lambda _phrase, text, end, _last: text[end + 1 : end + 2] in ",.;",
+            **dict.fromkeys(("FILLED", "FILLED_WITH"), self._behind_fill),
+            "OR_MORE": lambda _phrase, text, end, _last: not stands_at("than", text, end + 1),
+            "PART_OF": lambda _phrase, _text, _end, last: last == "VOLUME_UNIT",
+            "PORTION": self._of_a_liquid,
+            "TO_LEVEL": lambda _phrase, text, end, _last: bool(_PERCENT.match(text, end + 1)),
+            "LENGTH_UNIT": lambda phrase, text, end, _last: (
+                phrase != "in" or not self._begins_a_number(text, end + 1)  # "0.1 in at most 5 s"
+            ),
+            "OF": lambda _phrase, text, end, _last: bool(_NAMES_BEGIN.match(text, end)),
+            "QUANTIFIER": lambda phrase, text, end, last: (
+                last not in ("TOUCH", "TOUCHING")
+                and self._last_goal(text, end - len(phrase)) not in ("pour", "fill")
+            ),
+            "SOME_OF": self._some_of_a_liquid,
         }
 
     def can_be(self, kind: str, phrase: str, text: str, end: int, last: str) -> bool:
