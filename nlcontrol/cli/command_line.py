@@ -71,11 +71,15 @@ class _Commands(click.Group):
 
 
 _GREETING = """\
-nlcontrol tells a robot arm what should become of an object. Three things to try:
+nlcontrol tells a robot arm what should become of an object.
+Three things to try:
 
-  nlcontrol plan "push the ice tea box away without toppling it"    what it would do, and why
-  nlcontrol say "push the mug 3 cm to the left" --replay run.html   done, checked, to be watched
-  nlcontrol shell                                                   one sentence after another
+  nlcontrol plan "push the ice tea box away without toppling it"
+      tells what it would do, and why
+  nlcontrol say "push the mug 3 cm to the left" --replay run.html
+      does it, checks it, and writes a page to watch it on
+  nlcontrol shell
+      takes one sentence after another
 
 `nlcontrol --help` lists all commands, `nlcontrol scenes list` the tables."""
 
