@@ -135,6 +135,8 @@ def _with_meant_verb(parts: Sequence[ph.Part], lexicon: Lexicon, sentence: Norma
         word = strokes[0].verb
         meant = replace(verb, word=word, completed=strokes[0].span)
         return [meant if part is verb else part for part in rest]
+    if verb is not None and (told := [wish for wish in wishes if wish.state]):
+        raise unexpected_part(told[0], sentence)  # "push the box is supposed to be"
     if strokes or not wishes or verb is not None:
         return [part for part in parts if not isinstance(part, ph.Wish)]
     if any(isinstance(part, GOES_ON) for part in rest):
