@@ -102,7 +102,6 @@ def test_every_kind_has_an_example_that_makes_sense() -> None:
 REFUSED = {
     "hand_over": "unsupported",
     "duration": "unsupported",
-    "set_down": "impossible",  # nothing is held
     "undo": "nothing_before",  # what was planned only is not undone
 }
 
