@@ -17,7 +17,11 @@ import numpy as np
 from nlcontrol.checks import trace_measures as measures
 from nlcontrol.learning.learning_reports import Change, Lesson
 from nlcontrol.learning.lessons import beliefs_after_grasp, weight_from_grasp
-from objectmodels.identification.withstood_loads import Withstood, hold_slipped, lid_withstood
+from objectmodels.identification.withstood_loads import (
+    RevisedBelief,
+    belief_of_slipperier_object,
+    belief_of_stiffer_lid,
+)
 from objectmodels.models.object_parts import LiftOffLid
 from planner.types.actions import FlipOver, TurnCap
 from planner.types.plan import Plan
@@ -69,7 +73,10 @@ def lesson_from_failure(
         load, found = _lid_lesson(made, model, trace)
         why = "its lid withstood what was to be enough"
     elif grasp is not None and not by_lid and trace.end == "slipped" and grasp.needed > 0.0:
-        load, found = grasp.squeeze, hold_slipped(model, grasp.squeeze / grasp.needed)
+        load, found = (
+            grasp.squeeze,
+            belief_of_slipperier_object(model, grasp.squeeze / grasp.needed),
+        )
         why = "it slipped through the fingers"
     else:
         return None
@@ -85,18 +92,18 @@ def _pulled(model: ObjectModel, trace: Trace) -> bool:
     return isinstance(model.lid, LiftOffLid) and bool(measures.during(trace, ("lift",)).any())
 
 
-def _lid_lesson(made: Plan, model: ObjectModel, trace: Trace) -> tuple[float, Withstood]:
+def _lid_lesson(made: Plan, model: ObjectModel, trace: Trace) -> tuple[float, RevisedBelief]:
     """Load that a lid withstood, [N] or [N·m], and what is believed then."""
     step = made.steps[0]
     if isinstance(step, FlipOver):
         angle = float(trace.seen_lids[made.object][measures.during(trace, ("lid",))][-1])
         load, opens = _flip_force(step, angle, trace), step.end > step.start
-        return load, lid_withstood(model, load, angle=max(angle, 0.0), opens=opens)
+        return load, belief_of_stiffer_lid(model, load, angle=max(angle, 0.0), opens=opens)
     if isinstance(step, TurnCap):
-        return step.torque_limit, lid_withstood(model, step.torque_limit)
+        return step.torque_limit, belief_of_stiffer_lid(model, step.torque_limit)
     lifting = measures.during(trace, ("lift",))
     load = float(np.sum([force[lifting, 2] for force in trace.felt.values()], axis=0).max())
-    return load, lid_withstood(model, load)
+    return load, belief_of_stiffer_lid(model, load)
 
 
 def _flip_force(step: FlipOver, angle: float, trace: Trace) -> float:

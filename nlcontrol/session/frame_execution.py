@@ -208,7 +208,7 @@ class FrameRun:
             state, made = self._look_and_plan(previous, approved if attempt == 0 else None)
             # What was approved was looked through before it was offered.
             if attempt == 0 and approved is None and not isinstance(made, Refusal):
-                made = self._looked_through(made, state)
+                made = self._plan_with_foresight(made, state)
             if isinstance(made, Refusal):
                 if attempt == 0:
                     self.refused = made, state
@@ -266,14 +266,14 @@ class FrameRun:
         )
         return state, made
 
-    def _looked_through(self, made: Plan | Reached, state: WorldState) -> PlanningResult:
+    def _plan_with_foresight(self, made: Plan | Reached, state: WorldState) -> PlanningResult:
         """The plan by which the later frames can be done, too, or why they cannot."""
         if len(self.ahead) == 1 or self.result.trace is not None:
             return made
         # One frame does without it.
-        from nlcontrol.session.foresight.foreseen_steps import looked_through
+        from nlcontrol.session.foresight.foreseen_steps import plan_with_foresight
 
-        return looked_through(self.controller, made, state, self.ahead, self.supervisor.stop)
+        return plan_with_foresight(self.controller, made, state, self.ahead, self.supervisor.stop)
 
     def _budget(self, made: Plan) -> int:
         """Pushes, or tries of a hand, that may be made; what is to be quick is not corrected."""

@@ -26,7 +26,7 @@ _DOUBTED = 0.1  # least relative standard deviation of what has withstood more t
 
 
 @dataclass(frozen=True)
-class Withstood:
+class RevisedBelief:
     """Belief after something withstood a load.
 
     Attributes:
@@ -38,9 +38,9 @@ class Withstood:
     surprise: float
 
 
-def lid_withstood(
+def belief_of_stiffer_lid(
     model: ObjectModel, load: float, *, angle: float = 0.0, opens: bool = True
-) -> Withstood:
+) -> RevisedBelief:
     """The belief of an object whose lid did not give way.
 
     Args:
@@ -67,10 +67,10 @@ def lid_withstood(
     means, sds, surprise = _above(means, np.maximum(sds, _DOUBTED * means), weights, load - rest)
     values = zip(names, means.tolist(), sds.tolist(), strict=True)
     changed = {key: v for name, m, sd in values for key, v in ((name, m), (f"{name}_sd", sd))}
-    return Withstood(model.model_copy(update={"lid": lid.model_copy(update=changed)}), surprise)
+    return RevisedBelief(model.model_copy(update={"lid": lid.model_copy(update=changed)}), surprise)
 
 
-def hold_slipped(model: ObjectModel, share: float) -> Withstood:
+def belief_of_slipperier_object(model: ObjectModel, share: float) -> RevisedBelief:
     """The belief of an object that slipped through fingers: it is more slippery than that.
 
     The squeeze was this `share` of the one that just holds by what is believed; the logarithm of
@@ -83,7 +83,7 @@ def hold_slipped(model: ObjectModel, share: float) -> Withstood:
     changed = {"finger_friction": less * friction, "finger_friction_sd": less * friction * sd}
     if model.finger_friction_kinetic is not None:
         changed["finger_friction_kinetic"] = less * model.finger_friction_kinetic
-    return Withstood(model.model_copy(update=changed), surprise)
+    return RevisedBelief(model.model_copy(update=changed), surprise)
 
 
 def _above(means: Array, sds: Array, weights: Array, load: float) -> tuple[Array, Array, float]:

@@ -52,7 +52,7 @@ class StepPlanner(Protocol):
         """A plan of one frame, or why there is none."""
 
 
-def looked_through(
+def plan_with_foresight(
     controller: StepPlanner,
     made: Plan | Reached,
     state: WorldState,

@@ -7,7 +7,10 @@ import pytest
 
 from objectmodels import Registry
 from objectmodels.containers.lid_forces import flip
-from objectmodels.identification.withstood_loads import hold_slipped, lid_withstood
+from objectmodels.identification.withstood_loads import (
+    belief_of_slipperier_object,
+    belief_of_stiffer_lid,
+)
 from objectmodels.models.object_parts import FlipLid, LiftOffLid
 
 CUP = Registry.built_in().get("ice tea cup")
@@ -29,7 +32,7 @@ def test_a_lid_is_believed_as_if_it_was_drawn_again(angle: float, opens: bool) -
     lid = CUP.lid
     assert isinstance(lid, FlipLid)
     load = 1.1 * _force(CUP, angle, opens)
-    after = lid_withstood(CUP, load, angle=angle, opens=opens).model.lid
+    after = belief_of_stiffer_lid(CUP, load, angle=angle, opens=opens).model.lid
     assert isinstance(after, FlipLid)
     rng = np.random.default_rng(0)
     friction = lid.friction_torque + lid.friction_torque_sd * rng.standard_normal(DRAWS)
@@ -54,7 +57,7 @@ def test_what_was_sure_is_doubted_once_it_withstood() -> None:
     lid = JAR.lid
     assert isinstance(lid, LiftOffLid)
     sure = JAR.model_copy(update={"lid": lid.model_copy(update={"retention_sd": 0.0})})
-    found = lid_withstood(sure, 2.0 * lid.retention + 0.06 * 9.81)
+    found = belief_of_stiffer_lid(sure, 2.0 * lid.retention + 0.06 * 9.81)
     assert isinstance(found.model.lid, LiftOffLid)
     assert found.surprise > 3.0
     assert found.model.lid.retention > 2.0 * lid.retention
@@ -63,8 +66,8 @@ def test_what_was_sure_is_doubted_once_it_withstood() -> None:
 
 def test_what_slipped_is_more_slippery_than_the_squeeze_bore() -> None:
     """Held with half more than was needed: at μ it would have held, so it is less than μ/1.5."""
-    found = hold_slipped(JAR, 1.5)
+    found = belief_of_slipperier_object(JAR, 1.5)
     assert found.model.finger_friction < JAR.finger_friction / 1.5
     assert found.model.mass == JAR.mass
-    again = hold_slipped(found.model, 1.5)
+    again = belief_of_slipperier_object(found.model, 1.5)
     assert again.model.finger_friction < found.model.finger_friction / 1.5

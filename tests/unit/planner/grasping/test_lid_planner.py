@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from objectmodels.containers.lid_forces import flip
-from objectmodels.identification.withstood_loads import lid_withstood
+from objectmodels.identification.withstood_loads import belief_of_stiffer_lid
 from objectmodels.models.object_parts import FlipLid, LiftOffLid
 from planner import plan
 from planner.types.actions import Carry, FlipOver, LiftUp, PutOn, TurnCap
@@ -91,7 +91,7 @@ def test_after_a_failed_try_the_next_is_harder_or_refused(
         (step,) = made.steps
         assert isinstance(step, FlipOver)
         limits.append(step.force_limit)
-        model = lid_withstood(model, step.force_limit).model
+        model = belief_of_stiffer_lid(model, step.force_limit).model
     assert len(limits) >= 2
     assert np.diff(limits).min() > 0.0
     assert isinstance(made, Refusal)
