@@ -224,14 +224,19 @@ def selection_notes(
     if push.fingers == 1 and 2 in limits.fingers:
         notes.append("one finger, since two do not fit or do not reach it")
     if contact.among.sigmas < sigmas:
+        near = (
+            f"within {contact.among.sigmas:g} standard deviation{'s' * (contact.among.sigmas != 1)}"
+            if contact.among.sigmas
+            else "as believed"
+        )
         notes.append(
-            f"certain within {contact.among.sigmas:g} instead of {sigmas:g} standard deviations of "
-            f"the parameters; over all of them its probability is "
-            f"{probability_text(predicted.probability)}"
+            f"safe for parameters {near}, not for all within {sigmas:g} standard deviations; "
+            f"over all of them its probability is {probability_text(predicted.probability)}"
         )
     if contact.among.guarded:
         notes.append(
-            "held for the forces that the hand's stiffness allows, not for the whole friction cone"
+            "safe for the directions of force that the hand's stiffness allows, not for every one "
+            "that friction could pass on"
         )
     if refused:
         better = "contact was" if refused == 1 else "contacts were"

@@ -8,11 +8,15 @@ import io
 import json
 import re
 import shlex
+import sys
 from pathlib import Path
 from types import ModuleType
 
+import anyio
 import click
 import pytest
+from mcp.client.client import Client
+from mcp.client.stdio import StdioServerParameters
 
 from nlcontrol.cli import run
 from nlcontrol.cli.command_line import cli
@@ -56,10 +60,25 @@ def test_the_set_up_names_a_command_and_options_that_there_are() -> None:
     assert server["command"] == "nlcontrol"
     command = cli.get_command(click.Context(cli), server["args"][0])
     assert command is not None
+    listed = set(re.findall(r"^\| `(\w+)` \|", PAGE, re.M))
+    assert served_tools(server["args"]) == listed - {"execute"}
     taken = {option for parameter in command.params for option in parameter.opts}
     told = set(re.findall(r"(?<![\w-])--[a-z][a-z-]*", PAGE))
     assert told <= taken
     assert {"--scene", "--seed", "--set", "--allow-motion", "--url", "--token-file"} == taken
+
+
+def served_tools(args: list[str]) -> set[str]:
+    """Names of the tools of a server that is started with these arguments."""
+
+    async def listing() -> set[str]:
+        server = StdioServerParameters(
+            command=sys.executable, args=["-m", "nlcontrol", *args], cwd=ROOT
+        )
+        async with Client(server) as client:
+            return {tool.name for tool in (await client.list_tools()).tools}
+
+    return anyio.run(listing)
 
 
 @pytest.mark.parametrize("args", [c for c in COMMANDS if c[0] != "say"], ids=" ".join)
