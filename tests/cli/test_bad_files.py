@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import os
 from pathlib import Path
-from typing import Any
 
 import pytest
 import trimesh
 
 from nlcontrol.cli import run
+from tests.cli.json_answer import json_answer
 
 CRATE = """\
 format: box/1
@@ -33,11 +32,6 @@ objects:
 BOMB = "a: &a [x,x,x,x,x,x,x,x,x]\n" + "".join(
     f"{b}: &{b} [{','.join([f'*{a}'] * 9)}]\n" for a, b in zip("abcdefgh", "bcdefghi", strict=True)
 )  # fmt: skip
-
-
-def answer(capsys: pytest.CaptureFixture[str], *args: str) -> tuple[int, Any]:
-    status = run([*args, "--json"])
-    return status, json.loads(capsys.readouterr().out)
 
 
 def test_one_bad_file_stops_no_command(
@@ -89,7 +83,7 @@ def test_bad_scenes_are_refused_before_anything_moves(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, old: str, new: str, place: str
 ) -> None:
     (tmp_path / "e.yaml").write_text(SCENE.replace(old, new))
-    status, found = answer(capsys, "say", "push it away", "--scene", str(tmp_path / "e.yaml"))
+    status, found = json_answer(capsys, "say", "push it away", "--scene", str(tmp_path / "e.yaml"))
     assert (status, found["error"]["code"]) == (2, "bad_scene")
     assert place in found["error"]["message"]
     assert found["error"]["suggestions"]
@@ -110,7 +104,7 @@ def test_bad_options_of_import(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, options: list[str], code: str
 ) -> None:
     trimesh.creation.box(extents=(0.06, 0.08, 0.2)).export(tmp_path / "box.stl")
-    status, found = answer(capsys, "objects", "import", str(tmp_path / "box.stl"), *options)
+    status, found = json_answer(capsys, "objects", "import", str(tmp_path / "box.stl"), *options)
     assert (status, found["error"]["code"]) == (2, code)
     assert found["error"]["suggestions"]
 
@@ -120,6 +114,6 @@ def test_a_folder_that_cannot_be(
 ) -> None:
     (tmp_path / "crate.yaml").write_text(CRATE)
     monkeypatch.setenv("NLCONTROL_OBJECTS", str(tmp_path / ("x" * 300)))
-    assert answer(capsys, "objects", "show", "mug")[0] == 0
-    status, found = answer(capsys, "objects", "add", str(tmp_path / "crate.yaml"))
+    assert json_answer(capsys, "objects", "show", "mug")[0] == 0
+    status, found = json_answer(capsys, "objects", "add", str(tmp_path / "crate.yaml"))
     assert (status, found["error"]["code"]) == (2, "cannot_write")

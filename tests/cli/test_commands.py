@@ -19,18 +19,13 @@ from nlcontrol.json_document import SCHEMA_VERSION
 from nlcontrol.results.result import Result
 from planner.types.plan import Plan
 from sim.truth.scene_file import built_in_scenes
+from tests.cli.json_answer import json_answer
 
 SENTENCE = "push the ice tea box away without toppling it"
 
 
-def _json(capsys: pytest.CaptureFixture[str], *args: str) -> tuple[int, Any]:
-    status = run([*args, "--json"])
-    out = capsys.readouterr().out
-    return status, json.loads(out)
-
-
 def test_parse_answers_with_text_frames_and_paraphrase(capsys: pytest.CaptureFixture[str]) -> None:
-    status, document = _json(capsys, "parse", SENTENCE)
+    status, document = json_answer(capsys, "parse", SENTENCE)
     assert status == 0
     assert list(document) == ["schema_version", "ok", "text", "frames", "paraphrase", "asides"]
     assert document["text"] == SENTENCE
@@ -40,15 +35,15 @@ def test_parse_answers_with_text_frames_and_paraphrase(capsys: pytest.CaptureFix
 
 
 def test_a_sentence_needs_no_quotes(capsys: pytest.CaptureFixture[str]) -> None:
-    quoted = _json(capsys, "parse", SENTENCE)
-    assert _json(capsys, "parse", *SENTENCE.split()) == quoted
+    quoted = json_answer(capsys, "parse", SENTENCE)
+    assert json_answer(capsys, "parse", *SENTENCE.split()) == quoted
 
 
 def test_what_is_put_on_the_table_can_be_spoken_of(capsys: pytest.CaptureFixture[str]) -> None:
     sentence = "push the jar 5 cm to the right"
     assert run(["plan", sentence]) == 3
     assert "not_on_table" in capsys.readouterr().out
-    status, document = _json(capsys, "plan", sentence, "--put", "jar@0.45,0.18,30")
+    status, document = json_answer(capsys, "plan", sentence, "--put", "jar@0.45,0.18,30")
     assert status == 0
     # The mean of 30 frames with 2 mm of noise each: eight deviations.
     assert document["steps"][0]["before"]["y"] == pytest.approx(0.18, abs=0.003)
@@ -90,10 +85,10 @@ def _bare(value: Any) -> Any:
 
 
 def test_samples_mean_their_frames(capsys: pytest.CaptureFixture[str]) -> None:
-    status, made = _json(capsys, "sample", "--seed", "1", "--count", "5")
+    status, made = json_answer(capsys, "sample", "--seed", "1", "--count", "5")
     assert (status, len(made["sentences"])) == (0, 5)
     for one in made["sentences"]:
-        status, document = _json(capsys, "parse", one["text"])
+        status, document = json_answer(capsys, "parse", one["text"])
         assert status == 0
         assert _bare(document["frames"]) == _bare(one["frames"]), one["text"]
 
@@ -131,7 +126,7 @@ NOT_UNDERSTOOD = {
 def test_what_is_not_understood(
     capsys: pytest.CaptureFixture[str], command: str, sentence: str
 ) -> None:
-    status, document = _json(capsys, command, sentence)
+    status, document = json_answer(capsys, command, sentence)
     assert status == 3
     result = Result.model_validate(document)
     assert result.status == "not_understood"
@@ -152,7 +147,7 @@ def test_errors_as_text_go_to_standard_error(
 
 
 def test_a_misspelled_object_gets_a_suggestion(capsys: pytest.CaptureFixture[str]) -> None:
-    status, document = _json(capsys, "plan", "push the iced tee box away")
+    status, document = json_answer(capsys, "plan", "push the iced tee box away")
     assert status == 3
     assert document["error"]["code"] == "unknown_object"
     assert document["error"]["suggestions"] == ["did you mean 'ice tea box'?"]
@@ -161,7 +156,7 @@ def test_a_misspelled_object_gets_a_suggestion(capsys: pytest.CaptureFixture[str
 
 
 def test_plan_answers_with_a_valid_result(capsys: pytest.CaptureFixture[str]) -> None:
-    status, document = _json(capsys, "plan", SENTENCE, "--seed", "3")
+    status, document = json_answer(capsys, "plan", SENTENCE, "--seed", "3")
     assert status == 0
     result = Result.model_validate(document)
     assert (result.ok, result.status, result.seed) == (True, "planned", 3)
@@ -195,12 +190,14 @@ def test_plan_and_parse_load_nothing_that_they_do_not_need() -> None:
 
 
 def test_the_same_seed_gives_the_same_plan(capsys: pytest.CaptureFixture[str]) -> None:
-    first = _json(capsys, "plan", SENTENCE, "--seed", "5")
-    assert _json(capsys, "plan", SENTENCE, "--seed", "5") == first
+    first = json_answer(capsys, "plan", SENTENCE, "--seed", "5")
+    assert json_answer(capsys, "plan", SENTENCE, "--seed", "5") == first
 
 
 def test_a_push_at_the_top_is_refused_with_its_numbers(capsys: pytest.CaptureFixture[str]) -> None:
-    status, document = _json(capsys, "plan", "push the ice tea box at the top without toppling it")
+    status, document = json_answer(
+        capsys, "plan", "push the ice tea box at the top without toppling it"
+    )
     assert status == 4
     assert document["status"] == "refused"
     numbers = document["error"]["numbers"]
@@ -212,7 +209,7 @@ def test_a_push_at_the_top_is_refused_with_its_numbers(capsys: pytest.CaptureFix
 
 
 def test_a_hand_that_this_robot_lacks(capsys: pytest.CaptureFixture[str]) -> None:
-    status, document = _json(capsys, "plan", "push the ice tea box away with your left hand")
+    status, document = json_answer(capsys, "plan", "push the ice tea box away with your left hand")
     assert status == 4
     assert document["status"] == "unsupported"
     assert "hand" in document["error"]["capability"]
@@ -239,7 +236,7 @@ def test_a_hand_that_this_robot_lacks(capsys: pytest.CaptureFixture[str]) -> Non
     ids=" ".join,
 )
 def test_usage_errors(capsys: pytest.CaptureFixture[str], args: list[str]) -> None:
-    status, document = _json(capsys, *args)
+    status, document = json_answer(capsys, *args)
     assert status == 2
     assert document["ok"] is False
     assert document["error"]["message"]
@@ -257,7 +254,7 @@ def test_a_defect_becomes_one_document_and_exit_1(
         raise ZeroDivisionError("by zero")
 
     monkeypatch.setattr("nlcontrol.session.controller.Controller.plan", broken)
-    status, document = _json(capsys, "plan", SENTENCE)
+    status, document = json_answer(capsys, "plan", SENTENCE)
     assert status == 1
     assert document["error"]["code"] == "internal"
     assert "ZeroDivisionError: by zero" in document["error"]["message"]
@@ -280,10 +277,10 @@ def test_control_c_is_no_defect(
 
 
 def test_objects_list_and_show(capsys: pytest.CaptureFixture[str]) -> None:
-    status, models = _json(capsys, "objects", "list")
+    status, models = json_answer(capsys, "objects", "list")
     assert status == 0
     assert {"ice tea box", "cereal box", "coffee box"} <= {m["name"] for m in models["objects"]}
-    status, model = _json(capsys, "objects", "show", "ice tea box")
+    status, model = json_answer(capsys, "objects", "show", "ice tea box")
     assert status == 0
     assert model["name"] == "ice tea box"
     assert run(["objects", "list"]) == 0
@@ -295,13 +292,13 @@ def test_objects_list_and_show(capsys: pytest.CaptureFixture[str]) -> None:
 def test_an_unknown_model_gets_a_suggestion(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    status, document = _json(capsys, "objects", "show", "ice tee box")
+    status, document = json_answer(capsys, "objects", "show", "ice tee box")
     assert status == 3
     assert "ice tea box" in json.dumps(document["error"])
 
 
 def test_doctor_finds_the_essentials(capsys: pytest.CaptureFixture[str]) -> None:
-    status, document = _json(capsys, "doctor")
+    status, document = json_answer(capsys, "doctor")
     assert status == 0
     assert document["ok"]
     assert {"Python", "packages", "Drake", "object models", "scenes", "grammar"} <= {
@@ -313,7 +310,7 @@ def test_doctor_finds_the_essentials(capsys: pytest.CaptureFixture[str]) -> None
 
 @pytest.mark.slow
 def test_doctor_carries_out_a_sentence(capsys: pytest.CaptureFixture[str]) -> None:
-    status, document = _json(capsys, "doctor", "--run")
+    status, document = json_answer(capsys, "doctor", "--run")
     (found,) = [f for f in document["findings"] if f["name"] == "simulation"]
     assert (status, found["ok"]) == (0, True)
 
@@ -328,9 +325,9 @@ def test_alone_it_greets_with_commands_that_work(capsys: pytest.CaptureFixture[s
 
 
 def test_scenes_are_listed_and_shown(capsys: pytest.CaptureFixture[str]) -> None:
-    _, document = _json(capsys, "scenes", "list")
+    _, document = json_answer(capsys, "scenes", "list")
     assert [scene["name"] for scene in document["scenes"]] == list(built_in_scenes())
-    status, shown = _json(capsys, "scenes", "show", "pantry")
+    status, shown = json_answer(capsys, "scenes", "show", "pantry")
     assert (status, shown["objects"]) == (0, document["scenes"][3]["objects"])
     # Where things stand is shown, and not how they really are.
     assert set(shown["objects"][0]) == {"name", "model", "synonyms", "fragile", "fixed", "pose"}
@@ -344,15 +341,15 @@ def test_a_scene_of_ones_own_is_written_and_planned_in(
 ) -> None:
     first, second = str(tmp_path / "my.yaml"), str(tmp_path / "below" / "k.yaml")
     (tmp_path / "below").mkdir()
-    assert _json(capsys, "scenes", "new", first)[0] == 0
+    assert json_answer(capsys, "scenes", "new", first)[0] == 0
     put = ("--put", "jar@0.45,0.18,30")
-    status, document = _json(capsys, "scenes", "new", second, "--extends", first, *put)
+    status, document = json_answer(capsys, "scenes", "new", second, "--extends", first, *put)
     assert (status, document["file"]) == (0, second)
-    _, shown = _json(capsys, "scenes", "show", second)
+    _, shown = json_answer(capsys, "scenes", "show", second)
     assert [item["name"] for item in shown["objects"]] == ["ice tea box", "jar"]
     pose = {"x_m": 0.45, "y_m": 0.18, "yaw_deg": 30.0}
     assert shown["objects"][1]["pose"].items() >= pose.items()
-    status, planned = _json(capsys, "plan", "push the jar away", "--scene", second)
+    status, planned = json_answer(capsys, "plan", "push the jar away", "--scene", second)
     assert (status, planned["plan"]["object"]) == (0, "jar")
 
 
@@ -368,7 +365,7 @@ def test_a_scene_that_cannot_be_written_leaves_no_file(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "my.yaml").write_text("mine")
-    status, document = _json(capsys, "scenes", "new", *args)
+    status, document = json_answer(capsys, "scenes", "new", *args)
     assert (status, bool(document["error"]["suggestions"])) == (2, True)
     assert [file.name for file in tmp_path.iterdir()] == ["my.yaml"]
     assert (tmp_path / "my.yaml").read_text() == "mine"
@@ -382,7 +379,7 @@ def test_nothing_is_minus_nought(capsys: pytest.CaptureFixture[str]) -> None:
     """All objects, scenes and figures that are told without a plan, some 250 rows."""
     assert MINUS_ZERO.search("y -0 mm")
     assert not MINUS_ZERO.search("-0.03 m")
-    for model in _json(capsys, "objects", "list")[1]["objects"]:
+    for model in json_answer(capsys, "objects", "list")[1]["objects"]:
         assert run(["objects", "show", model["name"]]) == 0
     for name in ("ice tea box", "mug", "jar"):
         assert run(["map", name, "--spacing", "30"]) == 0
@@ -402,7 +399,7 @@ def test_doctor_fails_if_an_essential_is_missing(
         raise RuntimeError("no models")
 
     monkeypatch.setattr("nlcontrol.cli.commands.doctor_command._use_registry", broken)
-    status, document = _json(capsys, "doctor")
+    status, document = json_answer(capsys, "doctor")
     assert status == 1
     assert not document["ok"]
 
@@ -441,7 +438,7 @@ def test_every_document_bears_a_version_and_whether_all_went_well(
 def test_a_saved_result_of_another_major_version_is_refused_with_both(
     capsys: pytest.CaptureFixture[str], version: str
 ) -> None:
-    _, document = _json(capsys, "plan", "push the piano away")
+    _, document = json_answer(capsys, "plan", "push the piano away")
     assert Result.model_validate(document).schema_version == SCHEMA_VERSION
     with pytest.raises(ValidationError, match=f"version {version}; .* version {SCHEMA_VERSION}"):
         Result.model_validate(document | {"schema_version": version})
@@ -460,7 +457,7 @@ def test_explanation_as_table_json_and_drawing(
     for words in ("push", "ice tea box", "away", "without toppling it"):
         assert words in out.split("From the words to the controller")[1]
     picture = tmp_path / "words.png"
-    status, document = _json(capsys, "plan", SENTENCE, "--explain", "--picture", str(picture))
+    status, document = json_answer(capsys, "plan", SENTENCE, "--explain", "--picture", str(picture))
     assert status == 0
     assert document["files"] == {"picture": str(picture)}
     assert {row["words"] for row in document["explanation"]} >= {"away", "without toppling it"}
@@ -473,7 +470,7 @@ def test_what_is_not_planned_is_explained_too(
 ) -> None:
     picture = tmp_path / "words.png"
     sentence = "push the ice tea box at the top without toppling it"
-    status, document = _json(capsys, "plan", sentence, "--explain", "--picture", str(picture))
+    status, document = json_answer(capsys, "plan", sentence, "--explain", "--picture", str(picture))
     assert (status, document["status"]) == (4, "refused")
     (marked,) = [row for row in document["explanation"] if row["problem"]]
     assert marked["words"] == "at the top"
@@ -486,7 +483,7 @@ def test_the_picture_of_a_question_of_places_needs_no_explanation(
 ) -> None:
     picture = tmp_path / "map.png"
     question = "where can I push the ice tea box without toppling it?"
-    status, document = _json(capsys, "plan", question, "--picture", str(picture))
+    status, document = json_answer(capsys, "plan", question, "--picture", str(picture))
     assert (status, document["files"]) == (0, {"picture": str(picture)})
     assert picture.read_bytes().startswith(b"\x89PNG")
 
@@ -495,7 +492,7 @@ def test_an_unknown_picture_format_is_a_usage_error(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     picture = tmp_path / "words.doc"
-    status, document = _json(capsys, "plan", SENTENCE, "--explain", "--picture", str(picture))
+    status, document = json_answer(capsys, "plan", SENTENCE, "--explain", "--picture", str(picture))
     assert status == 2
     assert document["error"]["code"] == "cannot_write"
     assert not list(tmp_path.iterdir())

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -21,6 +20,7 @@ from planner.types.plan import Plan
 from planner.types.world_state import WorldState
 from sim import load_scene
 from sim.simulated_executor import SimulatedExecutor, simulation
+from tests.cli.json_answer import told_answer
 
 BOX = "ice tea box"
 ONCE = ["explore", "ice tea box", "--trials", "1", "--parameters", "mass,friction"]
@@ -28,19 +28,12 @@ TRUE = {"mass": 1.06, "friction": 0.345, "com_x": 0.0, "com_y": 0.0, "com_z": 0.
 BELIEVED = {"mass": 0.9952, "friction": 0.378}
 
 
-def answer(capsys: pytest.CaptureFixture[str], *args: str) -> tuple[int, Any, str]:
-    capsys.readouterr()
-    status = run([*args, "--json"])
-    printed = capsys.readouterr()
-    return status, json.loads(printed.out), printed.err
-
-
 @pytest.mark.slow
 def test_one_repetition_found_told_kept_and_used(
     capsys: pytest.CaptureFixture[str], objects_folder: Path, tmp_path: Path
 ) -> None:
     output, picture = tmp_path / "found.yaml", tmp_path / "curves.png"
-    status, found, told = answer(
+    status, found, told = told_answer(
         capsys, *ONCE, "--output", str(output), "--picture", str(picture), "--save"
     )
     assert (status, found["ok"], found["object"]) == (0, True, BOX)
@@ -86,7 +79,7 @@ def test_one_repetition_found_told_kept_and_used(
     assert "as believed before" in kept.provenance.method
 
     # The robot goes by it from now on.
-    status, said, _ = answer(
+    status, said, _ = told_answer(
         capsys, "say", "push the ice tea box away without toppling it", "--plan-only"
     )
     assert status == 0
@@ -118,7 +111,7 @@ def test_with_a_precision_only_as_many_touches_as_needed(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     args = ["explore", BOX, "--parameters", "friction", "--precision", "0.1"]
-    status, found, _ = answer(capsys, *args)
+    status, found, _ = told_answer(capsys, *args)
     assert status == 0
     # The mass is known to 4 %: a slide tells the friction well enough.
     assert len(found["touches"]) == 1
@@ -131,7 +124,7 @@ def test_with_a_precision_only_as_many_touches_as_needed(
 
 def test_what_is_known_well_enough_is_not_touched(capsys: pytest.CaptureFixture[str]) -> None:
     args = ["explore", BOX, "--parameters", "mass", "--precision", "0.5"]
-    status, found, _ = answer(capsys, *args)
+    status, found, _ = told_answer(capsys, *args)
     assert (status, found["error"]["code"]) == (4, "not_explorable")
     assert "known to 50% already" in found["error"]["message"]
     assert found["error"]["suggestions"]
@@ -174,7 +167,7 @@ def test_mistakes_are_explained_before_anything_is_touched(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(SimulatedExecutor, "touch", pytest.fail)
-    found_status, found, _ = answer(capsys, "explore", *args)
+    found_status, found, _ = told_answer(capsys, "explore", *args)
     assert (found_status, found["error"]["code"]) == (status, code)
     assert words in json.dumps(found["error"], ensure_ascii=False)
     assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
@@ -198,10 +191,10 @@ def test_where_no_touch_shows_anything_nothing_is_written(
     )
     args = ["explore", "book", "--scene", str(scene), "--save"]
     files = ["--output", str(tmp_path / "o.yaml"), "--picture", str(tmp_path / "p.png")]
-    status, found, _ = answer(capsys, *args, *files)
+    status, found, _ = told_answer(capsys, *args, *files)
     assert (status, found["error"]["code"]) == (4, "not_explorable")
     assert [path for path in tmp_path.rglob("*") if path.is_file()] == [scene]
-    status, found, _ = answer(capsys, *args, *files, "--precision", "0.01")
+    status, found, _ = told_answer(capsys, *args, *files, "--precision", "0.01")
     assert (status, found["error"]["code"]) == (4, "not_explorable")
 
 

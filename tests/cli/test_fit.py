@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
-from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -13,6 +12,7 @@ from hypothesis import strategies as st
 
 from nlcontrol.cli import run
 from objectmodels import Registry
+from tests.cli.json_answer import json_answer
 from tests.sizes import examples
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -27,16 +27,11 @@ HEADER = "moved,x_m,y_m,z_m,fx_n,fy_n,fz_n"
 SLIDE, TOPPLE = "slide,-0.045,0,0.04,2.7,0,0", "topple,-0.045,0,0.21,1.7,0,0"
 
 
-def answer(capsys: pytest.CaptureFixture[str], *args: str) -> tuple[int, Any]:
-    status = run([*args, "--json"])
-    return status, json.loads(capsys.readouterr().out)
-
-
 @pytest.mark.parametrize("files", [(TRIALS,), (SERIES,), (TRIALS, SERIES)])
 def test_the_sample_files_tell_what_they_were_made_from(
     capsys: pytest.CaptureFixture[str], files: tuple[str, ...]
 ) -> None:
-    status, found = answer(capsys, "fit", "ice tea box", *files)
+    status, found = json_answer(capsys, "fit", "ice tea box", *files)
     assert (status, found["ok"], found["object"]) == (0, True, "ice tea box")
     wanted = set(TRUE) - ({"finger_friction"} if files == (SERIES,) else set())
     assert set(found["parameters"]) == wanted
@@ -70,7 +65,7 @@ def test_the_report_in_words(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_only_what_was_asked_for(capsys: pytest.CaptureFixture[str]) -> None:
     names = "friction_radius,centre_of_mass,friction,mass,mass"
-    status, found = answer(capsys, "fit", "ice tea box", TRIALS, "--parameters", names)
+    status, found = json_answer(capsys, "fit", "ice tea box", TRIALS, "--parameters", names)
     assert status == 0
     assert list(found["parameters"]) == [
         "mass", "friction", "friction_radius", "com_x", "com_y", "com_z"
@@ -82,7 +77,7 @@ def test_only_what_was_asked_for(capsys: pytest.CaptureFixture[str]) -> None:
 def test_what_is_kept_may_be_what_is_wrong(capsys: pytest.CaptureFixture[str]) -> None:
     # The friction radius that is believed is half of the true one, and may not be found.
     names = "mass,friction,centre_of_mass"
-    status, found = answer(capsys, "fit", "ice tea box", TRIALS, "--parameters", names)
+    status, found = json_answer(capsys, "fit", "ice tea box", TRIALS, "--parameters", names)
     assert status == 0
     # The fit says that it misses the trials by far more than their noise, and widens its interval.
     assert found["noise"] > 5.0
@@ -93,7 +88,7 @@ def test_what_is_kept_may_be_what_is_wrong(capsys: pytest.CaptureFixture[str]) -
 def test_a_saved_model_is_the_one_that_is_used(
     capsys: pytest.CaptureFixture[str], objects_folder: Path
 ) -> None:
-    status, found = answer(capsys, "fit", "ice tea box", TRIALS, "--save")
+    status, found = json_answer(capsys, "fit", "ice tea box", TRIALS, "--save")
     path = objects_folder / "ice_tea_box.yaml"
     assert (status, found["saved"]) == (0, str(path))
     assert found["instead_of"] == "built in (ice_tea_box.yaml)"
@@ -108,13 +103,13 @@ def test_a_saved_model_is_the_one_that_is_used(
     run(["objects", "list"])
     (line,) = [x for x in capsys.readouterr().out.splitlines() if x.startswith("ice tea box")]
     assert line.endswith(f"{path}, instead of: built in (ice_tea_box.yaml)")
-    _, pushed = answer(capsys, "predict", "ice tea box", "--at", "0,0.04")
+    _, pushed = json_answer(capsys, "predict", "ice tea box", "--at", "0,0.04")
     assert pushed["slide"] == pytest.approx(TRUE["mass"] * TRUE["friction"] * 9.81, rel=0.05)
     # Fitted anew it is written over, and taken away it leaves the built-in one.
-    status, found = answer(capsys, "fit", "ice tea box", SERIES, "--save")
+    status, found = json_answer(capsys, "fit", "ice tea box", SERIES, "--save")
     assert (status, found["saved"], found["instead_of"]) == (0, str(path), None)
     assert Registry.default().find_one("ice tea box").mass == found["parameters"]["mass"]["value"]
-    assert answer(capsys, "objects", "remove", "ice tea box")[0] == 0
+    assert json_answer(capsys, "objects", "remove", "ice tea box")[0] == 0
     assert Registry.default().find_one("ice tea box").mass == 0.9952
 
 
@@ -123,14 +118,14 @@ def test_saved_under_another_name(
 ) -> None:
     output = tmp_path / "carton.yaml"
     args = ("fit", "ice tea box", TRIALS, "--output", str(output), "--save", "my carton")
-    status, found = answer(capsys, *args)
+    status, found = json_answer(capsys, *args)
     assert (status, found["saved"]) == (0, str(objects_folder / "my_carton.yaml"))
     assert (found["instead_of"], found["output"]) == (None, str(output))
     registry = Registry.default()
     assert registry.find_one("ice tea box").mass == 0.9952
     assert registry.get("my carton").synonyms == ()
     # A model file can be fitted as well.
-    status, again = answer(capsys, "fit", str(output), TRIALS)
+    status, again = json_answer(capsys, "fit", str(output), TRIALS)
     assert (status, again["object"]) == (0, "my carton")
     believed = again["parameters"]["mass"]["believed"]
     assert believed == found["parameters"]["mass"]["value"]
@@ -141,7 +136,7 @@ def test_slides_alone_keep_the_mass_that_is_known(
 ) -> None:
     path = tmp_path / "data.csv"
     path.write_text("\n".join([HEADER, *[SLIDE] * 9]), encoding="utf-8")
-    status, found = answer(capsys, "fit", "ice tea box", str(path))
+    status, found = json_answer(capsys, "fit", "ice tea box", str(path))
     assert (status, "mass" in found["parameters"]) == (0, False)
     # Believed to weigh 0.9952 kg, it slides at 2.7 N; friction times mass is what nine slides tell.
     assert found["parameters"]["friction"]["value"] == pytest.approx(2.7 / 0.9952 / 9.81, rel=0.02)
@@ -171,7 +166,7 @@ def test_broken_files_change_nothing(
     args = ["fit", "ice tea box", str(path), "--output", str(output), "--save"]
     if code == "no_fit":
         args += ["--parameters", "mass,friction"]
-    status, found = answer(capsys, *args)
+    status, found = json_answer(capsys, *args)
     assert (status, found["ok"], found["error"]["code"]) == (2, False, code)
     assert found["error"]["path"].startswith(str(path))
     assert words in json.dumps(found["error"], ensure_ascii=False)
@@ -211,7 +206,7 @@ def test_mistakes_are_explained(
     code: str,
     words: str,
 ) -> None:
-    found_status, found = answer(capsys, "fit", *args)
+    found_status, found = json_answer(capsys, "fit", *args)
     assert (found_status, found["error"]["code"]) == (status, code)
     assert words in json.dumps(found["error"], ensure_ascii=False)
     assert list(objects_folder.iterdir()) == []
@@ -222,7 +217,7 @@ def test_another_models_file_is_not_written_over(
 ) -> None:
     other = objects_folder / "my_carton.yaml"
     other.write_text("of someone", encoding="utf-8")
-    status, found = answer(capsys, "fit", "ice tea box", TRIALS, "--save", "my carton")
+    status, found = json_answer(capsys, "fit", "ice tea box", TRIALS, "--save", "my carton")
     assert (status, found["saved"]) == (0, str(objects_folder / "my_carton_2.yaml"))
     assert other.read_text(encoding="utf-8") == "of someone"
 
@@ -256,7 +251,7 @@ def test_garbage_ends_in_an_error_that_is_known(
 ) -> None:
     path = tmp_path / "data.csv"
     path.write_text("\n".join([HEADER, *rows]), encoding="utf-8")
-    status, found = answer(capsys, "fit", "ice tea box", str(path), "--save")
+    status, found = json_answer(capsys, "fit", "ice tea box", str(path), "--save")
     written = list(objects_folder.iterdir())
     if status == 0:
         assert Registry.default().problems == ()

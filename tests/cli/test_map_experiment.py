@@ -5,13 +5,13 @@ from __future__ import annotations
 import csv
 import json
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from nlcontrol.cli import run
+from tests.cli.json_answer import told_answer
 
 COARSE = ["map", "coffee box", "--experiment", "--spacing", "40"]
 TRUE_BOX = """\
@@ -34,26 +34,19 @@ def record(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def answer(capsys: pytest.CaptureFixture[str], *args: str) -> tuple[int, Any, str]:
-    capsys.readouterr()
-    status = run([*args, "--json"])
-    printed = capsys.readouterr()
-    return status, json.loads(printed.out), printed.err
-
-
 @pytest.mark.slow
 def test_the_progress_is_told_on_standard_error(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     output = tmp_path / "map.json"
-    status, document, told = answer(capsys, *COARSE, "--workers", "2", "--output", str(output))
+    status, document, told = told_answer(capsys, *COARSE, "--workers", "2", "--output", str(output))
     assert status == 0
     assert told.splitlines()[-1] == "15 of 15 pushes"
     assert len(told.splitlines()) == 10
     assert json.loads(output.read_text(encoding="utf-8")) == document
     # Beside the output stands the record, from which a second run takes everything.
     assert sorted(p.name for p in tmp_path.iterdir()) == ["map.json", "map.touches.jsonl"]
-    _, again, told = answer(capsys, *COARSE, "--output", str(output))
+    _, again, told = told_answer(capsys, *COARSE, "--output", str(output))
     assert again == document
     assert told.strip() == f"15 of 15 results are in {tmp_path / 'map.touches.jsonl'} already"
 
@@ -61,10 +54,10 @@ def test_the_progress_is_told_on_standard_error(
 def test_only_what_is_missing_is_carried_out(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, record: Path
 ) -> None:
-    _, whole, _ = answer(capsys, *COARSE, "--record", str(record))
+    _, whole, _ = told_answer(capsys, *COARSE, "--record", str(record))
     part = tmp_path / "part.jsonl"
     part.write_bytes(record.read_bytes()[: record.stat().st_size * 2 // 3])
-    status, resumed, told = answer(capsys, *COARSE, "--record", str(part), "--workers", "1")
+    status, resumed, told = told_answer(capsys, *COARSE, "--record", str(part), "--workers", "1")
     assert (status, resumed) == (0, whole)
     assert told.startswith(f"9 of 15 results are in {part} already")
     assert told.rstrip().endswith("6 of 6 pushes")
@@ -76,7 +69,7 @@ def test_what_is_answered(capsys: pytest.CaptureFixture[str], record: Path) -> N
     assert "from left to right: experiment by a force applied directly, prediction" in out
     assert "  175 mm  s T s   |   s T s" in out
     assert "pushed by a force applied directly in the scene kitchen, seed 0" in out
-    _, document, _ = answer(capsys, *COARSE, "--record", str(record))
+    _, document, _ = told_answer(capsys, *COARSE, "--record", str(record))
     assert (document["agreement"], document["compared"]) == (1.0, 15)
     # The belief weighs 6 % more and rubs 12 % more: pushed low in the middle it is 19 % off.
     (low,) = [c for c in document["contacts"] if c["lateral"] == 0.0 and c["height"] < 0.01]
@@ -88,7 +81,7 @@ def test_a_fitted_model_predicts_the_forces(
 ) -> None:
     (tmp_path / "fitted.yaml").write_text(TRUE_BOX, encoding="utf-8")
     model = ["--model", str(tmp_path / "fitted.yaml")]
-    status, found, told = answer(capsys, *COARSE, "--record", str(record), *model)
+    status, found, told = told_answer(capsys, *COARSE, "--record", str(record), *model)
     assert (status, found["agreement"], found["model"]) == (0, 1.0, "fitted box")
     assert "15 of 15 results" in told  # the experiment does not depend on what is believed
     assert found["median_force_error"] < 0.005
@@ -98,7 +91,7 @@ def test_a_model_file_predicts_without_an_experiment_too(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     (tmp_path / "fitted.yaml").write_text(TRUE_BOX, encoding="utf-8")
-    status, found, _ = answer(capsys, "map", "it", "--model", str(tmp_path / "fitted.yaml"))
+    status, found, _ = told_answer(capsys, "map", "it", "--model", str(tmp_path / "fitted.yaml"))
     assert (status, found["object"]) == (0, "fitted box")
 
 
@@ -156,7 +149,7 @@ def test_the_robot_pushes_where_it_reaches(
     # The finger does not get down to 5 mm.
     assert "not carried out at 3: the finger would touch the table 5 mm up" in out
     picture = tmp_path / "face.png"
-    status, found, told = answer(capsys, *FEW, *kept, "--by", "both", "--output", str(picture))
+    status, found, told = told_answer(capsys, *FEW, *kept, "--by", "both", "--output", str(picture))
     assert status == 0
     assert "9 of 9 pushes\n9 of 9 results are in" in told
     felt, applied = found["robot"], found["force"]
@@ -194,7 +187,7 @@ def test_the_robot_pushes_where_it_reaches(
 def test_mistakes_are_explained(
     capsys: pytest.CaptureFixture[str], args: list[str], status: int, code: str, words: str
 ) -> None:
-    found_status, found, _ = answer(capsys, *args)
+    found_status, found, _ = told_answer(capsys, *args)
     assert (found_status, found["error"]["code"]) == (status, code)
     assert words in json.dumps(found["error"], ensure_ascii=False)
 
@@ -204,6 +197,6 @@ def test_a_file_that_is_no_record_is_left_alone(
 ) -> None:
     notes = tmp_path / "notes.txt"
     notes.write_text("milk, eggs", encoding="utf-8")
-    status, found, _ = answer(capsys, *COARSE, "--record", str(notes))
+    status, found, _ = told_answer(capsys, *COARSE, "--record", str(notes))
     assert (status, found["error"]["code"]) == (2, "bad_record")
     assert notes.read_text(encoding="utf-8") == "milk, eggs"

@@ -9,7 +9,6 @@ import re
 import shlex
 import shutil
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -17,6 +16,7 @@ import trimesh
 from PIL import Image
 
 from nlcontrol.cli import run
+from tests.cli.json_answer import json_answer
 
 CRATE = """\
 format: box/1
@@ -34,11 +34,6 @@ HONEY = """\
   <collision><geometry><mesh filename="jar.stl" scale="0.001 0.001 0.001"/></geometry></collision>
 </link></robot>
 """
-
-
-def answer(capsys: pytest.CaptureFixture[str], *args: str) -> tuple[int, Any]:
-    status = run([*args, "--json"])
-    return status, json.loads(capsys.readouterr().out)
 
 
 # -- predict ----------------------------------------------------------------------------------
@@ -71,7 +66,7 @@ def test_predict_in_words(capsys: pytest.CaptureFixture[str]) -> None:
 def test_predict_as_data_says_the_same(
     capsys: pytest.CaptureFixture[str], push: list[str], outcome: str, words: str
 ) -> None:
-    status, found = answer(capsys, "predict", "ice tea box", *push)
+    status, found = json_answer(capsys, "predict", "ice tea box", *push)
     assert (status, found["outcome"], found["object"]) == (0, outcome, "ice tea box")
     assert words in found["text"]
     assert sum(found["probability"].values()) == pytest.approx(1.0)
@@ -81,10 +76,10 @@ def test_predict_as_data_says_the_same(
 
 def test_predict_with_kinetic_friction_says_so(capsys: pytest.CaptureFixture[str]) -> None:
     push = ["--at", "0,0.05", "--friction", "kinetic"]
-    status, found = answer(capsys, "predict", "coffee box", *push)
+    status, found = json_answer(capsys, "predict", "coffee box", *push)
     assert (status, found["friction"]) == (0, "kinetic")
     assert found["slide"] == pytest.approx(0.2403 * 0.5102 * 9.81, rel=1e-9)
-    status, found = answer(capsys, "predict", "mug", *push)
+    status, found = json_answer(capsys, "predict", "mug", *push)
     assert (status, found["error"]["code"]) == (2, "unknown_parameter")
 
 
@@ -114,7 +109,7 @@ def test_predict_with_kinetic_friction_says_so(capsys: pytest.CaptureFixture[str
 def test_mistakes_are_explained(
     capsys: pytest.CaptureFixture[str], args: list[str], status: int, code: str, words: str
 ) -> None:
-    found_status, found = answer(capsys, *args)
+    found_status, found = json_answer(capsys, *args)
     assert (found_status, found["error"]["code"]) == (status, code)
     assert words in json.dumps(found["error"], ensure_ascii=False)
 
@@ -139,7 +134,7 @@ def test_a_map_in_letters(capsys: pytest.CaptureFixture[str]) -> None:
 def test_a_map_in_every_format(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     files = [tmp_path / f"map.{suffix}" for suffix in ("png", "svg", "pdf", "csv", "json")]
     outputs = [part for file in files for part in ("--output", str(file))]
-    status, document = answer(capsys, "map", "ice tea box", *outputs)
+    status, document = json_answer(capsys, "map", "ice tea box", *outputs)
     assert status == 0
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(f.name for f in files)
     assert json.loads((tmp_path / "map.json").read_text(encoding="utf-8")) == document
@@ -176,8 +171,8 @@ def test_the_picture_has_the_colours_of_all_outcomes(tmp_path: Path, options: li
 
 
 def test_a_map_of_probability(capsys: pytest.CaptureFixture[str]) -> None:
-    _, loose = answer(capsys, "map", "ice tea box", "--level", "0.6")
-    _, strict = answer(capsys, "map", "ice tea box", "--level", "0.99")
+    _, loose = json_answer(capsys, "map", "ice tea box", "--level", "0.6")
+    _, strict = json_answer(capsys, "map", "ice tea box", "--level", "0.99")
     undecided = [
         sum(contact["outcome"] == "undecided" for contact in document["contacts"])
         for document in (loose, strict)
@@ -190,7 +185,7 @@ def test_a_map_of_probability(capsys: pytest.CaptureFixture[str]) -> None:
 
 @pytest.mark.slow
 def test_affordances_of_the_ice_tea_box(capsys: pytest.CaptureFixture[str]) -> None:
-    status, document = answer(capsys, "affordances", "ice tea box")
+    status, document = json_answer(capsys, "affordances", "ice tea box")
     assert status == 0
     found = {(a["outcome"], a["direction"]): a for a in document["affordances"]}
     assert len(found) == 16
@@ -210,7 +205,7 @@ def test_affordances_of_the_ice_tea_box(capsys: pytest.CaptureFixture[str]) -> N
     for sense, side in (("left", 1.0), ("right", -1.0)):
         turn = found["turn", sense]
         pushed = ["--face", turn["face"], "--at", "{},{}".format(*turn["place"])]
-        _, push = answer(capsys, "predict", "ice tea box", *pushed)
+        _, push = json_answer(capsys, "predict", "ice tea box", *pushed)
         assert np.sign(push["motion"]["turning"]) == side
 
 
@@ -232,16 +227,16 @@ def test_add_show_predict_remove(
     file.write_text(CRATE, encoding="utf-8")
     assert run(["objects", "validate", str(file)]) == 0
     capsys.readouterr()
-    status, added = answer(capsys, "objects", "add", str(file))
+    status, added = json_answer(capsys, "objects", "add", str(file))
     assert status == 0
     assert Path(added["file"]) == objects_folder / "crate.yaml"
-    status, shown = answer(capsys, "objects", "show", "wooden crate")
+    status, shown = json_answer(capsys, "objects", "show", "wooden crate")
     assert (shown["mass"], shown["place"]) == (1.0, added["file"])
-    status, found = answer(capsys, "predict", "crate", "--at", "0,0.15")
+    status, found = json_answer(capsys, "predict", "crate", "--at", "0,0.15")
     assert found["topple"] == pytest.approx(9.81 * 0.05 / 0.15, rel=1e-9)
-    status, refused = answer(capsys, "objects", "add", str(file))
+    status, refused = json_answer(capsys, "objects", "add", str(file))
     assert (status, refused["error"]["code"]) == (2, "duplicate_name")
-    status, removed = answer(capsys, "objects", "remove", "crate")
+    status, removed = json_answer(capsys, "objects", "remove", "crate")
     assert (status, removed["removed"]) == (0, "crate")
     assert list(objects_folder.iterdir()) == []
 
@@ -250,7 +245,7 @@ def test_validate_names_every_bad_file(capsys: pytest.CaptureFixture[str], tmp_p
     good, bad = tmp_path / "good.yaml", tmp_path / "bad.yaml"
     good.write_text(CRATE, encoding="utf-8")
     bad.write_text(CRATE.replace("1.0", "heavy"), encoding="utf-8")
-    status, verdict = answer(capsys, "objects", "validate", str(good), str(bad))
+    status, verdict = json_answer(capsys, "objects", "validate", str(good), str(bad))
     assert (status, verdict["ok"]) == (2, False)
     assert [file["ok"] for file in verdict["files"]] == [True, False]
     assert "mass_kg: found 'heavy', expected a valid number" in verdict["files"][1]["error"]
@@ -273,13 +268,13 @@ def test_import_a_mesh_and_predict_it(
     mesh = tmp_path / "jar.stl"
     trimesh.creation.cylinder(radius=40, height=90, sections=60).export(mesh)
     options = ["--name", "jam jar", "--mass", "0.4", "--unit", "mm", "--synonym", "preserve"]
-    status, told = answer(capsys, "objects", "import", str(mesh), *options)
+    status, told = json_answer(capsys, "objects", "import", str(mesh), *options)
     assert status == 0
     assert Path(told["file"]) == objects_folder / "jam_jar.yaml"
-    status, found = answer(capsys, "objects", "show", "preserve")
+    status, found = json_answer(capsys, "objects", "show", "preserve")
     assert found["kind"] == "cylinder"
     assert (found["radius"], found["height"]) == pytest.approx((0.04, 0.09), abs=1e-6)
-    status, document = answer(capsys, "predict", "jam jar", "--at", "0,0.02")
+    status, document = json_answer(capsys, "predict", "jam jar", "--at", "0,0.02")
     assert (status, document["outcome"]) == (0, "slide")
     elsewhere = tmp_path / "other.yaml"
     density = ["--name", "other", "--density", "900", "--unit", "mm", "--output", str(elsewhere)]
@@ -294,10 +289,10 @@ def test_export_a_model_for_another_simulator(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     options = ["--output", str(tmp_path), "--format"]
-    status, told = answer(capsys, "objects", "export", "mug", *options, "sdf")
+    status, told = json_answer(capsys, "objects", "export", "mug", *options, "sdf")
     assert (status, told["files"]) == (0, [str(tmp_path / "mug.sdf")])
     assert "<mass>0.118</mass>" in Path(told["files"][0]).read_text("utf-8")
-    status, told = answer(capsys, "objects", "export", "unicorn", *options, "mjcf")
+    status, told = json_answer(capsys, "objects", "export", "unicorn", *options, "mjcf")
     assert (status, told["error"]["code"]) == (3, "unknown_object")
 
 
@@ -306,14 +301,16 @@ def test_what_was_exported_is_added_and_its_next_command_works(
     form: str, capsys: pytest.CaptureFixture[str], tmp_path: Path, objects_folder: Path
 ) -> None:
     export = ["objects", "export", "soup can", "--format", form, "--output", str(tmp_path)]
-    (file,) = answer(capsys, *export)[1]["files"]
-    status, told = answer(capsys, "objects", "add", file, "--name", "old can", "--friction", "0.3")
+    (file,) = json_answer(capsys, *export)[1]["files"]
+    status, told = json_answer(
+        capsys, "objects", "add", file, "--name", "old can", "--friction", "0.3"
+    )
     assert (status, told["name"]) == (0, "old can")
-    _, shown = answer(capsys, "objects", "show", "old can")
+    _, shown = json_answer(capsys, "objects", "show", "old can")
     assert (shown["radius"], shown["friction"], shown["support"]) == (0.033, 0.3, "corners")
     program, command, *said = shlex.split(told["next"])
     assert (program, command) == ("nlcontrol", "say")
-    status, planned = answer(capsys, "plan", *said)
+    status, planned = json_answer(capsys, "plan", *said)
     assert (status, planned["status"]) == (0, "planned")
 
 
@@ -322,13 +319,13 @@ def test_a_described_hull_is_mapped_and_its_push_is_planned(
 ) -> None:
     shutil.copy(Path(__file__).parents[2] / "examples" / "jar.stl", tmp_path)
     (tmp_path / "honey.urdf").write_text(HONEY, encoding="utf-8")
-    status, told = answer(capsys, "objects", "add", str(tmp_path / "honey.urdf"))
+    status, told = json_answer(capsys, "objects", "add", str(tmp_path / "honey.urdf"))
     assert (status, told["name"]) == (0, "honey jar")
-    assert answer(capsys, "objects", "show", "honey jar")[1]["kind"] == "hull"
-    status, chart = answer(capsys, "map", "honey jar")
+    assert json_answer(capsys, "objects", "show", "honey jar")[1]["kind"] == "hull"
+    status, chart = json_answer(capsys, "map", "honey jar")
     # It topples above 94 mm alone, where its lid is too narrow for a fingertip.
     assert (status, {c["outcome"] for c in chart["contacts"]}) == (0, {"slide"})
-    status, planned = answer(capsys, "plan", *shlex.split(told["next"])[2:])
+    status, planned = json_answer(capsys, "plan", *shlex.split(told["next"])[2:])
     assert (status, planned["status"]) == (0, "planned")
 
 
@@ -336,7 +333,9 @@ def test_options_of_a_description_are_not_those_of_a_model_file(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, objects_folder: Path
 ) -> None:
     (tmp_path / "crate.yaml").write_text(CRATE, encoding="utf-8")
-    status, told = answer(capsys, "objects", "add", str(tmp_path / "crate.yaml"), "--mass", "2")
+    status, told = json_answer(
+        capsys, "objects", "add", str(tmp_path / "crate.yaml"), "--mass", "2"
+    )
     assert (status, told["error"]["code"]) == (2, "usage")
     assert list(objects_folder.iterdir()) == []
 
@@ -348,8 +347,8 @@ def test_what_can_be_done_with_an_imported_mesh(
     mesh = tmp_path / "jar.stl"
     trimesh.creation.cylinder(radius=40, height=90, sections=60).export(mesh)
     options = ["--name", "jam jar", "--mass", "0.4", "--unit", "mm"]
-    assert answer(capsys, "objects", "import", str(mesh), *options)[0] == 0
-    _, document = answer(capsys, "affordances", "jam jar")
+    assert json_answer(capsys, "objects", "import", str(mesh), *options)[0] == 0
+    _, document = json_answer(capsys, "affordances", "jam jar")
     assert any(a["can"] for a in document["affordances"])
 
 
@@ -361,7 +360,7 @@ def test_what_has_no_side_for_a_finger_is_told(
     assert run(["objects", "import", str(tmp_path / "needle.stl"), *options]) == 0
     capsys.readouterr()
     for command in (["predict", "needle", "--at", "0,0.1"], ["map", "needle"]):
-        status, found = answer(capsys, *command)
+        status, found = json_answer(capsys, *command)
         assert (status, found["error"]["code"]) == (2, "unknown_face")
         assert "wide enough for a fingertip" in found["error"]["message"]
     assert run(["affordances", "needle"]) == 0

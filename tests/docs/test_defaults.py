@@ -14,14 +14,10 @@ import pytest
 
 from nlcontrol.cli import run
 from planner.types.defaults import DEFAULTS, Defaults, kinds, settings, with_settings
+from tests.docs.guide_blocks import only_block
 from tests.unit.sim.truth.test_scene_files import SCENE
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "defaults.md").read_text(encoding="utf-8")
-
-
-def _block(language: str) -> str:
-    (block,) = re.findall(rf"^```{language}\n(.*?)^```$", GUIDE, re.MULTILINE | re.DOTALL)
-    return str(block)
 
 
 def test_the_table_is_that_of_the_code() -> None:
@@ -48,11 +44,12 @@ def test_the_scene_of_the_guide() -> None:
     from sim.truth.scene_file import parse_scene
 
     set_there = {"distance_m": 0.15, "turn_deg": 45, "speed_m_s": 0.03}
-    assert parse_scene(SCENE + _block("yaml")).defaults == with_settings(DEFAULTS, set_there)
+    scene = parse_scene(SCENE + only_block(GUIDE, "yaml"))
+    assert scene.defaults == with_settings(DEFAULTS, set_there)
 
 
 def test_the_commands_of_the_guide(capsys: pytest.CaptureFixture[str]) -> None:
-    for line in _block("console").splitlines():
+    for line in only_block(GUIDE, "console").splitlines():
         assert run(shlex.split(line.removeprefix("$ "))[1:]) == 0
     told = capsys.readouterr().out
     assert "distance 120 mm (no distance said)" in told
@@ -62,5 +59,5 @@ def test_the_commands_of_the_guide(capsys: pytest.CaptureFixture[str]) -> None:
 def test_the_python_of_the_guide() -> None:
     out = io.StringIO()
     with contextlib.redirect_stdout(out):
-        exec(compile(_block("python"), "defaults.md", "exec"), {})
+        exec(compile(only_block(GUIDE, "python"), "defaults.md", "exec"), {})
     assert "value=0.12" in out.getvalue()

@@ -23,13 +23,10 @@ from planner import touch_experiments as experiments
 from planner.types.defaults import DEFAULTS
 from sim.control.pushing import guarded_touch as touch
 from sim.exploration import probe_control as probing
+from tests.docs.guide_blocks import code_blocks
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "exploring.md").read_text(encoding="utf-8")
 PLAIN = " ".join(GUIDE.split())
-
-
-def _block(language: str, which: int = 0) -> str:
-    return str(re.findall(rf"^```{language}\n(.*?)^```$", GUIDE, re.MULTILINE | re.DOTALL)[which])
 
 
 def test_its_commands_are_understood() -> None:
@@ -42,7 +39,7 @@ def test_its_commands_are_understood() -> None:
 
 
 def test_the_example_has_a_line_for_each_parameter() -> None:
-    _, _, columns, *rows = _block("console").splitlines()
+    _, _, columns, *rows = code_blocks(GUIDE, "console")[0].splitlines()
     assert re.sub(r"\s+", " ", columns).strip() == " ".join(_COLUMNS)
     assert len(rows) == len(NAMES)
     assert all(
@@ -87,7 +84,8 @@ def test_the_stated_figures_are_those_of_the_code() -> None:
 
 
 def test_its_sentences_mean_that() -> None:
-    heavy, slippery = (grammar.parse(line).frames[0] for line in _block("text").splitlines())
+    said = code_blocks(GUIDE, "text")[0].splitlines()
+    heavy, slippery = (grammar.parse(line).frames[0] for line in said)
     assert isinstance(heavy.goal, g.Parameters)
     assert isinstance(slippery.goal, g.Parameters)
     assert (heavy.action, heavy.query, heavy.goal.which) == ("explore", None, ("mass",))
@@ -98,5 +96,5 @@ def test_its_sentences_mean_that() -> None:
 def test_its_python_runs() -> None:
     out = io.StringIO()
     with contextlib.redirect_stdout(out):
-        exec(compile(_block("python"), "exploring.md", "exec"), {})
+        exec(compile(code_blocks(GUIDE, "python")[0], "exploring.md", "exec"), {})
     assert out.getvalue() == "1 it was moved by 12 mm\nTrue\n"

@@ -15,21 +15,17 @@ from nlcontrol.learning.log_fitting import EXPERIMENTS
 from objectmodels import Registry
 from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.identification.logs import touch_log
+from tests.docs.guide_blocks import only_block
 
 ROOT = Path(__file__).parents[2]
 GUIDE = (ROOT / "docs" / "fitting.md").read_text(encoding="utf-8")
-
-
-def _block(language: str) -> str:
-    (block,) = re.findall(rf"^```{language}\n(.*?)^```$", GUIDE, re.MULTILINE | re.DOTALL)
-    return str(block)
 
 
 def test_the_commands_of_the_guide(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, objects_folder: Path
 ) -> None:
     monkeypatch.chdir(ROOT)
-    lines = _block("console").splitlines()
+    lines = only_block(GUIDE, "console").splitlines()
     assert len(lines) == 3
     for line in lines:
         assert run(shlex.split(line.removeprefix("$ "))[1:]) == 0
@@ -39,7 +35,7 @@ def test_the_commands_of_the_guide(
 
 def test_the_table_of_the_guide(tmp_path: Path) -> None:
     path = tmp_path / "table.csv"
-    path.write_text(_block("csv"), encoding="utf-8")
+    path.write_text(only_block(GUIDE, "csv"), encoding="utf-8")
     trials = touch_log.read_data([path], Registry.built_in().get("ice tea box")).trials
     assert [trial.moved for trial in trials] == ["slide", "slide", "topple", "topple", "topple"]
     assert [trial.turn_rate is None for trial in trials] == [True, False, True, True, True]
@@ -49,13 +45,13 @@ def test_the_python_of_the_guide(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
     out = io.StringIO()
     with contextlib.redirect_stdout(out):
-        exec(compile(_block("python"), "fitting.md", "exec"), {})
+        exec(compile(only_block(GUIDE, "python"), "fitting.md", "exec"), {})
     assert out.getvalue().strip() == "0.85 kg, friction 0.32"
 
 
 def test_the_python_of_the_guide_to_public_logs() -> None:
     guide = (ROOT / "docs" / "recorded_logs.md").read_text(encoding="utf-8")
-    (code,) = re.findall(r"^```python\n(.*?)^```$", guide, re.MULTILINE | re.DOTALL)
+    code = only_block(guide, "python")
     out = io.StringIO()
     with contextlib.redirect_stdout(out):
         exec(compile(code, "recorded_logs.md", "exec"), {})

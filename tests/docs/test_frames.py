@@ -19,14 +19,11 @@ from grammar.parser import default_parser
 from nlcontrol import Controller, Conversation
 from nlcontrol.cli import run
 from nlcontrol.session.frame_documents import command_of
+from tests.docs.guide_blocks import code_blocks, only_block
 
 DOCS = Path(__file__).parents[2] / "docs"
 GUIDE = (DOCS / "frames.md").read_text(encoding="utf-8")
 KINDS = GUIDE.partition("\n## Kinds\n")[2]
-
-
-def blocks(language: str) -> list[str]:
-    return re.findall(rf"^```{language}\n(.*?)^```$", GUIDE, re.MULTILINE | re.DOTALL)
 
 
 def command(line: str) -> tuple[list[str], str]:
@@ -40,7 +37,7 @@ def test_the_commands(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    for line in blocks("bash")[0].splitlines():
+    for line in code_blocks(GUIDE, "bash")[0].splitlines():
         shown, _, target = line.partition(" > ")
         args, said = command(shown)
         monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(said.encode())))
@@ -51,7 +48,7 @@ def test_the_commands(
 
 
 def test_the_error(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    line, _, shown = blocks("console")[0].removeprefix("$ ").partition("\n")
+    line, _, shown = code_blocks(GUIDE, "console")[0].removeprefix("$ ").partition("\n")
     args, said = command(line)
     monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(said.encode())))
     assert run(args) == 3
@@ -59,7 +56,7 @@ def test_the_error(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixtur
 
 
 def test_the_python(capsys: pytest.CaptureFixture[str]) -> None:
-    (code,) = blocks("python")
+    code = only_block(GUIDE, "python")
     found: dict[str, object] = {}
     exec(code, found)
     assert re.findall(r"print\(.*\)  # (.*)", code) == capsys.readouterr().out.splitlines()

@@ -17,24 +17,12 @@ from nlcontrol.cli.commands.say_command import plan as plan_command
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan
 from planner.types.refusal import RefusalReason
+from tests.docs.guide_blocks import code_blocks, console_runs, only_block
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "goals.md").read_text(encoding="utf-8")
 PLAIN = " ".join(GUIDE.split())
 SECTIONS = dict(re.findall(r"^## (.+?)\n(.*?)(?=^## |\Z)", GUIDE, re.MULTILINE | re.DOTALL))
-PROMPT = re.compile(r"^\$ nlcontrol (.*)\n", re.MULTILINE)
-
-
-def _blocks(language: str) -> list[str]:
-    return re.findall(rf"^```{language}\n(.*?)^```$", GUIDE, re.MULTILINE | re.DOTALL)
-
-
-def _runs() -> list[tuple[str, str]]:
-    """Each command, and what is shown of its answer."""
-    found = []
-    for block in _blocks("console"):
-        _, *parts = PROMPT.split(block)
-        found += list(zip(parts[::2], parts[1::2], strict=True))
-    return found
+RUNS = console_runs(GUIDE)
 
 
 @pytest.fixture(scope="module")
@@ -42,7 +30,7 @@ def kitchen() -> Controller:
     return Controller("kitchen")
 
 
-@pytest.mark.parametrize(("command", "shown"), _runs(), ids=[command for command, _ in _runs()])
+@pytest.mark.parametrize(("command", "shown"), RUNS, ids=[command for command, _ in RUNS])
 def test_the_guide_shows_what_is_printed(
     capsys: pytest.CaptureFixture[str], command: str, shown: str
 ) -> None:
@@ -78,7 +66,7 @@ def test_each_event_and_limit_stops_a_push(kitchen: Controller, words: str) -> N
 def test_every_reason_is_explained_and_shown() -> None:
     told = re.findall(r"^\| `(\w+)` \|", SECTIONS["What is refused"], re.MULTILINE)
     assert set(told) == set(get_args(RefusalReason))
-    shown = " ".join(_blocks("console"))
+    shown = " ".join(code_blocks(GUIDE, "console"))
     assert all(f"({code})" in shown for code in told if code != "unsupported")
     assert "Unsupported: " in shown
 
@@ -105,7 +93,7 @@ def test_its_options_exist() -> None:
 
 @pytest.mark.slow
 def test_the_python_of_the_guide() -> None:
-    (code,) = _blocks("python")
+    code = only_block(GUIDE, "python")
     out = io.StringIO()
     with contextlib.redirect_stdout(out):
         exec(compile(code, "goals.md", "exec"), {})

@@ -14,26 +14,14 @@ from grammar import parse
 from nlcontrol.cli import run
 from planner.problem.planning_problem import is_handled
 from planner.types.defaults import DEFAULTS
+from tests.docs.guide_blocks import console_runs, only_block
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "handling.md").read_text(encoding="utf-8")
 SECTIONS = dict(re.findall(r"^## (.+?)\n(.*?)(?=^## |\Z)", GUIDE, re.MULTILINE | re.DOTALL))
-PROMPT = re.compile(r"^\$ nlcontrol (.*)\n", re.MULTILINE)
+RUNS = console_runs(GUIDE)
 
 
-def _blocks(language: str) -> list[str]:
-    return re.findall(rf"^```{language}\n(.*?)^```$", GUIDE, re.MULTILINE | re.DOTALL)
-
-
-def _runs() -> list[tuple[str, str]]:
-    """Each command, and what is shown of its answer."""
-    found = []
-    for block in _blocks("console"):
-        _, *parts = PROMPT.split(block)
-        found += list(zip(parts[::2], parts[1::2], strict=True))
-    return found
-
-
-@pytest.mark.parametrize(("command", "shown"), _runs(), ids=[command for command, _ in _runs()])
+@pytest.mark.parametrize(("command", "shown"), RUNS, ids=[command for command, _ in RUNS])
 def test_the_guide_shows_what_is_printed(
     capsys: pytest.CaptureFixture[str], command: str, shown: str
 ) -> None:
@@ -50,7 +38,7 @@ def test_each_sentence_takes_a_hand(text: str) -> None:
 
 
 def test_the_python_of_the_guide() -> None:
-    (code,) = _blocks("python")
+    code = only_block(GUIDE, "python")
     out = io.StringIO()
     with contextlib.redirect_stdout(out):
         exec(compile(code, "handling.md", "exec"), {})

@@ -15,6 +15,7 @@ from nlcontrol import Controller
 from nlcontrol.cli import run
 from nlcontrol.json_document import SCHEMA_VERSION
 from planner.types import actions, motion_guide
+from tests.docs.guide_blocks import code_blocks
 from tests.plan_conversion import old_document
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "json.md").read_text(encoding="utf-8")
@@ -33,7 +34,7 @@ def kitchen() -> Controller:
 
 
 def _examples() -> list[Any]:
-    blocks = re.findall(r"^```jsonc\n(.*?)^```$", GUIDE, re.MULTILINE | re.DOTALL)
+    blocks = code_blocks(GUIDE, "jsonc")
     return [json.loads(re.sub(r"\s//.*$", "", block, flags=re.MULTILINE)) for block in blocks]
 
 

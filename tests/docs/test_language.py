@@ -25,6 +25,7 @@ from grammar.words.lexicon_plugins import installed_lexicon
 from nlcontrol import Controller, Conversation
 from nlcontrol.cli import run
 from planner.types.defaults import DEFAULTS
+from tests.docs.guide_blocks import code_blocks, only_block
 
 DOCS = Path(__file__).parents[2] / "docs"
 GUIDE = (DOCS / "language.md").read_text(encoding="utf-8")
@@ -47,10 +48,6 @@ def sentences(cell: str) -> list[str]:
 
 def codes(cell: str) -> set[str]:
     return set(re.findall(r"`([^`]*)`", cell))
-
-
-def blocks(language: str, text: str = REFERENCE) -> list[str]:
-    return re.findall(rf"^```{language}\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
 
 
 def bare(value: Any) -> Any:
@@ -145,12 +142,12 @@ def _flat(text: str) -> str:
 
 RUNS = [
     each
-    for block in blocks("console", GUIDE)
+    for block in code_blocks(GUIDE, "console")
     if "$ nlcontrol shell" not in block
     for each in told(block)
 ]
 (CONVERSATION,) = (
-    told(block)[1:] for block in blocks("console", GUIDE) if "$ nlcontrol shell" in block
+    told(block)[1:] for block in code_blocks(GUIDE, "console") if "$ nlcontrol shell" in block
 )
 
 
@@ -187,7 +184,7 @@ def _without_figures(text: str) -> str:
 
 
 def test_the_python_of_the_guide() -> None:
-    (code,) = blocks("python")
+    code = only_block(REFERENCE, "python")
     out = io.StringIO()
     with contextlib.redirect_stdout(out):
         exec(compile(code, "language_reference.md", "exec"), {})
@@ -196,7 +193,7 @@ def test_the_python_of_the_guide() -> None:
 
 
 def test_the_example_of_a_sentence_file_holds() -> None:
-    ((case,),) = (yaml.safe_load(block) for block in blocks("yaml"))
+    ((case,),) = (yaml.safe_load(block) for block in code_blocks(REFERENCE, "yaml"))
     (frame,) = parse(case["text"]).frames
     found, meant = frame.model_dump(mode="json"), case["frame"]
     assert (found["action"], found["object"]["text"]) == (meant["action"], meant["object"])
@@ -206,7 +203,7 @@ def test_the_example_of_a_sentence_file_holds() -> None:
 @pytest.fixture
 def workshop(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """The package of the guide, as it stands in a folder of installed packages."""
-    (code,), (project,) = blocks("python words"), blocks("toml")
+    code, project = (only_block(REFERENCE, each) for each in ("python words", "toml"))
     (tmp_path / "workshop.py").write_text(code, encoding="utf-8")
     info = tmp_path / "nlcontrol_workshop-1.0.dist-info"
     info.mkdir()

@@ -21,6 +21,7 @@ from mcp.client.stdio import StdioServerParameters
 from nlcontrol.cli import run
 from nlcontrol.cli.command_line import cli
 from nlcontrol.errors import CODES
+from tests.docs.guide_blocks import code_blocks, only_block
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "mcp.md").read_text(encoding="utf-8")
@@ -28,7 +29,7 @@ AGENTS = (ROOT / "docs" / "agents.md").read_text(encoding="utf-8")
 
 COMMANDS = [
     shlex.split(line.removeprefix("$ "), comments=True)[1:]
-    for block in re.findall(r"^```console\n(.*?)^```$", AGENTS, re.M | re.S)
+    for block in code_blocks(AGENTS, "console")
     for line in block.splitlines()
 ]
 
@@ -55,7 +56,7 @@ def test_the_dialogue_is_held_so(writer: ModuleType) -> None:
 
 
 def test_the_set_up_names_a_command_and_options_that_there_are() -> None:
-    (block,) = re.findall(r"^```json\n(.*?)^```$", PAGE, re.M | re.S)
+    block = only_block(PAGE, "json")
     server = json.loads(block)["mcpServers"]["nlcontrol"]
     assert server["command"] == "nlcontrol"
     command = cli.get_command(click.Context(cli), server["args"][0])

@@ -22,6 +22,7 @@ from objectmodels.models.object_parts import (
 )
 from objectmodels.models.predictor import PREDICTIONS
 from objectmodels.registry.model_files import BUILT_IN_KINDS, load_model
+from tests.docs.guide_blocks import only_block
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "models.md").read_text(encoding="utf-8")
 
@@ -33,15 +34,10 @@ PARTS = {
 }
 
 
-def _block(language: str) -> str:
-    (block,) = re.findall(rf"^```{language}\n(.*?)^```$", GUIDE, re.MULTILINE | re.DOTALL)
-    return str(block)
-
-
 @pytest.fixture
 def crate(tmp_path: Path) -> Path:
     path = tmp_path / "crate.yaml"
-    path.write_text(_block("yaml"), encoding="utf-8")
+    path.write_text(only_block(GUIDE, "yaml"), encoding="utf-8")
     return path
 
 
@@ -57,7 +53,7 @@ def test_the_python_of_the_guide(crate: Path, monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.chdir(crate.parent)
     out = io.StringIO()
     with contextlib.redirect_stdout(out):
-        exec(compile(_block("python"), "models.md", "exec"), {})
+        exec(compile(only_block(GUIDE, "python"), "models.md", "exec"), {})
     # m g b / h = 1.0 · 9.81 · 0.05 / 0.15
     assert out.getvalue().strip() == "[3.27]"
 
@@ -66,7 +62,7 @@ def test_the_learned_model_of_the_guide_is_taken_and_one_that_is_too_sure_is_not
     out = io.StringIO()
     names: dict[str, Any] = {}
     with contextlib.redirect_stdout(out):
-        exec(compile(_block("python learned"), "models.md", "exec"), names)
+        exec(compile(only_block(GUIDE, "python learned"), "models.md", "exec"), names)
     assert out.getvalue().strip() == "not_calibrated"
     assert "oiled crate" in names["registry"]
     assert set(re.findall(r"`(\w+)`", _section("A model that was learned"))) >= set(PREDICTIONS)
@@ -78,7 +74,7 @@ def _section(title: str) -> str:
 
 def test_the_blocks_of_the_guide_go_into_a_model_file(tmp_path: Path) -> None:
     path = tmp_path / "crate.yaml"
-    path.write_text(_block("yaml") + _block("yaml parts"), encoding="utf-8")
+    path.write_text(only_block(GUIDE, "yaml") + only_block(GUIDE, "yaml parts"), encoding="utf-8")
     model = load_model(path)
     assert isinstance(model.lid, FlipLid)
     assert model.container is not None
@@ -90,7 +86,7 @@ def test_the_blocks_of_the_guide_go_into_a_model_file(tmp_path: Path) -> None:
 def test_what_opens_a_lid_is_told() -> None:
     out = io.StringIO()
     with contextlib.redirect_stdout(out):
-        exec(compile(_block("python opening"), "models.md", "exec"), {})
+        exec(compile(only_block(GUIDE, "python opening"), "models.md", "exec"), {})
     flip, turn = out.getvalue().strip().split("\n")
     # 2 R + 0.7 · 20 mm of lever against 20 + 30 mN·m and 20 g at R; see tests of `opening`.
     assert flip == "0.68 N, margin 1.9, 100%"

@@ -11,24 +11,21 @@ from pathlib import Path
 import pytest
 
 from nlcontrol.cli import run
+from tests.docs.guide_blocks import code_blocks, only_block
 
 ROOT = Path(__file__).parents[2]
 MOST_LINES = 120
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
-def _blocks(language: str) -> list[str]:
-    return re.findall(rf"^```{language}\n(.*?)^```$", README, re.MULTILINE | re.DOTALL)
-
-
 def _examples() -> list[list[str]]:
-    (block,) = _blocks("console")
+    block = only_block(README, "console")
     lines = [line.removeprefix("$ ") for line in block.splitlines()]
     return [shlex.split(line, comments=True)[1:] for line in lines]
 
 
 def test_two_commands_each_doing_all_its_set_up() -> None:
-    commands = _blocks("bash")
+    commands = code_blocks(README, "bash")
     assert len(commands) == 2
     for command in commands:
         assert command.startswith("python3 -m venv .venv && .venv/bin/pip install")
@@ -68,11 +65,11 @@ def test_examples_of_the_command_line(
 @pytest.mark.slow
 def test_the_examples_of_the_guide_to_predictions(capsys: pytest.CaptureFixture[str]) -> None:
     text = (ROOT / "docs" / "predictions.md").read_text(encoding="utf-8")
-    (commands,) = re.findall(r"^```console\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    commands = only_block(text, "console")
     for line in commands.splitlines():
         args = shlex.split(line.removeprefix("$ "))[1:]
         assert run([arg for arg in args if arg not in ("--output", "map.png")]) == 0
-    first, *others = re.findall(r"^```python\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    first, *others = code_blocks(text, "python")
     exec(compile(first, "predictions.md", "exec"), {})
     printed = capsys.readouterr().out
     for code in others:
@@ -84,7 +81,7 @@ def test_the_examples_of_the_guide_to_predictions(capsys: pytest.CaptureFixture[
 
 
 def test_the_python_of_the_readme() -> None:
-    (code,) = _blocks("python")
+    code = only_block(README, "python")
     out = io.StringIO()
     with contextlib.redirect_stdout(out):
         exec(compile(code, "README.md", "exec"), {})

@@ -24,18 +24,14 @@ from sim.truth.scene_file import (
     parse_scene,
 )
 from sim.worlds.drake.drake_world import DrakeWorld
+from tests.docs.guide_blocks import only_block
 from tests.fakes.robots import poses_in
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "scenes.md").read_text(encoding="utf-8")
 
 
-def _block(language: str) -> str:
-    (block,) = re.findall(rf"^```{language}\n(.*?)^```$", GUIDE, re.MULTILINE | re.DOTALL)
-    return str(block)
-
-
 def test_the_example_is_a_scene_in_which_things_stand() -> None:
-    scene = parse_scene(_block("yaml"))
+    scene = parse_scene(only_block(GUIDE, "yaml"))
     assert scene.torque_sensor.bias_nm == 0.02
     assert scene.table.friction_variation.over_table == 0.18
     seen = poses_in(DrakeWorld(scene, seed=1), 0.5)["ice tea box"]
@@ -46,7 +42,7 @@ def test_the_example_is_a_scene_in_which_things_stand() -> None:
 def test_the_python_of_the_guide() -> None:
     out = io.StringIO()
     with contextlib.redirect_stdout(out):
-        exec(compile(_block("python"), "scenes.md", "exec"), {})
+        exec(compile(only_block(GUIDE, "python"), "scenes.md", "exec"), {})
     lines = out.getvalue().split("\n")
     for line, name in zip(lines, ("ice tea box", "tea tin"), strict=False):
         written, true = map(float, line.removeprefix(name).split())

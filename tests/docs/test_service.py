@@ -14,12 +14,13 @@ from nlcontrol.json_schema import docstring_parts
 from nlcontrol.service.http.http_settings import HttpSettings
 from nlcontrol.service.http.service_app import routes_app
 from nlcontrol.service.service_settings import ServiceSettings
+from tests.docs.guide_blocks import code_blocks
 from tests.service_process import serving
 
 PAGE = (Path(__file__).parents[2] / "docs" / "service.md").read_text(encoding="utf-8")
 EXAMPLES = [
     example
-    for block in re.findall(r"^```sh\n(.*?)^```$", PAGE, re.M | re.S)
+    for block in code_blocks(PAGE, "sh")
     for example in re.split(r"\n(?=curl )", block.strip())
 ]
 IDS = {"SESSION": "session_id", "PLAN": "plan_id", "RUN": "run_id"}

@@ -11,9 +11,10 @@ import pytest
 
 from nlcontrol.errors import CODES
 from nlcontrol.service.session import Session
+from tests.docs.guide_blocks import code_blocks
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "sessions.md").read_text(encoding="utf-8")
-BLOCKS = re.findall(r"^```python\n(.*?)^```$", GUIDE, re.MULTILINE | re.DOTALL)
+BLOCKS = code_blocks(GUIDE, "python")
 
 
 def printed(block: str) -> str:

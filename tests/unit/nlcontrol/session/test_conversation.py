@@ -17,14 +17,6 @@ from tests.unit.nlcontrol.pushes import Happens
 
 AWAY = "push the coffee box away"
 PUSH = "push the ice tea box away"
-IT = g.ObjectRef(text="it", pronoun=True)
-COFFEE = g.ObjectRef(text="coffee box")
-CEREAL = g.ObjectRef(text="cereal box")
-ICE_TEA = g.ObjectRef(text="ice tea box", id="ice tea box")
-
-
-def said(dialogue: Any = None, **fields: Any) -> g.Frame:
-    return g.Frame(dialogue=dialogue, **fields)
 
 
 def plan(conversation: Conversation, *sentences: str) -> Result:
