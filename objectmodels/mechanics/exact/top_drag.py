@@ -1,0 +1,293 @@
+"""Drags: a fingertip presses on top of an object and draws it along.
+
+Model: the fingertip touches a level face at p, h above the table, presses down on it with N and is
+led slowly along d. It transmits no moment, and along the face at most μ_f N. The table then feels
+an object of weight W = G + N whose centre of mass lies over
+
+    c' = (G c + N p) / W
+
+and which is pushed at p. While the contact goes along d, the friction of the loaded support points
+(`objectmodels.mechanics.exact.loaded_points`) has no moment about it; that takes a force F along
+the face, which moves the centre of pressure to q = c' + h F / W and the loads with it.
+
+- drags: |F| ≤ μ_f N, the object goes along;
+- slips: |F| > μ_f N, the fingertip slips over it, whether or not it moves;
+- tips: q is beyond an edge of the base under the force that is transmitted.
+
+It drags while the friction at the table is less than a critical one, under which the fingertip is
+about to slip or the object to tip. Over the centre of mass nothing turns, and what drags is
+N > μ G / (μ_f − μ), in flat things.
+
+Frame: points and directions are in B; turning rates are counter-clockwise seen from above.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from objectmodels.errors import ModelError
+from objectmodels.geometry.base_shapes import Array, Base, Polygon
+from objectmodels.geometry.support_points import hull_polygon
+from objectmodels.geometry.vector_arrays import checked_pairs, require_finite, require_units
+from objectmodels.mechanics.exact.exact_thresholds import springs_of
+from objectmodels.mechanics.exact.loaded_points import LoadedPoints
+from objectmodels.mechanics.exact.support_springs import Springs
+from objectmodels.mechanics.outcome_probability import (
+    draw_parameters,
+    friction_below,
+    normal_nodes,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from objectmodels.geometry.pushed_body import PushedBody
+
+DragOutcome = Literal["drags", "slips", "tips"]
+
+DRAWS = 64
+"""Points of the sequence that a probability is averaged over."""
+
+_SETTLING = 12  # looks at how the force shifts the load; each leaves a share of about h / size
+_SETTLED = 1e-9  # change of the force, as a share of the grip
+_SHORT = 1e-6  # share of its way by which the centre of pressure stays short of the edge
+_LEAST_SHARE = 1e-3  # least pressing force that is looked at, as a share of the largest
+_FORCES, _HALVINGS = 16, 24  # forces between those two, and steps to the limit between two of them
+
+
+@dataclass(frozen=True)
+class TopDrag:
+    """Outcomes of n fingertips that press on top of an object and are led along it.
+
+    Attributes:
+        force: F with which the contact goes along, in B, shape (n, 2) [N].
+        grip: μ_f N, the most that the fingertip transmits, shape (n,) [N].
+        turn: of the object per travel of the contact if it goes along, shape (n,) [rad/m].
+        critical_friction: at the table; it drags while that is less, shape (n,).
+        tip_ratio: multiple of the transmitted force under which it tips, shape (n,); inf if none
+            does, 0 if the pressing alone tips it.
+    """
+
+    force: Array
+    grip: Array
+    turn: Array
+    critical_friction: Array
+    tip_ratio: Array
+
+    @property
+    def outcome(self) -> NDArray[np.str_]:
+        """Classes of `DragOutcome`, shape (n,)."""
+        slips = np.hypot(*self.force.T) > self.grip
+        return np.where(self.tip_ratio < 1.0, "tips", np.where(slips, "slips", "drags"))
+
+
+def top_drag(
+    model: PushedBody, points: ArrayLike, directions: ArrayLike, press: ArrayLike
+) -> TopDrag:
+    """Outcomes of n fingertips that press on an object and are led along.
+
+    Args:
+        model: what is believed of it.
+        points: contacts p_BC on a level face, shape (n, 3) [m].
+        directions: horizontal unit vectors in B along which the contacts are led, shape (n, 3).
+        press: N, of all or of each, shape () or (n,) [N].
+
+    Raises:
+        ModelError: `bad_array` if a shape or a value is wrong.
+    """
+    p, d, force = _checked(points, directions, press)
+    n = len(p)
+    nominal = draw_parameters(model, np.zeros((1, 5)))
+    pressed = _Pressed.of_draws(
+        model, p, d, force,
+        com=np.tile(nominal.com[:, :2], (n, 1)),
+        weight=np.full(n, model.weight),
+        finger_friction=np.full(n, model.finger_friction),
+        radius=np.full(n, model.friction_radius),
+    )  # fmt: skip
+    led, turn, tip_ratio = pressed.led_force(model.friction)
+    return TopDrag(led, pressed.grip, turn, pressed.critical_friction(), tip_ratio)
+
+
+def drag_probability(
+    model: PushedBody, points: ArrayLike, directions: ArrayLike, press: ArrayLike
+) -> Array:
+    """Probabilities that n fingertips drag an object of which not all is known, shape (n,).
+
+    Arguments and errors are those of `top_drag`. The friction at the table integrates in closed
+    form, below the critical one; the other parameters are averaged over a fixed sequence.
+    """
+    p, d, force = _checked(points, directions, press)
+    draw = draw_parameters(model, normal_nodes(DRAWS, mass=True))
+    n, k = len(p), len(draw.com)
+    pressed = _Pressed.of_draws(
+        model, np.repeat(p, k, axis=0), np.repeat(d, k, axis=0), np.repeat(force, k),
+        com=np.tile(draw.com[:, :2], (n, 1)),
+        weight=np.tile(draw.weight, n),
+        finger_friction=np.tile(draw.finger_friction, n),
+        radius=np.tile(draw.friction_radius, n),
+    )  # fmt: skip
+    critical = pressed.critical_friction().reshape(n, k)
+    below = friction_below(model, critical, draw.friction, draw.friction_sd)
+    return np.asarray(np.where(critical > 0.0, below, 0.0).mean(axis=1))
+
+
+def press_range(
+    model: PushedBody, point: ArrayLike, direction: ArrayLike, most: float,
+    probability: float | None = None,
+) -> tuple[float, float] | None:  # fmt: skip
+    """The least and the largest force with which a fingertip drags an object [N].
+
+    Args:
+        model: what is believed of it.
+        point: contact p_BC on a level face, shape (3,) [m].
+        direction: horizontal unit vector in B, shape (3,).
+        most: largest force that the fingertip presses with [N].
+        probability: with which it is to drag; if not given, with everything as believed.
+
+    Returns:
+        The ends of the first range of forces up to `most` that drag; None if there is none.
+
+    Raises:
+        ModelError: `bad_array` if a shape or a value is wrong.
+    """
+    p, d, _ = _checked(np.atleast_2d(point), np.atleast_2d(direction), most)
+
+    def drags(forces: Array) -> NDArray[np.bool_]:
+        at, along = np.tile(p, (len(forces), 1)), np.tile(d, (len(forces), 1))
+        if probability is None:
+            return np.asarray(top_drag(model, at, along, forces).outcome == "drags")
+        return np.asarray(drag_probability(model, at, along, forces) >= probability)
+
+    forces = np.geomspace(_LEAST_SHARE * most, most, _FORCES)
+    good = drags(forces)
+    if not good.any():
+        return None
+    first = int(good.argmax())
+    after = first + int(np.append(~good[first:], True).argmax())
+    least = forces[0] if first == 0 else _limit_between(drags, forces[first], forces[first - 1])
+    largest = most if after == _FORCES else _limit_between(drags, forces[after - 1], forces[after])
+    return float(least), float(largest)
+
+
+def _limit_between(drags: Callable[[Array], NDArray[np.bool_]], good: float, bad: float) -> float:
+    """The force next to `bad` that is still good, found by halving [N]."""
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (good + bad)
+        good, bad = (middle, bad) if drags(np.array([middle]))[0] else (good, middle)
+    return good
+
+
+def _checked(
+    points: ArrayLike, directions: ArrayLike, press: ArrayLike
+) -> tuple[Array, Array, Array]:
+    """Contacts (n, 3), horizontal directions (n, 3) and forces (n,)."""
+    p, d = checked_pairs(points, directions)
+    require_units(d)
+    force = np.asarray(press, dtype=np.float64)
+    if force.shape not in ((), (len(p),)) or (d[:, 2] != 0.0).any():
+        raise ModelError(
+            "bad_array",
+            f"expected horizontal directions and one pressing force or {len(p)} of them, "
+            f"found forces of shape {force.shape}",
+            suggestions=("a fingertip is led along the table: set z to 0",),
+        )
+    require_finite(force)
+    if (force <= 0.0).any():
+        raise ModelError(
+            "bad_array",
+            "a fingertip presses with a force of more than 0 N",
+            suggestions=("give the force downwards, as a positive number of newtons",),
+        )
+    return p, d, np.broadcast_to(force, len(p))
+
+
+@dataclass(frozen=True)
+class _Pressed:
+    """Objects under n fingertips, as the table feels them.
+
+    Attributes:
+        base: over which they tip.
+        law: of the loaded points under W, its lever in metres per newton of F, h / W.
+        com: c', shape (n, 2) [m].
+        r: contacts from the centre of mass of the law, shape (n, 2) [m].
+        d: directions of the contacts, shape (n, 2).
+        weight: W, shape (n,) [N].
+        grip: μ_f N, shape (n,) [N].
+        hull: of the points on which they stand.
+        tips_at_once: whether the pressing alone tips them, shape (n,).
+    """
+
+    base: Base
+    law: LoadedPoints
+    com: Array
+    r: Array
+    d: Array
+    weight: Array
+    grip: Array
+    hull: Polygon
+    tips_at_once: NDArray[np.bool_]
+
+    @classmethod
+    def of_draws(
+        cls, model: PushedBody, p: Array, d: Array, press: Array, *,
+        com: Array, weight: Array, finger_friction: Array, radius: Array,
+    ) -> _Pressed:  # fmt: skip
+        """Of n objects that differ in what is not known of them."""
+        springs: Springs = springs_of(model)
+        whole = weight + press
+        c = (weight[:, None] * com + press[:, None] * p[:, :2]) / whole[:, None]
+        hull = hull_polygon(springs.points)
+        # What tips at once carries no loads; then the law is that of a place on the edge.
+        middle = springs.weights @ springs.points / springs.weights.sum()
+        way = np.tile(middle, (len(c), 1)), c - middle, np.zeros(len(c)), 1.0
+        reach = (1.0 - _SHORT) * hull.topple_force(*way)
+        inside = middle + np.minimum(1.0, reach)[:, None] * (c - middle)
+        law = LoadedPoints.of_draws(
+            springs, com=inside, finger_friction=finger_friction, radius=radius,
+            lever=p[:, 2] / whole,
+        )  # fmt: skip
+        grip = finger_friction * press
+        beyond = model.base.topple_force(*way) < 1.0
+        return cls(model.base, law, c, p[:, :2] - inside, d[:, :2], whole, grip, hull, beyond)
+
+    def led_force(self, friction: float) -> tuple[Array, Array, Array]:
+        """Force F (n, 2) [N], turn per travel (n,) and tip ratio (n,), for a friction below."""
+        share, turn, tip_ratio = self._settled(friction * self.weight)
+        return (friction * self.weight)[:, None] * share, turn, tip_ratio
+
+    def critical_friction(self) -> Array:
+        """Friction at the table at which the fingertip slips or the object tips, shape (n,)."""
+        share, _, tip_ratio = self._settled(np.full_like(self.weight, np.inf))
+        at_slip = self.grip / (self.weight * np.hypot(*share.T))
+        return np.asarray(at_slip * np.minimum(1.0, tip_ratio))
+
+    def _settled(self, limit: Array) -> tuple[Array, Array, Array]:
+        """Force as a share of μ W, turn and tip ratio, once loads and force fit each other.
+
+        The force that shifts the loads is that share of a limit (n,), at most the grip [N].
+        """
+        share, force = self.d, np.zeros_like(self.d)
+        for _ in range(_SETTLING):
+            slide = self.law.law_under(self._inside(force)).slide_with(self.r, self.d)
+            share, turn = slide.force, slide.turn
+            size, before = np.hypot(*share.T), force
+            force = (np.minimum(limit * size, self.grip) / size)[:, None] * share
+            if (np.hypot(*(force - before).T) <= _SETTLED * self.grip).all():
+                break
+        tip_ratio = self._tip_ratio(self.base, self.com, force)
+        return share, turn, np.where(self.tips_at_once, 0.0, tip_ratio)
+
+    def _inside(self, force: Array) -> Array:
+        """Forces (n, 2), less where they would move the pressure beyond the support points."""
+        room = self._tip_ratio(self.hull, self.law.com, force)
+        return np.minimum(1.0, (1.0 - _SHORT) * room)[:, None] * force
+
+    def _tip_ratio(self, base: Base, com: Array, force: Array) -> Array:
+        """Multiples of forces (n, 2) under which the centre of pressure leaves a base, (n,)."""
+        none = np.zeros(len(force))
+        return base.topple_force(com, self.law.lever[:, None] * force, none, 1.0)
