@@ -28,6 +28,9 @@ Array = NDArray[np.float64]
 # Corners nearer to the line through their neighbours than this share of the base count as on it.
 _FLAT = 1e-9
 
+# Moment by weight and size of the base that holds nothing: the centre of mass is over an edge.
+_NO_HOLD = 1e-100
+
 # Sides of the polygon that stands for a round base where points are needed.
 ROUND_CORNERS = 24
 
@@ -196,6 +199,8 @@ class Polygon(Base):
         self, m: Array, e: Array, w: Array, weight: float, shift: ArrayLike = 0.0
     ) -> Array:
         """Least of s_k = (G d_k − n_k·m) / (n_k·e + w d_k) over its edges; see `Base`."""
+        if m.ndim == 1:
+            return self._topple_force_from(m, e, w, weight, shift)
         least: Array | None = None
         (m_x, m_y), (e_x, e_y) = (m[..., 0], m[..., 1]), (e[..., 0], e[..., 1])
         for n_x, n_y, d, nearer in self._edges(shift):
@@ -205,6 +210,17 @@ class Polygon(Base):
             least = force if least is None else np.minimum(least, force, out=least)
         assert least is not None
         return least
+
+    def _topple_force_from(
+        self, m: Array, e: Array, w: Array, weight: float, shift: ArrayLike
+    ) -> Array:
+        """`topple_force` for one m of all, shape (2,): the largest 1/s_k is a matrix product."""
+        room = self.offsets - np.abs(self.normals) @ np.broadcast_to(shift, 2)
+        holding = np.maximum(weight * room - self.normals @ m, _NO_HOLD * weight * self.size)
+        rates = np.column_stack((self.normals, self.offsets)) / holding[:, None]
+        push = np.stack(np.broadcast_arrays(e[..., 0], e[..., 1], w))
+        with np.errstate(divide="ignore"):
+            return np.asarray(1.0 / np.tensordot(rates, push, axes=1).max(axis=0, initial=0.0))
 
     def single_topple_force(
         self, m: tuple[float, float], e: tuple[float, float], w: float, weight: float

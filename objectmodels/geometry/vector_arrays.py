@@ -42,8 +42,12 @@ def rotate(v: Array, angle: Array) -> Array:
 
 
 def checked_pairs(points: ArrayLike, vectors: ArrayLike) -> tuple[Array, Array]:
-    """Two finite arrays of equal shape (n, 3), or a `ModelError`."""
-    p, v = np.asarray(points, dtype=np.float64), np.asarray(vectors, dtype=np.float64)
+    """Two finite arrays of equal shape (n, 3), or a `ModelError`.
+
+    Each component lies in a row: numpy is much faster on such arrays.
+    """
+    p = np.asarray(points, dtype=np.float64, order="F")
+    v = np.asarray(vectors, dtype=np.float64, order="F")
     if p.ndim != 2 or p.shape[1] != 3 or p.shape != v.shape:
         raise ModelError(
             "bad_array",

@@ -6,7 +6,9 @@ than all operations of one push; of many, a block at a time stays in the process
 
 from __future__ import annotations
 
-from math import inf, sqrt
+import os
+from collections.abc import Callable
+from math import inf
 from typing import NamedTuple
 
 import numpy as np
@@ -14,8 +16,10 @@ import numpy as np
 from objectmodels.geometry.base_shapes import Array, Base
 from objectmodels.mechanics.push_thresholds import (
     QUICK_STEPS,
-    is_first_ratio,
-    nearer_ratio,
+    is_largest_load,
+    load_guess,
+    load_step,
+    quick_slide_force,
     slide_threshold,
     topple_threshold,
     yaw_arm,
@@ -23,6 +27,9 @@ from objectmodels.mechanics.push_thresholds import (
 
 BLOCK = 8192
 """Pushes that are treated at once."""
+
+MANY = 100_000
+"""From so many pushes on, threads are worth their start."""
 
 
 class Figures(NamedTuple):
@@ -52,40 +59,67 @@ def slide_and_topple_forces(body: Figures, p: Array, u: Array) -> tuple[Array, A
     if single is not None:
         return np.array(single[:1]), np.array(single[1:])
     slide, topple = np.empty((2, len(p)))
-    for start in range(0, len(p), BLOCK):
-        b = slice(start, start + BLOCK)
-        arm = yaw_arm(p[b], u[b], body.com)
-        slide[b] = slide_threshold(u[b], arm, body.friction, body.radius, body.weight)
+
+    def fill(b: slice) -> None:
+        slide[b] = _quick_slide(body, p[b], u[b])
         topple[b] = topple_threshold(body.base, p[b], u[b], body.com, body.weight)
+
+    run_blocks(fill, len(p))
+    (i,) = np.nonzero(np.isnan(slide))
+    arm = yaw_arm(p[i], u[i], body.com)
+    slide[i] = slide_threshold(u[i], arm, body.friction, body.radius, body.weight)
     return slide, topple
 
 
+def run_blocks(work: Callable[[slice], None], n: int) -> None:
+    """Do some work for each block of n pushes; numpy lets other threads work as it computes."""
+    blocks = [slice(start, start + BLOCK) for start in range(0, n, BLOCK)]
+    if n < MANY:
+        for block in blocks:
+            work(block)
+        return
+    from concurrent.futures import ThreadPoolExecutor
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        for _ in pool.map(work, blocks):
+            pass
+
+
+def _quick_slide(body: Figures, p: Array, u: Array) -> Array:
+    """Forces at which pushes slide, nan where that takes a closer look, (n,) [N]."""
+    x, y, w = u[:, 0], u[:, 1], u[:, 2]
+    a = yaw_arm(p, u, body.com) / body.radius
+    return quick_slide_force(x * x + y * y, w, a * a, body.friction, body.weight)
+
+
 def _single_forces(body: Figures, p: Array, u: Array) -> tuple[float, float] | None:
-    """The two forces of one push [N]; None if its load ratio takes a closer look."""
+    """The two forces of one push [N]; None if sliding takes a closer look."""
     ((x, y, z),), ((u_x, u_y, w),) = p.tolist(), u.tolist()
     (c_x, c_y, _), weight = body.com.tolist(), body.weight
-    arm = (x - c_x) * u_y - (y - c_y) * u_x
-    r = _single_ratio(float(np.hypot(u_x, u_y)), w, abs(arm) / body.radius, body.friction)
-    if r is None:
+    a = ((x - c_x) * u_y - (y - c_y) * u_x) / body.radius
+    slide = _single_slide(u_x * u_x + u_y * u_y, w, a * a, body.friction, weight)
+    if slide is None:
         return None
     moment = z * u_x - w * x, z * u_y - w * y
     topple = body.base.single_topple_force((weight * c_x, weight * c_y), moment, w, weight)
-    return (r * weight / (1.0 + r * w) if r < inf else inf), topple
+    return slide, topple
 
 
-def _single_ratio(h: float, w: float, a: float, mu: float) -> float | None:
-    """Load ratio at which one push slides, inf if never; None if it takes a closer look.
+def _single_slide(h2: float, w: float, a2: float, mu: float, weight: float) -> float | None:
+    """Force of `quick_slide_force` for one push [N]; inf if it surely jams, None where that is nan.
 
-    h is the length of u_xy, w is u_z, a is |arm| / c̄.
+    h² and a² are the squares of |u_xy| and of arm / c̄, w is u_z.
     """
-    h2, a2 = h * h, a * a
     try:
-        r = mu / sqrt(h2 + a2)
-        for _ in range(QUICK_STEPS if a else 0):
-            r = nearer_ratio(r, w, h2, a2, mu)
+        by_friction = 1.0 / (mu * mu)
+        h2, a2 = h2 * by_friction, a2 * by_friction
+        v, A, B = load_guess(h2, w, a2), h2 + a2, a2 * w
+        for _ in range(QUICK_STEPS):
+            step = load_step(v, A, B, w)
+            v -= step
     except ZeroDivisionError:
         return None
-    if is_first_ratio(r, w, h2, a2, mu):
-        return r
-    jams = w < 0.0 and h <= -mu * w and a2 <= 8.0 * h2
+    if is_largest_load(v, step, A, B, w) and h2 > 0.0:
+        return weight / (v + w)
+    jams = w < 0.0 and h2 <= w * w and a2 <= 8.0 * h2
     return inf if jams else None

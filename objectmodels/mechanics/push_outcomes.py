@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from objectmodels.geometry.base_shapes import Array, Base
 from objectmodels.html_table import html_table
-from objectmodels.mechanics.closed_form import Figures, slide_and_topple_forces
+from objectmodels.mechanics.closed_form import Figures, run_blocks, slide_and_topple_forces
 from objectmodels.mechanics.push_thresholds import (
     centre_of_pressure,
     push_axes,
@@ -179,7 +179,11 @@ class Prediction:
     @cached_property
     def code(self) -> NDArray[np.uint8]:
         """Outcome as an index into `OUTCOMES`."""
-        return np.asarray(self.thresholds.code * self.moves)
+        t = self.thresholds
+        if len(self.force) == 1:
+            rests = self.force.item() < min(t.slide.item(), t.topple.item())
+            return np.zeros(1, dtype=np.uint8) if rests else t.code
+        return np.asarray(t.code * self.moves)
 
     @property
     def outcome(self) -> NDArray[np.str_]:
@@ -255,8 +259,14 @@ def closed_form_thresholds(
 
 def size_and_direction(f: Array) -> tuple[Array, Array]:
     """Sizes (n,) and unit directions (n, 3) of forces; a zero force has the direction zero."""
-    size = np.sqrt(f[:, 0] ** 2 + f[:, 1] ** 2 + f[:, 2] ** 2)
-    return size, f / np.maximum(size, np.finfo(float).tiny)[:, None]
+    size, u = np.empty(len(f)), np.empty(f.shape, order="F")
+
+    def fill(b: slice) -> None:
+        size[b] = np.sqrt(f[b, 0] ** 2 + f[b, 1] ** 2 + f[b, 2] ** 2)
+        u[b] = f[b] / np.maximum(size[b], np.finfo(float).tiny)[:, None]
+
+    run_blocks(fill, len(f))
+    return size, u
 
 
 def force_gap(first: Array, other: Array) -> Array:

@@ -29,9 +29,13 @@ GRAVITY = 9.81
 Number = TypeVar("Number", float, Array)
 
 QUICK_STEPS = 5
-"""Newton steps to a load ratio; all but one push in a thousand need no more."""
+"""Newton steps to the load per force; all but some pushes in a thousand need no more."""
 
-_ROUNDING = 16.0 * np.finfo(float).eps
+_LAST_STEP = 1e-8
+"""A step of less than this share ends at the root, but for some hundred times its square."""
+
+_STEEP = 0.01
+"""Least slope of the quartic at its root, by v³: where it is flatter, another may lie near."""
 
 # More than enough for a bracketed Newton iteration in double precision; usually five are used.
 _MAX_ITERATIONS = 100
@@ -80,8 +84,8 @@ def slide_threshold(
 ) -> Array:
     """Force at which the box starts to slide, yaw included [N].
 
-    With r = s/N: r² [|u_xy|² + (1 + r u_z)² (arm/c̄)²] = μ², then s = r G / (1 + r u_z); the
-    smallest root counts, none means that the push jams (never slides, however strong).
+    With v = N/s: v² |u_xy|² + (v + u_z)² (arm/c̄)² = μ² v⁴, then s = G / (v + u_z); the largest
+    root counts, none means that the push jams (never slides, however strong).
 
     Args:
         u: directions of the force, shape (..., 3); s counts in lengths of u.
@@ -90,12 +94,34 @@ def slide_threshold(
         radius: friction radius c̄ [m].
         weight: G [N].
     """
-    h, w = np.hypot(u[..., 0], u[..., 1]), u[..., 2]
-    a, mu = np.abs(arm) / radius, np.asarray(friction)
-    if mu.ndim or h.shape != a.shape:
-        h, w, a, mu = np.broadcast_arrays(h, w, a, mu)
-    r = _load_ratio(h.ravel(), w.ravel(), a.ravel(), mu.ravel()).reshape(h.shape)
-    return force_at(r, w, weight)
+    x, y, w = u[..., 0], u[..., 1], u[..., 2]
+    h2, a, mu = x * x + y * y, np.abs(arm) / radius, np.asarray(friction)
+    if mu.ndim or h2.shape != a.shape:
+        h2, w, a, mu = np.broadcast_arrays(h2, w, a, mu)
+    s = quick_slide_force(h2, w, a * a, mu, weight)
+    i = np.isnan(s)
+    if i.any():
+        h, w, a, mu = (np.broadcast_to(each, i.shape)[i] for each in (np.sqrt(h2), w, a, mu))
+        s[i] = force_at(_careful_load_ratio(h, w, a, mu), w, weight)
+    return s
+
+
+def quick_slide_force(
+    h2: Array, w: Array, a2: Array, friction: float | Array, weight: float
+) -> Array:
+    """`slide_threshold` for squares of |u_xy| and of arm/c̄; nan where it takes a closer look [N].
+
+    All of one shape (...).
+    """
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        by_friction = 1.0 / np.square(friction)
+        h2, a2 = h2 * by_friction, a2 * by_friction
+        v, A, B = load_guess(h2, w, a2), h2 + a2, a2 * w
+        for _ in range(QUICK_STEPS):
+            step = load_step(v, A, B, w)
+            v = v - step
+        sure = is_largest_load(v, step, A, B, w) & (h2 > 0.0)
+        return np.where(sure, weight / (v + w), np.nan)
 
 
 def force_at(r: Array, w: Array, weight: Array | float) -> Array:
@@ -112,42 +138,32 @@ def ratio_at(s: Array, w: Array, weight: float) -> Array:
         return np.where(np.isinf(s), far, np.where(load > 0.0, s / load, np.inf))
 
 
-def _load_ratio(h: Array, w: Array, a: Array, mu: Array) -> Array:
-    """Smallest r > 0 with r sqrt(h² + (1 + r w)² a²) = μ, shape (n,); inf if there is none.
+def load_guess(h2: Number, w: Number, a2: Number) -> Number:
+    """A load per force v = N/s near that of sliding: exact without arm, or for a horizontal push.
 
-    One μ, shape (1,), may stand for all.
+    Sliding: v⁴ = h² v² + a² (v + w)², with |u_xy|/μ, u_z and |arm|/(μ c̄) for h, w and a.
     """
-    h2, a2 = h * h, a * a
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        r = mu / np.sqrt(h2 + a2)  # exact for a horizontal force, else near by
-        for _ in range(QUICK_STEPS if a.any() else 0):
-            r = nearer_ratio(r, w, h2, a2, mu)
-        sure = is_first_ratio(r, w, h2, a2, mu)
-    if sure.all():
-        return r
-    (i,) = np.nonzero(~sure)
-    r[i] = _careful_load_ratio(h[i], w[i], a[i], np.broadcast_to(mu, h.shape)[i])
-    return r
+    y = 1.0 + w / (h2 + a2) ** 0.5
+    v: Number = (h2 + a2 * y * y) ** 0.5
+    return v
 
 
-def nearer_ratio(r: Number, w: Number, h2: Number, a2: Number, mu: Number) -> Number:
-    """A load ratio r after a Newton step on r² (h² + (1 + r w)² a²) = μ²."""
-    y = 1.0 + r * w
-    part = h2 + y * y * a2
-    return r - (r * r * part - mu * mu) / (2.0 * r * (part + r * y * w * a2))
+def load_step(v: Number, A: Number, B: Number, w: Number) -> Number:
+    """Newton's step, to be taken off v, on v⁴ − A v² − 2 B v − B w; A = h² + a², B = a² w."""
+    t = v * v
+    return (v * (v * (t - A) - 2.0 * B) - B * w) / (2.0 * (v * (t + t - A) - B))
 
 
-def is_first_ratio(r: Number, w: Number, h2: Number, a2: Number, mu: Number) -> Any:
-    """Return True where a load ratio surely is the least one that solves this."""
-    y = 1.0 + r * w
-    # A pull has one root. One that presses down slides at the root found if nothing bends.
-    solves = abs(r * r * (h2 + y * y * a2) - mu * mu) <= _ROUNDING * mu * mu
-    bends_not = (w >= 0.0) | ((a2 <= 8.0 * h2) & (r * -w < 1.0))
-    return solves & bends_not & (r > 0.0) & (h2 > 0.0)
+def is_largest_load(v: Number, step: Number, A: Number, B: Number, w: Number) -> Any:
+    """Return True where v, found by a last step, surely is the largest root, and its s positive."""
+    t = v * v
+    # Beyond v² = A/6 the quartic is convex: from a root there at which it rises it never returns.
+    rises = (v * (t + t - A) - B >= _STEEP * t * v) & (6.0 * t >= A)
+    return rises & (v > 0.0) & (v + w > 0.0) & (abs(step) <= _LAST_STEP * v)
 
 
 def _careful_load_ratio(h: Array, w: Array, a: Array, mu: Array) -> Array:
-    """`_load_ratio` for pushes of every kind."""
+    """Smallest r > 0 with r sqrt(h² + (1 + r w)² a²) = μ, shape (n,); inf if there is none."""
     with np.errstate(divide="ignore", invalid="ignore"):
         flat = mu / np.hypot(h, a)  # one side of the bracket
         straight = mu / h  # exact without yaw
@@ -160,7 +176,7 @@ def _careful_load_ratio(h: Array, w: Array, a: Array, mu: Array) -> Array:
 
 
 def _solve_load_ratio(h: Array, w: Array, a: Array, mu: Array, flat: Array) -> Array:
-    """The general case of `_load_ratio`, by Newton's method inside a bracket of the first root."""
+    """The general case of `_careful_load_ratio`, by Newton's method in a bracket of the root."""
     pull = w > 0.0
     lo = np.where(pull, 0.0, flat)
     with np.errstate(divide="ignore"):

@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.pushed_body import contact_room
 from objectmodels.geometry.vector_arrays import checked_pairs
 
 if TYPE_CHECKING:
@@ -28,7 +27,7 @@ def checked_contacts(
         ModelError: `bad_array`; `off_object` if a point is far outside of the box around it.
     """
     p, v = checked_pairs(points, vectors)
-    low, high = contact_room(model)
+    low, high = model.contact_room
     off = (p < low) | (p > high)
     if off.any():
         raise _off_object(model, p[off.any(axis=1).argmax()], low, high)

@@ -24,7 +24,7 @@ from pydantic import model_validator
 from objectmodels.cached_values import cached_property
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array, Base
-from objectmodels.geometry.pushed_body import Friction
+from objectmodels.geometry.pushed_body import Friction, contact_room
 from objectmodels.geometry.side_faces import Face
 from objectmodels.geometry.support_points import carrying_base, friction_radius, is_within
 from objectmodels.geometry.vector_arrays import (
@@ -54,9 +54,7 @@ if TYPE_CHECKING:
     from objectmodels.mechanics.push_outcomes import SuddenPush
     from objectmodels.models.calibration import SeenPushes
 
-_OF_ITS_BASE = (
-    "friction_radius", "friction_radius_sd", "correlations", "container", "lid",
-)  # fmt: skip
+_OF_ITS_BASE = ("friction_radius", "friction_radius_sd", "correlations", "container", "lid")
 
 
 class ObjectModel(Parameters, ABC):
@@ -109,8 +107,8 @@ class ObjectModel(Parameters, ABC):
 
         Those of a solid box around it, unless a kind of model knows better.
         """
-        x, y, z = self.extents
-        return ((y * y + z * z) / 12.0, (x * x + z * z) / 12.0, (x * x + y * y) / 12.0)
+        x2, y2, z2 = (side * side / 12.0 for side in self.extents)
+        return (y2 + z2, x2 + z2, x2 + y2)
 
     @cached_property
     def rests(self) -> tuple[Resting, ...]:
@@ -126,11 +124,11 @@ class ObjectModel(Parameters, ABC):
         Raises:
             ModelError: `unknown_face` if it cannot rest on a face of that name.
         """
-        for rest in self.rests:
-            if rest.face == face:
-                return rest.model
-        hint = f"it rests on: {', '.join(rest.face for rest in self.rests)}"
+        models = {rest.face: rest.model for rest in self.rests}
+        if face in models:
+            return models[face]
         wrong = f"the {self.name} cannot rest on {face!r}"
+        hint = f"it rests on: {', '.join(models)}"
         raise ModelError("unknown_face", wrong, suggestions=(hint,))
 
     def resting_face(self, R_WB: ArrayLike) -> Resting:
@@ -188,6 +186,11 @@ class ObjectModel(Parameters, ABC):
         """Base that it would topple over: its footprint, or the hull of its support points."""
         return carrying_base(self.support, self.footprint)
 
+    @cached_property
+    def contact_room(self) -> tuple[Array, Array]:
+        """Corners of the box in which contacts may lie, each (3,) [m]."""
+        return contact_room(self)
+
     @property
     def extents(self) -> tuple[float, float, float]:
         """Size along x, y, z of B [m]."""
@@ -197,16 +200,13 @@ class ObjectModel(Parameters, ABC):
     @cached_property
     def vessel(self) -> Vessel | None:
         """Its cavity, as a function of how it leans; None if it is not hollow."""
-        if self.container is None:
-            return None
-        return Vessel.from_shape(self.section, self.top, self.container)
+        inside = self.container
+        return None if inside is None else Vessel.from_shape(self.section, self.top, inside)
 
     @property
     def seen_pushes(self) -> SeenPushes | None:
         """Pushes by which a kind with predictions of its own is judged."""
         return None
-
-    # -- predictions ---------------------------------------------------------------------------
 
     @overload
     def thresholds(

@@ -11,20 +11,19 @@ from typing import TYPE_CHECKING, TypeGuard
 import numpy as np
 from numpy.typing import ArrayLike
 
-from objectmodels.cached_values import remember_answers
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.pushed_body import contact_room
 from objectmodels.geometry.vector_arrays import UNIT
 from objectmodels.mechanics.push_outcomes import Prediction, Thresholds, closed_form_thresholds
 
 if TYPE_CHECKING:
-    from objectmodels.geometry.pushed_body import Friction, PushedBody
+    from objectmodels.geometry.pushed_body import Friction
+    from objectmodels.models.object_model import ObjectModel
 
 _TINY = float(np.finfo(float).tiny)
 
 
 def single_thresholds(
-    model: PushedBody, points: ArrayLike, directions: ArrayLike, friction: Friction
+    model: ObjectModel, points: ArrayLike, directions: ArrayLike, friction: Friction
 ) -> Thresholds | None:
     """Thresholds of one push by the closed form; None if arrays are to be looked at.
 
@@ -41,7 +40,7 @@ def single_thresholds(
 
 
 def single_prediction(
-    model: PushedBody, points: ArrayLike, forces: ArrayLike, friction: Friction
+    model: ObjectModel, points: ArrayLike, forces: ArrayLike, friction: Friction
 ) -> Prediction | None:
     """Outcome of one push with a force, shape (1, 3) [N]; None as for `single_thresholds`."""
     if not (_is_on(points, model) and _is_single(forces)):
@@ -58,20 +57,13 @@ def _is_single(vectors: ArrayLike) -> TypeGuard[Array]:
     return isinstance(vectors, np.ndarray) and vectors.shape == (1, 3) and vectors.dtype == float
 
 
-def _is_on(points: ArrayLike, model: PushedBody) -> TypeGuard[Array]:
+def _is_on(points: ArrayLike, model: ObjectModel) -> TypeGuard[Array]:
     """Return True for one contact on a model."""
     if not _is_single(points):
         return False
     ((x, y, z),) = points.tolist()
-    low, high = _room(model)
+    low, high = (corner.tolist() for corner in model.contact_room)
     return bool(low[0] <= x <= high[0] and low[1] <= y <= high[1] and low[2] <= z <= high[2])
-
-
-@remember_answers(64)
-def _room(model: PushedBody) -> tuple[list[float], list[float]]:
-    """Corners of the room of contacts on a model, kept, since models never change."""
-    low, high = contact_room(model)
-    return low.tolist(), high.tolist()
 
 
 def _size(vectors: Array) -> float:
