@@ -51,6 +51,10 @@ class PushedBody(Protocol):
         """Height of its highest point [m]."""
 
     @property
+    def contact_room(self) -> tuple[Array, Array]:
+        """Corners of the box in which contacts may lie; see the function of that name [m]."""
+
+    @property
     def support(self) -> Support:
         """Points on which it stands; see `objectmodels.geometry.support_points`."""
 

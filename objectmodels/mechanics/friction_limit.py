@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.vector_arrays import total
 
 PRECISE = 1e-10
 """Relative residual at which a limit counts as found."""
@@ -141,20 +142,20 @@ def _about_a_point(
     own = about, pushes
     x, y, turn = along - along[own], left - left[own], 1.0 / left[own]
     r, sense = np.hypot(x, y), np.sign(turn)
-    ratio = (loads * r).sum(axis=0) * np.abs(turn)
+    ratio = total(loads * r) * np.abs(turn)
     r[own] = 1.0
     d_x, d_y = -sense * y / r, sense * x / r
     # What is left for the point in the centre to balance the push.
-    d_x[own] = (ratio - (loads * d_x).sum(axis=0)) / loads[own]
-    d_y[own] = -(loads * d_y).sum(axis=0) / loads[own]
+    d_x[own] = (ratio - total(loads * d_x)) / loads[own]
+    d_y[own] = -total(loads * d_y) / loads[own]
     holds = np.hypot(d_x[own], d_y[own]) <= 1.0
     return Limit(ratio, -along[own] * turn, turn, d_x, d_y, np.where(holds, 0.0, np.inf))
 
 
 def _start_motion(loads: Array, along: Array, left: Array) -> tuple[Array, Array]:
     """The ellipsoid's motion, β and ω, for a start."""
-    m, o = (loads * left).sum(axis=0), (loads * along).sum(axis=0)
-    spread = (loads * ((left - m) ** 2 + (along - o) ** 2)).sum(axis=0)
+    m, o = total(loads * left), total(loads * along)
+    spread = total(loads * ((left - m) ** 2 + (along - o) ** 2))
     turn = m / (m * m + spread)
     return -turn * o, turn
 
@@ -214,8 +215,9 @@ def _newton_limit(
 
 def _spread(along: Array, left: Array) -> Array:
     """Root of the mean squared distance of the points from their middle, shape (n,) [m]."""
-    off_x, off_y = along - along.mean(axis=0), left - left.mean(axis=0)
-    return np.asarray(np.sqrt((off_x * off_x + off_y * off_y).mean(axis=0)))
+    k = len(along)
+    off_x, off_y = along - total(along) / k, left - total(left) / k
+    return np.asarray(np.sqrt(total(off_x * off_x + off_y * off_y) / k))
 
 
 def _newton_step(
@@ -229,9 +231,9 @@ def _newton_step(
     p_x, p_y = d_x / speed, d_y / speed
     xx, yy = c * (1.0 - p_x * v_x), c * (1.0 - p_y * v_y)
     xy = -0.5 * c * (p_x * v_y + p_y * v_x)
-    g_b, g_w = (c * v_y).sum(axis=0), (c * (along * v_y - left * v_x)).sum(axis=0)
-    h_bb, h_bw = yy.sum(axis=0), (along * yy - left * xy).sum(axis=0)
-    h_ww = (left * left * xx - 2.0 * left * along * xy + along * along * yy).sum(axis=0)
+    g_b, g_w = total(c * v_y), total(c * (along * v_y - left * v_x))
+    h_bb, h_bw = total(yy), total(along * yy - left * xy)
+    h_ww = total(left * left * xx - 2.0 * left * along * xy + along * along * yy)
     scale = 1.0 / (h_bb * h_ww - h_bw * h_bw)
     more_across = (g_w * h_bw - g_b * h_ww) * scale
     more_turn = (g_b * h_bw - g_w * h_bb) * scale
@@ -247,10 +249,10 @@ def _certified_limit(
 ) -> tuple[Limit, NDArray[np.bool_]]:
     """The limit that motion and forces make out, and which ones are precise enough."""
     speed = np.hypot(1.0 - turn * left, across + turn * along)
-    upper = (loads * speed).sum(axis=0)
-    lower = (loads * d_x).sum(axis=0)
-    off_across = np.abs((loads * d_y).sum(axis=0))
-    off_turn = np.abs((loads * (along * d_y - left * d_x)).sum(axis=0))
+    upper = total(loads * speed)
+    lower = total(loads * d_x)
+    off_across = np.abs(total(loads * d_y))
+    off_turn = np.abs(total(loads * (along * d_y - left * d_x)))
     # What the forces lack in balance counts by the motion that it would feed.
     residual = (np.abs(upper - lower) + off_across * (np.abs(across) + 1.0)
                 + off_turn * (np.abs(turn) + 1.0)) / upper  # fmt: skip

@@ -16,14 +16,13 @@ from objectmodels.geometry.vector_arrays import UNIT
 from objectmodels.mechanics.push_outcomes import Prediction, Thresholds, closed_form_thresholds
 
 if TYPE_CHECKING:
-    from objectmodels.geometry.pushed_body import Friction
-    from objectmodels.models.object_model import ObjectModel
+    from objectmodels.geometry.pushed_body import Friction, PushedBody
 
 _TINY = float(np.finfo(float).tiny)
 
 
 def single_thresholds(
-    model: ObjectModel, points: ArrayLike, directions: ArrayLike, friction: Friction
+    model: PushedBody, points: ArrayLike, directions: ArrayLike, friction: Friction
 ) -> Thresholds | None:
     """Thresholds of one push by the closed form; None if arrays are to be looked at.
 
@@ -40,7 +39,7 @@ def single_thresholds(
 
 
 def single_prediction(
-    model: ObjectModel, points: ArrayLike, forces: ArrayLike, friction: Friction
+    model: PushedBody, points: ArrayLike, forces: ArrayLike, friction: Friction
 ) -> Prediction | None:
     """Outcome of one push with a force, shape (1, 3) [N]; None as for `single_thresholds`."""
     if not (_is_on(points, model) and _is_single(forces)):
@@ -57,7 +56,7 @@ def _is_single(vectors: ArrayLike) -> TypeGuard[Array]:
     return isinstance(vectors, np.ndarray) and vectors.shape == (1, 3) and vectors.dtype == float
 
 
-def _is_on(points: ArrayLike, model: ObjectModel) -> TypeGuard[Array]:
+def _is_on(points: ArrayLike, model: PushedBody) -> TypeGuard[Array]:
     """Return True for one contact on a model."""
     if not _is_single(points):
         return False

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from objectmodels.geometry.base_shapes import Array, Base, Disc
 from objectmodels.geometry.support_points import hull_polygon
+from objectmodels.geometry.vector_arrays import total
 from objectmodels.mechanics.exact.support_springs import Springs
 from objectmodels.mechanics.friction_limit import Limit, friction_limit
 from objectmodels.mechanics.push_thresholds import push_axes, push_moment
@@ -289,12 +290,10 @@ class SlideSearch:
         mu, h, scale = self.mu[i], self.h[i], self.scale[i]
         compared = np.where(precise, np.nan, r * h / mu)
         limit = friction_limit(loads, along, left, compared, near)
-        slope = (change * np.hypot(*limit.slip_velocities(along, left))).sum(axis=0)
+        slope = total(change * np.hypot(*limit.slip_velocities(along, left)))
         if self.scaled:
             ahead, aside = self.in_push_axes((1.0 - scale) * dq, i)
-            slope += limit.turn * (loads * (limit.across_i * ahead - limit.along_i * aside)).sum(
-                axis=0
-            )
+            slope += limit.turn * total(loads * (limit.across_i * ahead - limit.along_i * aside))
         return _Look(mu * limit.ratio - r * h, mu * slope - h, limit, q, loads, along, left)
 
     def in_push_axes(self, q: Array, i: Index) -> tuple[Array, Array]:
@@ -317,14 +316,14 @@ class SlideSearch:
         limit = look.limit
         q, loads, along, left = (each[:, done] for each in look[3:])
         d_x, d_y = limit.along_i[:, done], limit.across_i[:, done]
-        size = np.sqrt((loads * (along**2 + left**2)).sum(axis=0))
+        size = np.sqrt(total(loads * (along**2 + left**2)))
         push = r * self.h[i] / self.mu[i]
         violated = (
-            np.abs(loads.sum(axis=0) - 1.0),
+            np.abs(total(loads) - 1.0),
             np.abs(self.springs.points.T @ loads - q).max(axis=0) / size,
-            np.abs((loads * d_x).sum(axis=0) - push) / push,
-            np.abs((loads * d_y).sum(axis=0)) / push,
-            np.abs((loads * (along * d_y - left * d_x)).sum(axis=0)) / (push * size),
+            np.abs(total(loads * d_x) - push) / push,
+            np.abs(total(loads * d_y)) / push,
+            np.abs(total(loads * (along * d_y - left * d_x))) / (push * size),
             np.maximum(np.hypot(d_x, d_y).max(axis=0) - 1.0, 0.0),
             np.abs(limit.ratio[done] - push) / push,  # power dissipated and supplied
         )

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.support_points import mean_distance
+from objectmodels.geometry.vector_arrays import total
 
 _QUICK = 15  # guesses of the loaded points before they are searched
 _STEPS = 80  # of the search for the loaded points; a handful suffices
@@ -211,7 +212,7 @@ class Springs:
         if soft:
             s[[0, 3, 5]] += soft
         cofactors = s[_FIRST] * s[_OTHER] - s[_LESS] * s[_TIMES]
-        return np.asarray(cofactors / (s[:3] * cofactors[:3]).sum(axis=0))
+        return np.asarray(cofactors / total(s[:3] * cofactors[:3]))
 
 
 def _with_row(value: float, q: Array) -> Array:
