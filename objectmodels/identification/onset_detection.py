@@ -60,7 +60,8 @@ class Onset:
         time: when [s].
         force: that moved it [N].
         force_sd: its standard deviation from the samples' scatter [N].
-        moved: whether it moved at all; if not, `force` is the largest that it withstood.
+        moved: whether an onset is seen; if not, `force` is the largest one.
+        travel: of the finger along the push, from its touch to the end [m].
     """
 
     index: int
@@ -68,6 +69,7 @@ class Onset:
     force: float
     force_sd: float
     moved: bool
+    travel: float
 
 
 def detect_onset(time: ArrayLike, force: ArrayLike, travel: ArrayLike) -> Onset:
@@ -105,11 +107,11 @@ def detect_onset(time: ArrayLike, force: ArrayLike, travel: ArrayLike) -> Onset:
             kink, *_ = _two_lines(t[first:end], f[first:end])
             back = max(2 * first - end, 0)  # as much of the approach as of the rise
             yields = _goes_on(t[back:], x[back:], kink)
-    begin = first + int(np.searchsorted(t[first:], kink))
+    begin, gone = first + int(np.searchsorted(t[first:], kink)), float(x[-1] - x[first])
     if not (yields and x[-1] - x[begin] > LEAST_TRAVEL):
         top = int(np.argmax(smooth))
         spread = float(np.std(f - smooth)) / np.sqrt(max(len(f) // 50, 3))
-        return Onset(top, float(t[top]), float(smooth[top]), spread, moved=False)
+        return Onset(top, float(t[top]), float(smooth[top]), spread, False, gone)
     way = slice(begin, max(int(np.searchsorted(x, x[begin] + _AFTER)), begin + 4))
     sliding, sliding_sd = _line_value(x[way], f[way], x[begin])
     rising = slice(begin - max(int(_RISE * (begin - first)), 4), begin)
@@ -119,8 +121,8 @@ def detect_onset(time: ArrayLike, force: ArrayLike, travel: ArrayLike) -> Onset:
         drop = min(sticking, float(smooth[first : way.stop].max())) - sliding
         sd = float(np.hypot(sticking_sd, sliding_sd))
         if drop > max(_STICKS * sliding, _STICKS_SURELY * sd):
-            return Onset(begin, kink, sticking, sticking_sd, moved=True)
-    return Onset(begin, kink, sliding, sliding_sd, moved=True)
+            return Onset(begin, kink, sticking, sticking_sd, True, gone)
+    return Onset(begin, kink, sliding, sliding_sd, True, gone)
 
 
 def _running_mean(f: Array, width: int) -> Array:
@@ -201,8 +203,8 @@ class Recording:
     source: str = "a recording"
 
 
-def trial_from_series(recording: Recording) -> tuple[Trial, Onset] | None:
-    """The trial at the onset of motion in a recording, and the onset; None if nothing moved.
+def trial_from_series(recording: Recording) -> tuple[Trial | None, Onset]:
+    """The trial at the onset of motion in a recording, None if none is seen, and the onset.
 
     Raises:
         ModelError: `bad_array` if it is too short, or its times do not increase.
@@ -212,7 +214,7 @@ def trial_from_series(recording: Recording) -> tuple[Trial, Onset] | None:
     travel = (tip - tip[0]) @ d
     onset = detect_onset(recording.time, force @ d, travel)
     if not onset.moved:
-        return None
+        return None, onset
     whole = slice(onset.index, None)
     way = _samples_after_onset(travel, onset.index) if recording.end is None else whole
     mean = _forces_in_body(recording, travel, onset.index)[way].mean(axis=0)

@@ -21,6 +21,7 @@ from objectmodels.identification.logs.csv_tables import Row, Table, read_table, 
 from objectmodels.identification.onset_detection import (
     LEAST_SAMPLES,
     LEAST_TRAVEL,
+    Onset,
     Recording,
     tilted_trial,
     trial_from_series,
@@ -278,21 +279,31 @@ def read_recordings(table: Table, model: ObjectModel, prefix: str) -> tuple[list
         recording = _recording_from(label, rows, prefix)
         require_none(rows[0], contact_objection(model, vector_tuple(recording.tip[0])))
         try:
-            found = trial_from_series(recording)
+            trial, onset = trial_from_series(recording)
         except ModelError as error:
             raise rows[0].error("trial", f"trial {label}: {error.message}") from error
-        if found is None:
-            unused.append(
-                f"{recording.source}: nothing moved in it (no force stays while the finger travels "
-                f"{1e3 * LEAST_TRAVEL:.0f} mm)"
-            )
+        if trial is None:
+            unused.append(f"{recording.source}: {_missing_onset(onset)}")
             continue
-        trial, onset = found
         largest = FORCE[int(np.argmax(np.abs(trial.force)))]
         require_none(rows[onset.index], force_objection(model, trial), largest)
         held = tilted_trial(recording, trial, model)
         trials += [trial] if held is None else [trial, held]
     return trials, unused
+
+
+def _missing_onset(onset: Onset) -> str:
+    """Why a recording shows no onset of motion, with figures."""
+    way, least = (f"{1e3 * length:.1f} mm" for length in (onset.travel, LEAST_TRAVEL))
+    if onset.travel <= LEAST_TRAVEL:
+        return (
+            f"nothing moved in it: from its touch on the finger travels {way}, with up to "
+            f"{onset.force:.2f} N; a motion shows from {least} on"
+        )
+    return (
+        f"no onset is seen in it: from its touch on the finger travels {way} without going faster, "
+        f"and the force, {onset.force:.2f} N at most, does not rise once to about that and stay"
+    )
 
 
 def require_none(row: Row, objection: Objection | None, force: str = FORCE[0]) -> None:

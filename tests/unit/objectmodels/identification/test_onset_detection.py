@@ -150,9 +150,9 @@ def recording(**changes: Any) -> Recording:
 
 
 def trial_of(made: Recording) -> Trial:
-    found = trial_from_series(made)
-    assert found is not None
-    return found[0]
+    trial, _ = trial_from_series(made)
+    assert trial is not None
+    return trial
 
 
 def test_no_force_is_surer_than_one_in_a_hundred() -> None:

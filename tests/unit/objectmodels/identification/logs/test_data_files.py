@@ -328,6 +328,23 @@ def test_a_recording_in_which_nothing_moved_is_left_out(tmp_path: Path) -> None:
     assert "trial a: nothing moved" in reading.unused[0]
 
 
+def test_a_force_that_rises_twice_is_not_said_to_have_moved_nothing(tmp_path: Path) -> None:
+    # A finger of a stiff arm at 2.5 mm/s: 2 N from 0.5 s on, 6 N from 3.2 s on.
+    time = np.arange(0.0, 5.0, 0.02)
+    force = 2.0 * np.clip((time - 0.5) / 0.2, 0.0, 1.0) + 4.0 * np.clip((time - 3.2) / 0.2, 0, 1)
+    rows = [
+        f"a,slide,{t:.2f},{f:.3f},0,0,{-0.045 + 0.0025 * t:.5f},0,0.04"
+        for t, f in zip(time, force, strict=True)
+    ]
+    header = "trial,moved,time_s,fx_n,fy_n,fz_n,x_m,y_m,z_m"
+    reading = read_data([_written(tmp_path, "\n".join([header, *rows]))], MODEL)
+    assert reading.trials == ()
+    assert "nothing moved" not in reading.unused[0]
+    # From 0.54 s, where the force passes a twentieth of its largest, to 4.98 s.
+    assert "11.1 mm" in reading.unused[0]
+    assert "6.00 N" in reading.unused[0]
+
+
 @pytest.mark.parametrize(
     ("columns", "row", "read_cell", "refused_cell"),
     [
