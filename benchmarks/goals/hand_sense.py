@@ -59,7 +59,12 @@ def may_be_handled(frame: g.Frame, state: WorldState) -> bool:
 
 def may_be_held(target: SeenObject, state: WorldState) -> bool:
     """Whether a hand closes about an object where it stands, and may bear it."""
-    if target.lies_on != "bottom" or target.fixed:
+    return target.lies_on == "bottom" and may_be_held_lying(target, state)
+
+
+def may_be_held_lying(target: SeenObject, state: WorldState) -> bool:
+    """Whether a hand closes about an object as it lies, and may bear it."""
+    if target.fixed:
         return False
     others = [other for name, other in state.objects.items() if name != target.name]
     high = [footprint(other) for other in others if other.bulk()[1] > 0.5 * target.model.top]

@@ -100,13 +100,14 @@ def _object_of_constraints(thing: ph.Thing, parts: Sequence[ph.Part]) -> ph.Thin
 
 
 def _is_list(things: Sequence[ph.Thing], lexicon: Lexicon, sentence: Normalised) -> bool:
-    """Check for things that stand side by side, joined by "and"."""
+    """Check for things that stand side by side, joined by "and", or changed one for another."""
+    pairing = {"and", *lexicon.terminals["EXCHANGED_WITH"]}
     for one, other in pairwise(things):
         between = sentence.original[one.span[1] : other.span[0]].casefold()
         words = between.replace(",", " , ").split()
         counting = {word for phrase in lexicon.terminals["QUANTIFIER"] for word in phrase.split()}
-        joined = set(words) <= {",", "and", "&", *lexicon.terminals["THE"], "a", "an", *counting}
-        if not joined or not {",", "and"} & set(words):
+        joined = set(words) <= {",", "&", *pairing, *lexicon.terminals["THE"], "a", "an", *counting}
+        if not joined or not {",", *pairing} & set(words):
             return False
     return True
 

@@ -112,6 +112,11 @@ class Lookahead:
             "THAT_IS": lambda _phrase, text, end, last: (
                 bool(last) and not self._any("COMPARATIVE", text, end + 1)
             ),
+            "EXCHANGED_WITH": lambda phrase, text, end, _last: (
+                self._last_goal(text, end - len(phrase)) == "swap"
+                and self._names_begin(text, end)
+                and not self._follows(("TOOL", *_AMOUNTS), text, end)
+            ),
             "FROM_SIDE": lambda _phrase, text, end, _last: self._ends_name(text, end),
             "FROM_TABLE": lambda phrase, text, end, last: (
                 last != "LENGTH_UNIT"

@@ -15,9 +15,9 @@ from grammar.frames.command import Span
 from grammar.words.lexicon import Lexicon
 from grammar.words.phrase_places import WORD, Phrases
 
-_OPEN = frozenset({"A", "AND_WITH", "AT", "BETWEEN", "BY", "FILLED_WITH", "FROM", "GAP", "IN",
-                   "INTO", "NEXT", "OF", "PART_OF", "RANGE", "RELATION", "THE", "TO_DO", "TO_LEVEL",
-                   "TOWARD", "UNTIL", "WITH", "WITHOUT"})  # fmt: skip
+_OPEN = frozenset({"A", "AND_WITH", "AT", "BETWEEN", "BY", "EXCHANGED_WITH", "FILLED_WITH", "FROM",
+                   "GAP", "IN", "INTO", "NEXT", "OF", "PART_OF", "RANGE", "RELATION", "THE",
+                   "TO_DO", "TO_LEVEL", "TOWARD", "UNTIL", "WITH", "WITHOUT"})  # fmt: skip
 """Terminals that say nothing by themselves, so that one said twice is stammered."""
 
 _LONGEST_OPEN = 4

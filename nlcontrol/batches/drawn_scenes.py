@@ -88,7 +88,7 @@ def draw_scene_with(
     standing: list[SeenObject] = []
     for model in (first, *chosen):
         spans = STANDING if standing else REACHED
-        truth, fragile = _draw_truth(model, rng), bool(standing) and bool(rng.random() < FRAGILE)
+        truth, fragile = draw_truth(model, rng), bool(standing) and bool(rng.random() < FRAGILE)
         pose = free_place(model, spans, standing, rng, oblique)
         if pose is None:
             continue
@@ -145,7 +145,7 @@ def free_place(
     return None
 
 
-def _draw_truth(model: ObjectModel, rng: Generator) -> Truth:
+def draw_truth(model: ObjectModel, rng: Generator) -> Truth:
     """Draws how an object of a model really is, within the bounds."""
     mass, friction, finger, *shift = rng.uniform(-1.0, 1.0, 6).tolist()
     changed = truth_as_believed(model, _colours().get(model.name, GREY)).model_copy(

@@ -38,6 +38,7 @@ FOLLOWERS = {
     "AND_WITH": "the box",
     "BE": "pushed",
     "CUPS": "tea",
+    "EXCHANGED_WITH": "the box",
     "FILLER": "push",
     "IS_AT": "10",
     "NEEDS": "pushing",
@@ -57,8 +58,8 @@ FOLLOWERS = {
 
 # The verb behind which it looks for them.
 VERBS = {
-    "CUPS": "pour", "FILLED": "fill", "FILLED_WITH": "fill", "ON_TABLE": "put", "PORTION": "pour",
-    "SOME_OF": "pour", "STROKE": "give",
+    "CUPS": "pour", "EXCHANGED_WITH": "swap", "FILLED": "fill", "FILLED_WITH": "fill",
+    "ON_TABLE": "put", "PORTION": "pour", "SOME_OF": "pour", "STROKE": "give",
 }  # fmt: skip
 LAST = {"OR": "AVOID", "PART_OF": "VOLUME_UNIT", "PARTICLE": "VERB", "SOME_OF": "VERB"}
 
@@ -227,6 +228,7 @@ FORMS = {
     "align": ("aligned", "aligning"), "straighten": ("straightened", "straightening"),
     "square": ("squared", "squaring"), "line": ("lined", "lining"),
     "arrange": ("arranged", "arranging"), "clear": ("cleared", "clearing"),
+    "stack": ("stacked", "stacking"), "pile": ("piled", "piling"),
 }  # fmt: skip
 """Participle and gerund of every verb, from the dictionary."""
 

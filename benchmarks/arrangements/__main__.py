@@ -1,0 +1,116 @@
+"""Draws cases, runs them in worker processes, and prints what came of them.
+
+    python -m benchmarks.arrangements --cases 60 --plan-only
+    python -m benchmarks.arrangements --cases 26 --record arrangements.jsonl
+    python -m benchmarks.arrangements --kinds swap,row --cases 6 --no-run
+
+A case depends on its seed and number alone. With `--record` results are kept as they come, and a
+broken run goes on where it was. Times are of the processor, so that they hold on a busy machine.
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import sys
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.arrangements.arranged_cases import Done, run
+from benchmarks.arrangements.arranged_worlds import KINDS, Job, draw_case
+from benchmarks.record import carried_out
+
+
+def report(results: Sequence[Done]) -> str:
+    """Tables of what was accepted and satisfied, times, and everything that went amiss."""
+    lines = [f"{'kind':9} {'cases':>5} {'sensible':>8} {'accepted':>8} {'executed':>8} "
+             f"{'satisfied':>9} {'false':>5} {'harm':>4}"]  # fmt: skip
+    for kind in (*KINDS, None):
+        some = [done for done in results if kind in (done.kind, None)]
+        lines += [_row(kind or "all", some)] if some else []
+    times = [done.planning for done in results]
+    middle, high = np.percentile(times, [50, 95])
+    lines.append(f"planning: median {middle:.2f} s, 95 % {high:.2f} s, at most {max(times):.2f} s")
+    return "\n".join([*lines, *filter(None, map(_amiss, results))])
+
+
+def _row(name: str, results: Sequence[Done]) -> str:
+    sensible = [done for done in results if done.sensible]
+    executed = [done for done in results if done.met is not None]
+    good = sum(done.status == "done" and bool(done.met) for done in executed)
+    return (
+        f"{name:9} {len(results):>5} {len(sensible):>8} {sum(d.accepted for d in sensible):>8} "
+        f"{len(executed):>8} {good:>9} {sum(d.falsely_done for d in results):>5} "
+        f"{sum(bool(d.harmed) for d in results):>4}"
+    )
+
+
+def _amiss(done: Done) -> str:
+    """A line on a case that went otherwise than it should."""
+    harmed = f"; harmed {', '.join(done.harmed)}" if done.harmed else ""
+    label = "" if done.sensible else " (blind)"
+    if done.falsely_done or (done.met and done.status != "done"):
+        what = f"{done.status}, truly {'met' if done.met else 'missed'}"
+    elif done.status in ("done", "planned") and not harmed:
+        return ""
+    else:
+        what = f"{done.status} {done.reason}"
+    said = f"{done.job.seed}-{done.job.number}{label} “{done.text}”"
+    return f"{said}: {what}{harmed}: {done.message.strip()}"
+
+
+def _kinds(text: str) -> list[str]:
+    kinds = [part.strip() for part in text.split(",")]
+    if set(kinds) - set(KINDS):
+        raise argparse.ArgumentTypeError(f"kinds are {', '.join(KINDS)}")
+    return kinds
+
+
+def _options() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--cases", type=int, default=len(KINDS))
+    parser.add_argument("--first", type=int, default=0, help="number of the first case")
+    parser.add_argument("--kinds", type=_kinds, default=list(KINDS), help="with commas")
+    parser.add_argument("--plan-only", action="store_true", help="carry nothing out")
+    parser.add_argument("--no-run", action="store_true", help="list the sentences only")
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--record", type=Path, help="file of JSON lines")
+    return parser.parse_args()
+
+
+def _tell(done: Done) -> None:
+    print(f"{done.job.seed}-{done.job.number} {done.planned} {done.status} {done.planning:.1f} s: "
+          f"{done.text}", file=sys.stderr, flush=True)  # fmt: skip
+
+
+def main() -> int:
+    """Runs what the options choose and prints the tables."""
+    options = _options()
+    numbered = (Job(options.seed, number) for number in itertools.count(options.first))
+    chosen = (job for job in numbered if job.kind in options.kinds)
+    jobs = list(itertools.islice(chosen, options.cases))
+    if options.no_run:
+        for job in jobs:
+            asked = draw_case(job)
+            label = "" if asked.sensible else " (blind)"
+            count = len(asked.scene.objects)
+            print(f"{job.seed}-{job.number}{label} ({count} objects): {asked.text}")
+        return 0
+    done = carried_out(
+        partial(run, plan_only=options.plan_only),
+        jobs,
+        Done,
+        workers=options.workers,
+        record=options.record,
+        told=_tell,
+    )
+    print(report(list(done.values())))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,230 @@
+"""Would a person at the table ask for it? By shapes, weights and plain geometry, without a planner.
+
+What is pushed slides when it is touched low, and some place that would do is on the part of the
+table where things are sent, and `ROOM` away from all that stays; on ways nothing is looked at, for
+a hand has several. What is turned has the circle about it free. What is held is held by
+`benchmarks.goals.hand_sense`. What is fragile stays where it is.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+
+import numpy as np
+
+from benchmarks.arrangements.wishes import MIDDLE, WAYS, Kind, Wish
+from benchmarks.goals.hand_sense import may_be_held, may_be_held_lying
+from benchmarks.goals.sense import ROOM, SPARE, TABLE
+from objectmodels import ObjectModel
+from objectmodels.geometry.base_shapes import Array
+from planner.geometry.footprints import footprint, gap
+from planner.types.defaults import DEFAULTS as D
+from planner.types.world_state import SeenObject, TableState, WorldState
+from sim.motion.robot_reach import lowest_contact
+from sim.standard_robot import HAND
+
+Standing = dict[str, SeenObject]
+
+HIGHEST = 0.30
+"""Of two things on each other, the highest that is asked for [m]."""
+
+_HEADINGS = np.radians(np.arange(0.0, 360.0, 15.0))
+_STEP = 0.02  # between places that are looked at [m]
+
+
+def is_sensible(wish: Wish, things: Standing) -> bool:
+    """Return True if a person would ask for it."""
+    return _LABELS[wish.kind](wish, things)
+
+
+def slides(model: ObjectModel) -> bool:
+    """Return True if an object clearly slides before it tips when it is touched low on any side."""
+    low = lowest_contact(HAND)
+    if model.top <= low:
+        return False
+    pushes = [(face.points_at(0.0, low)[0], -face.points_at(0.0, low)[1]) for face in model.faces()]
+    points, ways = (np.array(each) for each in zip(*pushes, strict=True))
+    found = model.thresholds(points, ways)
+    return bool((np.asarray(found.slide) < SPARE * np.asarray(found.topple)).all())
+
+
+def _may_go(wish: Wish, things: Standing) -> bool:
+    return all(slides(things[name].model) and not things[name].fragile for name in wish.moved)
+
+
+def _at(seen: SeenObject, xy: Array) -> SeenObject:
+    x, y = xy.tolist()
+    return replace(seen, pose=replace(seen.pose, x=x, y=y))
+
+
+def _here(seen: SeenObject) -> Array:
+    return np.array([seen.pose.x, seen.pose.y])
+
+
+def _is_free(there: SeenObject, others: Iterable[SeenObject]) -> bool:
+    (x0, x1), (y0, y1) = TABLE
+    if not (x0 <= there.pose.x <= x1 and y0 <= there.pose.y <= y1):
+        return False
+    covered = footprint(there)
+    return all(gap(covered, footprint(other)) >= ROOM for other in others)
+
+
+def _others(things: Standing, *names: str) -> list[SeenObject]:
+    return [seen for name, seen in things.items() if name not in names]
+
+
+def _swap(wish: Wish, things: Standing) -> bool:
+    a, b = (things[name] for name in wish.moved)
+    there = [_at(a, _here(b)), _at(b, _here(a))]
+    rest = _others(things, *wish.moved)
+    apart = gap(footprint(there[0]), footprint(there[1])) >= ROOM
+    return _may_go(wish, things) and apart and all(_is_free(each, rest) for each in there)
+
+
+def _row(wish: Wish, things: Standing) -> bool:
+    """Along x or y, through one of them, with all else where it is."""
+    if not _may_go(wish, things):
+        return False
+    own, rest = [things[name] for name in wish.moved], _others(things, *wish.moved)
+    for across, anchor in itertools.product((0, 1), own):
+        spots = [_here(seen) for seen in own]
+        for spot in spots:
+            spot[across] = _here(anchor)[across]
+        there = [_at(seen, spot) for seen, spot in zip(own, spots, strict=True)]
+        if all(_is_free(seen, [*rest, *there[:k]]) for k, seen in enumerate(there)):
+            return True
+    return False
+
+
+def _together(wish: Wish, things: Standing) -> bool:
+    one, other = (things[name] for name in wish.moved)
+    if not _may_go(wish, things):
+        return False
+    ways = ((one, other), (other, one))
+    return any(_fits_beside(own, to, _others(things, *wish.moved)) for own, to in ways)
+
+
+def _fits_beside(own: SeenObject, to: SeenObject, rest: list[SeenObject]) -> bool:
+    for heading in _HEADINGS:
+        u = np.array([np.cos(heading), np.sin(heading)])
+        for way in np.arange(0.05, 0.3, 0.01):
+            there = _at(own, _here(to) + way * u)
+            if gap(footprint(there), footprint(to)) >= D.place_gap:
+                if _is_free(there, rest):
+                    return True
+                break
+    return False
+
+
+def _between(wish: Wish, things: Standing) -> bool:
+    own, (one, other) = things[wish.moved[0]], (things[name] for name in wish.told)
+    a, b = _here(one), _here(other)
+    rest = _others(things, wish.moved[0])
+    spots = (a + share * (b - a) for share in np.linspace(0.35, 0.65, 13))
+    return _may_go(wish, things) and any(_is_free(_at(own, spot), rest) for spot in spots)
+
+
+def _clear(wish: Wish, things: Standing) -> bool:
+    """Each of them has a place in the other half, with the others in theirs."""
+    assert wish.way is not None, "a half has a side"
+    side = np.array(WAYS[wish.way])
+    return _find_places(wish, things, lambda there: _reach(there, side) <= 0.0)
+
+
+def _reach(seen: SeenObject, side: Array) -> float:
+    return float(((footprint(seen) - MIDDLE) @ side).max())
+
+
+def _room(wish: Wish, things: Standing) -> bool:
+    here = footprint(things[wish.told[0]])
+    return _find_places(wish, things, lambda there: gap(footprint(there), here) >= D.room)
+
+
+def _away(wish: Wish, things: Standing) -> bool:
+    here = _here(things[wish.moved[0]])
+    return _find_places(
+        wish, things, lambda there: float(np.linalg.norm(_here(there) - here)) >= D.aside
+    )
+
+
+def _find_places(wish: Wish, things: Standing, fits: Callable[[SeenObject], bool]) -> bool:
+    """Return True if what is moved finds a place one after the other, the nearest first."""
+    if not _may_go(wish, things) or not wish.moved:
+        return False
+    (x0, x1), (y0, y1) = TABLE
+    grid = np.stack(np.meshgrid(np.arange(x0, x1, _STEP), np.arange(y0, y1, _STEP)), -1)
+    spots, rest = grid.reshape(-1, 2), _others(things, *wish.moved)
+    for name in wish.moved:
+        seen = things[name]
+        order = np.argsort(np.linalg.norm(spots - _here(seen), axis=1), kind="stable")
+        places = (_at(seen, spot) for spot in spots[order])
+        there = next((each for each in places if fits(each) and _is_free(each, rest)), None)
+        if there is None:
+            return False
+        rest.append(there)
+    return True
+
+
+def _blocked(wish: Wish, things: Standing) -> bool:
+    """What stands in its way may be moved, and the end is on the table and free of what may not."""
+    assert wish.way is not None, "it goes somewhere"
+    own, u = things[wish.moved[0]], np.array(WAYS[wish.way])
+    fixed = [seen for seen in _others(things, wish.moved[0])
+             if seen.fragile or not slides(seen.model)]  # fmt: skip
+    steps = np.arange(_STEP, wish.distance + 1e-9, _STEP)
+    free = all(_is_free(_at(own, _here(own) + step * u), fixed) for step in steps)
+    return _may_go(wish, things) and free
+
+
+def _turned(wish: Wish, things: Standing) -> bool:
+    own = things[wish.moved[0]]
+    reach = float(np.linalg.norm(footprint(own) - _here(own), axis=1).max())
+    circle = _here(own) + reach * np.column_stack([np.cos(_HEADINGS), np.sin(_HEADINGS)])
+    others = _others(things, own.name)
+    return _may_go(wish, things) and all(gap(circle, footprint(o)) >= ROOM for o in others)
+
+
+def _stand(wish: Wish, things: Standing) -> bool:
+    """A hand takes it as it lies, and nothing stands close by."""
+    own = things[wish.moved[0]]
+    covered = footprint(own)
+    room = all(gap(covered, footprint(o)) >= 2.0 * ROOM for o in _others(things, own.name))
+    return room and may_be_held_lying(own, WorldState(things, _TABLE))
+
+
+def _on(wish: Wish, things: Standing) -> bool:
+    own, lower = things[wish.moved[0]], things[wish.told[0]]
+    narrow = float(np.ptp(np.array(lower.model.outline), axis=0).min())
+    low = own.model.top + lower.model.top <= HIGHEST
+    state = WorldState(things, _TABLE)
+    beside = all(gap(footprint(lower), footprint(o)) >= 2.0 * ROOM
+                 for o in _others(things, lower.name, own.name))  # fmt: skip
+    return low and narrow >= 0.06 and beside and may_be_held(own, state)
+
+
+def _off(wish: Wish, things: Standing) -> bool:
+    own, lower = things[wish.moved[0]], things[wish.told[0]]
+    rest = _others(things, own.name, lower.name)
+    state = WorldState({seen.name: seen for seen in (own, *rest)}, _TABLE)
+    return may_be_held(own, state) and _fits_beside(own, lower, rest)
+
+
+_TABLE = TableState(-0.2, 1.2, -0.8, 0.8)
+
+_LABELS: dict[Kind, Callable[[Wish, Standing], bool]] = {
+    "swap": _swap,
+    "row": _row,
+    "together": _together,
+    "between": _between,
+    "clear": _clear,
+    "room": _room,
+    "aside": _away,
+    "blocked": _blocked,
+    "facing": _turned,
+    "straight": _turned,
+    "stand": _stand,
+    "on": _on,
+    "off": _off,
+}

@@ -1,0 +1,111 @@
+"""Draws depend on seed and number alone, and the judge tells what came about from poses alone."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from benchmarks.arrangements.arranged_labels import is_sensible, slides
+from benchmarks.arrangements.arranged_worlds import KINDS, Job, draw_case
+from benchmarks.arrangements.wishes import Placed, Wish, harm, is_met
+from benchmarks.goals.worlds import standing
+from objectmodels import Registry
+from sim.rotations import rot_x, rot_z
+
+
+def thing(model: str, x: float, y: float, z: float = 0.0, yaw: float = 0.0) -> Placed:
+    return Placed(Registry.built_in().get(model), rot_z(yaw), np.array([x, y, z]))
+
+
+TIN, BOX, BOOK = thing("tea tin", 0.5, 0.2), thing("coffee box", 0.6, 0.0), thing("book", 0.5, -0.2)
+BEFORE = {"tin": TIN, "box": BOX, "book": BOOK}
+
+
+def at(placed: Placed, x: float, y: float, z: float = 0.0) -> Placed:
+    return Placed(placed.model, placed.R_WB, np.array([x, y, z]))
+
+
+def turned(placed: Placed, R: np.ndarray) -> Placed:
+    return Placed(placed.model, R @ placed.R_WB, placed.p_WB)
+
+
+# Each met, and then missed by a little more than what is allowed.
+@pytest.mark.parametrize(
+    ("wish", "met", "missed"),
+    [
+        (
+            Wish("swap", ("tin", "box")),
+            {"tin": at(TIN, 0.6, 0.0), "box": at(BOX, 0.51, 0.2)},
+            {"tin": at(TIN, 0.6, 0.0), "box": at(BOX, 0.515, 0.2)},
+        ),
+        (
+            Wish("row", ("tin", "box", "book")),
+            {"box": at(BOX, 0.51, 0.0)},
+            {"box": at(BOX, 0.53, 0.0)},
+        ),
+        (
+            Wish("between", ("box",), ("tin", "book")),
+            {"box": at(BOX, 0.51, 0.02)},
+            {"box": at(BOX, 0.55, 0.02)},
+        ),
+        (
+            Wish("clear", ("tin", "box"), way="left"),
+            {"tin": at(TIN, 0.4, -0.05), "box": at(BOX, 0.6, -0.05)},
+            {"tin": at(TIN, 0.4, -0.05)},
+        ),
+        (
+            Wish("room", ("box",), ("tin",)),
+            {"box": at(BOX, 0.6, -0.02)},
+            {"box": at(BOX, 0.5, 0.1)},
+        ),
+        (
+            Wish("straight", ("box",)),
+            {"box": turned(BOX, rot_z(0.06))},
+            {"box": turned(BOX, rot_z(0.07))},
+        ),
+        (
+            Wish("on", ("tin",), ("book",)),
+            {"tin": at(TIN, 0.5, -0.2, 0.03)},
+            {"tin": at(TIN, 0.5, -0.33, 0.03)},
+        ),
+        (Wish("stand", ("box",)), {}, {"box": turned(BOX, rot_x(0.1))}),
+    ],
+)
+def test_the_judge_tells_from_where_things_are(
+    wish: Wish, met: dict[str, Placed], missed: dict[str, Placed]
+) -> None:
+    assert is_met(wish, BEFORE, BEFORE | met)
+    assert not is_met(wish, BEFORE, BEFORE | missed)
+
+
+def test_a_side_faces_what_it_is_square_to() -> None:
+    wish = Wish("facing", ("box",), ("tin",))
+    angle = np.arctan2(0.2, -0.1)  # from the box to the tin; its broad sides look along its x axis
+    assert is_met(wish, BEFORE, BEFORE | {"box": turned(BOX, rot_z(angle))})
+    assert not is_met(wish, BEFORE, BEFORE | {"box": turned(BOX, rot_z(angle + 0.07))})
+
+
+def test_harm_is_what_fell_or_was_stirred_and_should_not() -> None:
+    wish, fragile = Wish("between", ("box",), ("tin", "book")), replace(BOOK, fragile=True)
+    after = BEFORE | {"box": turned(BOX, rot_x(1.5)), "tin": at(TIN, 0.5, 0.22)}
+    assert list(harm(wish, BEFORE, after)) == ["tin"]
+    before = BEFORE | {"book": fragile}
+    moved = before | {"book": at(fragile, 0.5, -0.22)}
+    assert list(harm(Wish("swap", ("tin", "box")), before, moved)) == ["book"]
+
+
+@pytest.mark.parametrize("number", range(len(KINDS)))
+def test_a_case_depends_on_seed_and_number_alone(number: int) -> None:
+    one, other = draw_case(Job(5, number)), draw_case(Job(5, number))
+    assert (one.scene, one.text, one.wish) == (other.scene, other.text, other.wish)
+    assert one.wish.kind == KINDS[number]
+    assert {*one.wish.moved, *one.wish.told} <= {item.name for item in one.scene.objects}
+    assert one.sensible == is_sensible(one.wish, standing(one.scene))
+
+
+def test_what_is_tall_and_slim_would_tip() -> None:
+    model = Registry.built_in().get("coffee box")
+    assert slides(model)
+    assert not slides(model.model_copy(update={"friction": 2.0}))
