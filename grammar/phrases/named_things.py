@@ -7,7 +7,7 @@ from typing import cast
 
 from grammar.frames import command as g
 from grammar.phrases import phrase_parts as ph
-from grammar.phrases.token_reader import Children, TokenReader, tokens_in
+from grammar.phrases.token_reader import Children, TokenReader, things_in, tokens_in
 from grammar.words.phrase_lexer import Token
 from grammar.words.plurals import singular
 
@@ -43,6 +43,10 @@ class Names(TokenReader):
             spans = tuple(dict.fromkeys((*ref.spans, self.span_of(counted))))
             ref = ref.model_copy(update={"quantifier": value, "spans": spans})
         return ph.Thing((start, end), ref, own_contents or bool(tokens_in(children, "CONTENTS")))
+
+    def exchanged_part(self, children: Children) -> list[ph.Part]:
+        """Swap it with the mug: swap both."""
+        return [ph.Separator(self.span_of(children[:1]), "and"), *things_in(children)]
 
     def _described_object(self, text: str, span: g.Span, children: Children) -> g.ObjectRef:
         """A name with what its adjectives say; a quoted name has none."""

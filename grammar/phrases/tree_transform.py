@@ -188,10 +188,6 @@ class Parts(Names, Manners, Outcomes, Questions):
         word = self.value_of(children, "PARTICLE")
         return [ph.Particle(self.span_of(children[:1]), word), *parts_in(children)]
 
-    def exchanged_part(self, children: Children) -> list[ph.Part]:
-        """Swap it with the mug: swap both."""
-        return [ph.Separator(self.span_of(children[:1]), "and"), *things_in(children)]
-
     def exception_part(self, children: Children) -> ph.Except:
         """But the red one."""
         return ph.Except(self.span_of(children), children[1])
