@@ -23,7 +23,6 @@ import tempfile
 import threading
 import time
 from collections import Counter
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -34,6 +33,7 @@ import httpx
 from nlcontrol.service.store.run_store import RunStore
 from objectmodels.files.file_writing import PREFIX
 from sim import Trace
+from tests.unit.nlcontrol.service.processes import descendants, parent
 
 SENTENCES = (
     "where is the mug?",
@@ -74,40 +74,18 @@ class Server:
         self.url = self.process.stdout.readline().split()[-1]
         self.start_time = time.monotonic() - begun
 
-    def children(self) -> list[int]:
-        """Processes that it has started."""
-        return [pid for pid in _pids() if _parent(pid) == self.process.pid]
+    def workers(self) -> list[int]:
+        """Processes below it, that from which the others are forked among them."""
+        return sorted(descendants(self.process.pid))
 
     def kill(self) -> float:
         """Kills it, and returns after how long all that it had started were gone [s]."""
-        children = self.children()
+        workers = self.workers()
         self.process.kill()
         self.process.wait()
         begun = time.monotonic()
-        _wait_until(lambda: not any(_lives(pid) for pid in children), "orphans end")
+        _wait_until(lambda: all(parent(pid) is None for pid in workers), "orphans end")
         return time.monotonic() - begun
-
-
-def _pids() -> Iterator[int]:
-    return (int(name) for name in os.listdir("/proc") if name.isdigit())
-
-
-def _status(pid: int) -> list[str]:
-    """State and parent of a process, and more; empty if there is none."""
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
-    except OSError:
-        return []
-
-
-def _parent(pid: int) -> int:
-    status = _status(pid)
-    return int(status[1]) if status else 0
-
-
-def _lives(pid: int) -> bool:
-    status = _status(pid)
-    return bool(status) and status[0] != "Z"
 
 
 def _wait_until(holds: Any, what: str) -> None:
@@ -191,7 +169,7 @@ def kill_at_random(folder: Path, kills: int, seed: int) -> None:
             if of_server:
                 slowest_end = max(slowest_end, server.kill())
             else:
-                os.kill(rng.choice(server.children()), signal.SIGKILL)
+                os.kill(rng.choice(server.workers()), signal.SIGKILL)
                 time.sleep(1.0)
                 ended.set()
             for listener in listeners:
@@ -202,10 +180,10 @@ def kill_at_random(folder: Path, kills: int, seed: int) -> None:
             server = Server(folder)
             slowest_start = max(slowest_start, server.start_time)
         print(f"{number + 1}: {dict(killed)}, {len(told.results)} runs have ended", flush=True)
-    children = server.children()
+    workers = server.workers()
     server.process.send_signal(signal.SIGTERM)
     server.process.wait(PATIENCE)
-    _wait_until(lambda: not any(_lives(pid) for pid in children), "its processes end with it")
+    _wait_until(lambda: all(parent(pid) is None for pid in workers), "its processes end with it")
     states = require_whole(folder, told)
     print(
         f"{kills} kills ({dict(killed)}): {len(told.results)} runs of whose end somebody was told "

@@ -34,13 +34,20 @@ class Host(Protocol):
         """
 
 
-def run_host(connection: Connection[Any, Any], make_host: Callable[[Tell], Host]) -> None:
+def run_host(
+    connection: Connection[Any, Any],
+    make_host: Callable[[Tell], Host],
+    environment: Mapping[str, str],
+) -> None:
     """Answers calls until the pipe closes, and ends this process.
 
     Args:
         connection: this process's end of the pipe.
         make_host: makes the host, given a way to tell the parent something by itself.
+        environment: of the parent; what this process was forked from may have begun in another.
     """
+    os.environ.clear()
+    os.environ.update(environment)
     end_with_parent()
     try:
         _Worker(connection, make_host).answer_calls()

@@ -1,4 +1,9 @@
-"""A worker process as the service holds it: calls with futures, what it tells, its end."""
+"""A worker process as the service holds it: calls with futures, what it tells, its end.
+
+On Linux all workers are forked from one process that has loaded and planned before and has a single
+thread (`nlcontrol.service.workers.warm_process`), so that each begins warm and shares its memory.
+Elsewhere, where that is not safe, each is a fresh process that warms up by itself.
+"""
 
 from __future__ import annotations
 
@@ -8,10 +13,13 @@ import logging
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, InvalidStateError
 from contextlib import contextmanager, suppress
+from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
 from threading import Timer
 from typing import Any
 
@@ -21,7 +29,12 @@ from nlcontrol.service.workers.worker_messages import Answer, Call, Ready, Told
 
 LOGGER = logging.getLogger("nlcontrol.service")
 
-_SPAWN = multiprocessing.get_context("spawn")
+_CONTEXT = (
+    multiprocessing.get_context("forkserver")
+    if sys.platform == "linux"
+    else multiprocessing.get_context("spawn")
+)
+_CONTEXT.set_forkserver_preload(["nlcontrol.service.workers.warm_process"])
 _LONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 _STARTING = threading.Lock()
 
@@ -31,7 +44,7 @@ robot does is to be stopped by the service, in order."""
 
 
 class WorkerProcess:
-    """A process of its own, with a host that answers calls.
+    """A process of its own, with a host that answers calls. It may be called while it starts.
 
     Args:
         make_host: a function of a module, or a class, that makes the host in the process.
@@ -55,19 +68,20 @@ class WorkerProcess:
         self._lock = threading.Lock()
         self._calls: dict[int, Future[bytes]] = {}
         self._ended = False
-        self._connection, there = _SPAWN.Pipe()
-        self._process = _SPAWN.Process(target=run_host, args=(there, make_host), daemon=True)
-        with _surroundings():
-            self._process.start()
-        there.close()
-        atexit.register(self._process.kill)  # it does not end by SIGTERM
-        self._reader = threading.Thread(target=self._listen, daemon=True)
+        self._connection, there = _CONTEXT.Pipe()
+        environment = dict(os.environ) | dict.fromkeys(_LONE_THREAD, "1")
+        self._process: BaseProcess = _CONTEXT.Process(
+            target=run_host, args=(there, make_host, environment), daemon=True
+        )
+        self._is_started = threading.Event()
+        self._reader = threading.Thread(target=self._run, args=(there,), daemon=True)
         self._reader.start()
 
     @property
     def pid(self) -> int:
-        """Number of the process."""
-        assert self._process.pid is not None, "it was started"
+        """Number of the process; waits until it is started."""
+        self._is_started.wait()
+        assert self._process.pid is not None, "it could not be started"
         return self._process.pid
 
     def call(self, method: str, **arguments: Any) -> Future[bytes]:
@@ -89,20 +103,32 @@ class WorkerProcess:
 
     def kill(self) -> None:
         """Ends the process at once."""
-        self._process.kill()
+        self._is_started.wait()
+        if self._process.pid is not None and not self._ended:
+            # By its number: `Process.kill` takes it for ended where what it was forked from has.
+            with suppress(ProcessLookupError):
+                os.kill(self._process.pid, signal.SIGKILL)
 
     def wait(self, timeout: float | None = None) -> bool:
         """Waits [s] until the process has ended and that was told; returns True if so."""
         self._reader.join(timeout)
         return not self._reader.is_alive()
 
-    def _listen(self) -> None:
+    def _run(self, there: Connection[Any, Any]) -> None:
+        """Starts the process and takes what it sends, until it has ended."""
+        with suppress(EOFError, OSError):  # what it is forked from has ended: as if it had itself
+            with _surroundings():
+                self._process.start()
+            atexit.register(self.kill)  # it does not end by SIGTERM
+        self._is_started.set()
+        there.close()
         with suppress(EOFError, OSError):
             while True:
                 self._take(self._connection.recv())
-        self._process.kill()
-        self._process.join()
-        atexit.unregister(self._process.kill)
+        self.kill()
+        if self._process.pid is not None:
+            self._process.join()
+        atexit.unregister(self.kill)
         with self._lock:
             self._ended = True
             calls, self._calls = self._calls, {}

@@ -16,10 +16,15 @@ def parent(pid: int) -> int | None:
     return None if state[0] == "Z" else int(state[1])
 
 
-def children(pid: int) -> set[int]:
-    """Processes that a process has started and that have not ended."""
+def descendants(pid: int) -> set[int]:
+    """Processes below a process that have not ended."""
     numbers = [int(path.name) for path in Path("/proc").iterdir() if path.name.isdigit()]
-    return {number for number in numbers if parent(number) == pid}
+    parents = {number: parent(number) for number in numbers}
+    found, last = set[int](), {pid}
+    while last:
+        last = {number for number in numbers if parents[number] in last}
+        found |= last
+    return found
 
 
 def wait_until(holds: Callable[[], bool], timeout: float = 10.0) -> None:

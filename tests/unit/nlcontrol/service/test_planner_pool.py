@@ -15,7 +15,7 @@ import pytest
 from nlcontrol.errors import ControlError
 from nlcontrol.service.documents import TableSpec
 from nlcontrol.service.workers.planner_pool import PlannerPool
-from tests.unit.nlcontrol.service.processes import children
+from tests.unit.nlcontrol.service.processes import descendants
 
 PUSH = "push the ice tea box 10 cm away"
 
@@ -142,7 +142,7 @@ def test_a_call_ends_with_its_time_and_a_planner_that_does_not_stop_is_ended() -
     assert raised.value.code == "time_limit"
     assert time.monotonic() - began < 2.0
     pool.close()
-    assert not children(os.getpid()) & {before}
+    assert not descendants(os.getpid()) & {before}
 
 
 def test_signals_of_a_terminal_do_not_end_a_planner(pool: PlannerPool) -> None:

@@ -17,7 +17,7 @@ from nlcontrol.errors import ControlError
 from nlcontrol.service.documents import SessionInfo, SessionSpec, TableSpec
 from nlcontrol.service.planning_service import PlanningService
 from nlcontrol.service.service_settings import ServiceSettings
-from tests.unit.nlcontrol.service.processes import children, parent, wait_until
+from tests.unit.nlcontrol.service.processes import descendants, parent, wait_until
 
 PUSH = "push the ice tea box 10 cm away"
 
@@ -138,7 +138,7 @@ def test_no_process_outlives_a_killed_service(tmp_path: Path) -> None:
     process = subprocess.Popen([sys.executable, str(path)], stdout=subprocess.PIPE, text=True)
     assert process.stdout is not None
     assert process.stdout.readline() == "open\n"
-    left = children(process.pid)
+    left = descendants(process.pid)
     assert len(left) >= 3
     process.kill()
     process.wait()

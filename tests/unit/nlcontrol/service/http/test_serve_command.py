@@ -15,6 +15,7 @@ import pytest
 
 from nlcontrol.service.http.web_server import listening_socket, url_of
 from tests.service_process import ROOT, serving
+from tests.unit.nlcontrol.service.processes import descendants, parent, wait_until
 
 
 def refused(*options: str, path: str = "") -> tuple[int, str]:
@@ -50,26 +51,12 @@ def test_a_port_that_is_taken_is_told() -> None:
     assert (status, "--port" in said) == (2, True)
 
 
-def processes_below(pid: int) -> list[int]:
-    """Numbers of the processes that a process has started."""
-    tasks = Path(f"/proc/{pid}/task").iterdir()
-    return [int(number) for task in tasks for number in (task / "children").read_text().split()]
-
-
-def is_alive(pid: int) -> bool:
-    """True if a process goes on; one that has ended may wait for somebody to take note."""
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(") ")[2][0] != "Z"
-    except OSError:
-        return False
-
-
 @pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_a_signal_ends_it_with_all_its_processes(number: signal.Signals, status: int) -> None:
     with serving("--planners", "1", "--workers", "1") as server:
         opened = httpx.post(f"{server.url}/v1/sessions", json={}, timeout=30.0)
         live = f"{server.url}/v1/sessions/{opened.json()['session_id']}/live"
-        children = processes_below(server.process.pid)
+        children = descendants(server.process.pid)
         assert len(children) >= 3
         with httpx.stream("GET", live) as stream:
             assert stream.status_code == 200
@@ -78,10 +65,7 @@ def test_a_signal_ends_it_with_all_its_processes(number: signal.Signals, status:
             assert server.process.wait(15) == status
         assert time.monotonic() - began < 8.0
         # The tracker of Python's own resources ends a moment after its parent.
-        deadline = time.monotonic() + 3.0
-        while any(map(is_alive, children)) and time.monotonic() < deadline:
-            time.sleep(0.05)
-        assert [pid for pid in children if is_alive(pid)] == []
+        wait_until(lambda: all(parent(pid) is None for pid in children), 3.0)
 
 
 @pytest.mark.parametrize(

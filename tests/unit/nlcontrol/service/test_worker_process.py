@@ -1,0 +1,71 @@
+"""Worker processes: warm from the beginning, deaf to a terminal, in their parent's surroundings."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from nlcontrol.service.workers.planner_host import warm_up
+from nlcontrol.service.workers.worker_host import Tell
+from nlcontrol.service.workers.worker_process import WorkerProcess
+from tests.unit.nlcontrol.service.processes import parent, wait_until
+
+
+class Reporter:
+    """Tells of its process what it is asked for."""
+
+    def __init__(self, tell: Tell) -> None:
+        pass
+
+    def answer(self, method: str, arguments: Mapping[str, Any]) -> bytes:
+        if method == "surroundings":
+            return json.dumps(dict(os.environ)).encode()
+        return json.dumps({"warm_ups": warm_up.cache_info().currsize}).encode()
+
+
+def asked(method: str) -> dict[str, Any]:
+    worker = WorkerProcess(Reporter)
+    try:
+        answer: dict[str, Any] = json.loads(worker.call(method).result(60))
+        return answer
+    finally:
+        worker.kill()
+        assert worker.wait(10)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere workers are not forked")
+def test_a_worker_is_warm_before_its_host_is_made_and_forked_beside_no_thread() -> None:
+    assert asked("warmth") == {"warm_ups": 1}
+    worker = WorkerProcess(Reporter)
+    forked_from = parent(worker.pid)
+    assert len(list(Path(f"/proc/{forked_from}/task").iterdir())) == 1
+    worker.kill()
+
+
+def test_a_worker_has_the_surroundings_of_the_moment(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SAID_LATER", "once")
+    first = asked("surroundings")
+    monkeypatch.setenv("SAID_LATER", "twice")
+    second = asked("surroundings")
+    assert (first["SAID_LATER"], second["SAID_LATER"]) == ("once", "twice")
+    assert first["OMP_NUM_THREADS"] == "1"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere workers are not forked")
+def test_another_process_is_forked_from_if_the_first_has_ended() -> None:
+    worker = WorkerProcess(Reporter)
+    forked_from = parent(worker.pid)
+    assert forked_from is not None
+    os.kill(forked_from, 9)
+    wait_until(partial(lambda pid: parent(pid) is None, forked_from))
+    assert asked("warmth") == {"warm_ups": 1}
+    assert json.loads(worker.call("warmth").result(10)) == {"warm_ups": 1}  # it goes on
+    worker.kill()
+    assert worker.wait(10)
