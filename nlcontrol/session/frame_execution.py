@@ -22,6 +22,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from grammar.frames import command as g
@@ -30,6 +31,7 @@ from nlcontrol.plan_text import plan_lines
 from nlcontrol.reports.result_report import check_line
 from nlcontrol.results.result import Result, ResultStatus, Step, result_with, summary
 from nlcontrol.results.step_endings import result_with_step, stop_info, unanswered_status
+from nlcontrol.session.foresight.kept_plans import KeptPlans
 from nlcontrol.session.foresight.step_search import Ways, ways_around
 from nlcontrol.session.whereabouts import whereabouts
 from planner.explanation.push_explanation import Basis
@@ -82,7 +84,8 @@ def run_command(
         else:
             run = FrameRun(controller, index, frames, result, supervisor)
             tried = run.run(plan_only, made.get(index))
-            ways = ways_around(controller, frames, index, run.refused, supervisor) if left else None
+            around = (frames, index, run.refused, supervisor, run.kept)
+            ways = ways_around(controller, *around) if left else None
             if isinstance(ways, Ways):
                 frames, left = (*frames[:index], *ways.frames), left - 1
                 made[index] = ways.first
@@ -168,6 +171,7 @@ class FrameRun:
 
     Attributes:
         refused: why there was no first plan, and from where; None if there was one.
+        kept: plans of this frame and of later ones from there.
     """
 
     def __init__(
@@ -186,6 +190,7 @@ class FrameRun:
         self.traces: list[Trace] = []
         self.failed: list[Failed] = []
         self.refused: tuple[Refusal, WorldState] | None = None
+        self.kept = KeptPlans()
         self._yaw: float | None = None
 
     def run(self, plan_only: bool, approved: Plan | Reached | None = None) -> Result:
@@ -256,15 +261,12 @@ class FrameRun:
         state = self._look()
         if (basis := self.step.basis) and (fallen := basis.fall(self.frame, state)):
             return state, fallen
-        made = self.controller.plan(
-            self.frame,
-            state,
-            previous=previous,
-            failed=self.failed,
-            notify=self._notify,
-            stop=self.supervisor.stop,
-        )
-        return state, made
+        plan = partial(
+            self.controller.plan, self.frame, state, previous=previous, failed=self.failed,
+            notify=self._notify, stop=self.supervisor.stop,
+        )  # fmt: skip
+        first = previous is None and not self.failed
+        return state, self.kept.plan(self.frame, state, plan) if first else plan()
 
     def _plan_with_foresight(self, made: Plan | Reached, state: WorldState) -> PlanningResult:
         """The plan by which the later frames can be done, too, or why they cannot."""
@@ -273,7 +275,8 @@ class FrameRun:
         # One frame does without it.
         from nlcontrol.session.foresight.foreseen_steps import plan_with_foresight
 
-        return plan_with_foresight(self.controller, made, state, self.ahead, self.supervisor.stop)
+        stop = self.supervisor.stop
+        return plan_with_foresight(self.controller, made, state, self.ahead, stop, self.kept)
 
     def _budget(self, made: Plan) -> int:
         """Pushes, or tries of a hand, that may be made; what is to be quick is not corrected."""

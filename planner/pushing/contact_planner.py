@@ -17,7 +17,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from objectmodels.geometry.base_shapes import Disc
-from objectmodels.mechanics.turning_push import best_turn
 from planner.geometry.directions import face_name
 from planner.problem.planning_problem import PushProblem, PushStep, Side
 from planner.problem.tilt_goals import push_with_tilt
@@ -26,6 +25,7 @@ from planner.pushing.contact_diagnosis import contact_refusal, require_place
 from planner.pushing.contact_sampling import Contact, Contacts, rate_contacts
 from planner.pushing.reach_search import ContactQueries, ReachSearch
 from planner.pushing.touchable_sides import push_direction, require_room, touchable_sides
+from planner.pushing.turn_planner import turning_push
 from planner.refusals.reach_refusals import no_push_reached
 from planner.refusals.refusal_builder import no_plan
 from planner.types.actions import FALLING, Push, PushAction, Vector3
@@ -254,7 +254,7 @@ def _touched_point(problem: PushProblem, contact: Contact) -> Vector3:
 
 def _push_with_swing(problem: PushProblem, step: PushStep, contact: Contact, push: Push) -> Push:
     """The push with a turn as its end."""
-    found = best_turn(problem.target.model, contact.among.side.face, step.swing, push.p_BC[2])
+    found = turning_push(problem.target.model, contact.among.side.face, step.swing, push.p_BC[2])
     assert found is not None, "its side was chosen for that"
     changes = {
         "p_BC": found.point,
@@ -313,7 +313,7 @@ def _predicted_displacement(
     if push.ends_on != "turned":
         return None
     target = problem.target
-    found = best_turn(target.model, contact.among.side.face, step.swing, float(contact.point[2]))
+    found = turning_push(target.model, contact.among.side.face, step.swing, float(contact.point[2]))
     assert found is not None, "its side was chosen for that"
     return _vector(target.pose.R_WB @ np.array([*found.pose[:2], 0.0]))
 

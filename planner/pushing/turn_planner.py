@@ -21,6 +21,7 @@ Frames: W, its table plane; pivots in B.
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 from collections.abc import Iterator
@@ -28,8 +29,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from objectmodels import Face, ObjectModel
 from objectmodels.geometry.base_shapes import Disc
-from objectmodels.geometry.side_faces import Face
 from objectmodels.mechanics.turning_push import TurningPush, best_turn
 from planner.geometry.directions import heading_of
 from planner.geometry.footprints import footprint, gap, room_to_edge
@@ -54,6 +55,15 @@ _ROUND_HEADINGS = np.radians(np.arange(-180.0, 180.0, 30.0))
 _LOOKED_AT = 4  # poses of one push that must be free
 
 
+@functools.lru_cache(maxsize=1024)
+def turning_push(model: ObjectModel, face: Face, angle: float, height: float) -> TurningPush | None:
+    """The push on a face that turns an object best; see `best_turn`.
+
+    It is kept: the ways to part a turn share most of their pushes.
+    """
+    return best_turn(model, face, angle, height)
+
+
 @dataclass(frozen=True)
 class TurnStroke:
     """A push that turns the object.
@@ -70,7 +80,7 @@ class TurnStroke:
 
     def push(self, target: SeenObject, height: float = 0.0) -> TurningPush:
         """The push that does it best at a height."""
-        found = best_turn(target.model, self.side.face, self.angle, height)
+        found = turning_push(target.model, self.side.face, self.angle, height)
         assert found is not None, "its side was chosen for that"
         return found
 
@@ -178,7 +188,7 @@ def _turnable_sides(target: SeenObject, angle: float) -> list[tuple[TurnStroke, 
 
 
 def _turn_stroke(side: Side, target: SeenObject, angle: float) -> TurnStroke | None:
-    pushed = best_turn(target.model, side.face, angle, 0.0)
+    pushed = turning_push(target.model, side.face, angle, 0.0)
     if pushed is None:
         return None
     x, y, turned = pushed.pose

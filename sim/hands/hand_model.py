@@ -73,6 +73,8 @@ class PostureSet:
         palm: origin of P, from T, in D, shape (n, 3) [m].
         lowest_points: height of the lowest point but the pushing tips above T, shape (n,) [m].
         extents: largest horizontal distance of any point from T, shape (n,) [m].
+        circles: about all spheres as seen from above: the middle from T in D, and the radius,
+            shape (n, 3) [m].
         fronts: how far any point but the pushing tips is ahead of T along D's x, shape (n,) [m].
         number: place among all that the hand has, shape (n,).
     """
@@ -85,6 +87,7 @@ class PostureSet:
     palm: Array
     lowest_points: Array
     extents: Array
+    circles: Array
     fronts: Array
     number: NDArray[np.intp]
 
@@ -104,7 +107,10 @@ class PostureSet:
         about[..., :3] -= tips[:, None]
         unknown = np.zeros(len(which))
         number = np.arange(len(which))
-        made = cls(postures, about, which, R_DP, strength, palm, unknown, unknown, unknown, number)
+        circles = np.zeros((len(which), 3))
+        made = cls(
+            postures, about, which, R_DP, strength, palm, unknown, unknown, circles, unknown, number
+        )
         touching = len(postures[0].pushing)
         blocks = [
             made[k : k + _BLOCK].spheres_along(np.eye(3)[None], np.zeros((1, 3)))[:, 0]
@@ -125,6 +131,7 @@ class PostureSet:
             made,
             lowest_points=np.concatenate([unknown[:0], *lowest]),
             extents=np.concatenate([unknown[:0], *extents]),
+            circles=np.concatenate([circles[:0], *map(_circles_around, blocks)]),
             fronts=np.concatenate([unknown[:0], *fronts]),
         )
 
@@ -135,7 +142,8 @@ class PostureSet:
         return PostureSet(
             self.postures, self.spheres, self.which[chosen], self.R_DP[chosen],
             self.strength[chosen], self.palm[chosen], self.lowest_points[chosen],
-            self.extents[chosen], self.fronts[chosen], self.number[chosen],
+            self.extents[chosen], self.circles[chosen], self.fronts[chosen],
+            self.number[chosen],
         )  # fmt: skip
 
     def posture_at(self, index: int) -> Posture:
@@ -205,6 +213,16 @@ class FlipPostureSet:
         about = about - np.pad(self.tips, ((0, 0), (0, 1)))[:, None, None]
         points = np.broadcast_to(self.path.points, self.R_EP.shape[:3])
         return place_spheres(about, self.R_EP, points)
+
+
+def _circles_around(spheres: Array) -> Array:
+    """Circles as seen from above about some spheres, shape (n, k, 4): x, y, radius, (n, 3) [m]."""
+    low = (spheres[..., :2] - spheres[..., 3:]).min(axis=1)
+    high = (spheres[..., :2] + spheres[..., 3:]).max(axis=1)
+    middle = 0.5 * (low + high)
+    apart = spheres[..., :2] - middle[:, None]
+    around = (np.hypot(apart[..., 0], apart[..., 1]) + spheres[..., 3]).max(axis=1)
+    return np.column_stack([middle, around])
 
 
 def padded_spheres(spheres: tuple[Array, ...]) -> list[Array]:

@@ -41,11 +41,11 @@ from sim.motion.roadmap import (
     interpolate_joints,
     sample_configurations,
 )
+from sim.motion.sweep_clearance import first_obstacles, sweeps_along
 from sim.motion.transit_clearance import TransitClearance
 from sim.paths.fingertip_path import BACK, FingertipPath
 from sim.rotations import Array, rot_z
 
-_SWEEP = 0.025  # largest step of the hand along the stroke [m]
 _OVER = 0.47  # height of T in places over the table [m]
 _RAISED = (0.4, 0.8, 1.2)  # how far the arm swings up halfway [rad]
 
@@ -53,7 +53,6 @@ _AT_ONCE, _ASKED = 48, 12  # hands of a unit of work, and the arm is asked for t
 _FEW = 6  # arm poses that are looked at together first
 _MOST_AT_ONCE = 768  # hands that are looked at together
 _BEGUN, _LOOKED, _ROAD = 1, 2, 1  # units of work: to begin, of some hands, of some arm poses
-_AT_T = np.zeros((1, 3))  # where T is about itself
 _BACK_POINTS = 4  # places on the way back from a turned face that are looked at
 
 
@@ -206,14 +205,14 @@ class PushMotionSearch:
     def _clear_hands(self, hands: PostureSet) -> Iterator[PostureSet]:
         """The hands that stay clear of everything during the push, a few at a time."""
         near = self._scenery.obstacles_near(self._points, hands.horizontal_size)
-        sweeps = self._swept_path() if near else []
+        sweeps = sweeps_along(self._points, self._R_WD, turned=bool(self._way.turn))
         first, together = 0, _AT_ONCE
         while first < len(hands):
             some = hands[first : first + together]
             self.postures += len(some)
             clear = self._approach.clear_hands(some)
             stopped_by = np.full(len(some), -1)
-            stopped_by[clear] = self._stopping_others(some[clear], near, sweeps)
+            stopped_by[clear] = first_obstacles(some[clear], near, sweeps)
             block, before = np.arange(len(some)) // _AT_ONCE, self._work
             free = clear & (stopped_by < 0)
             for each in sorted(set(block[free].tolist())):
@@ -238,39 +237,6 @@ class PushMotionSearch:
         touched = np.logical_or.reduceat(clear, np.arange(0, len(block), _AT_ONCE))
         last[~touched] = len(near) + 1
         self._stopped |= {name for k in set(last.tolist()) if (name := names[k]) is not None}
-
-    def _swept_path(self) -> list[tuple[Array, Array]]:
-        """The way in parts along which the palm does not turn: its frame and points (w, 3)."""
-        before, after = self._points[1:-1], self._points[2:]
-        apart = np.linalg.norm(after - before, axis=1).max()
-        n = max(1, int(np.ceil(apart / _SWEEP)))
-        t = np.arange(n)[:, None] / n
-        stroke = (before[:, None] + t * (after - before)[:, None]).reshape(-1, 3)
-        points = np.vstack([self._points[:1], stroke, self._points[-1:]])
-        if not self._way.turn:
-            return [(self._R_WD[0], points)]
-        which = np.array([0, *np.repeat(np.arange(1, len(before) + 1), n), -1])
-        return list(zip(self._R_WD[which], points[:, None], strict=True))
-
-    def _stopping_others(
-        self, hands: PostureSet, others: tuple[Obstacle, ...], sweeps: list[tuple[Array, Array]]
-    ) -> NDArray[np.intp]:
-        """Which of some obstacles is the first that each hand comes too near to; −1 if none."""
-        stopped_by = np.full(len(hands), -1)
-        if not others or not len(hands):
-            return stopped_by
-        top = max(each.top + each.clearance for each in others)
-        moved = []
-        for R_WD, points in sweeps:
-            spheres = hands.spheres_along(R_WD[None], _AT_T).reshape(-1, 4)
-            low = np.flatnonzero(spheres[:, 2] - spheres[:, 3] < top - points[:, 2].min())
-            moved.append((spheres[low], low // hands.spheres.shape[1], points))
-        for number, each in enumerate(others):
-            for spheres, hand, points in moved:
-                free = stopped_by[hand] < 0
-                hit = each.hits_along(spheres[free], points, each.clearance)
-                stopped_by[hand[free][hit]] = number
-        return stopped_by
 
     # -- arms -----------------------------------------------------------------------------------
 

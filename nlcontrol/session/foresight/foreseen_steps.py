@@ -24,6 +24,7 @@ from planner.types.robot import ReachAnswer
 if TYPE_CHECKING:
     from grammar.frames import command as g
     from nlcontrol.session.executor import Planner
+    from nlcontrol.session.foresight.kept_plans import KeptPlans
     from planner.types.defaults import Defaults
     from planner.types.robot import Robot
     from planner.types.world_state import WorldState
@@ -58,6 +59,7 @@ def plan_with_foresight(
     state: WorldState,
     frames: Sequence[g.Frame],
     stop: StopToken,
+    kept: KeptPlans,
 ) -> PlanningResult:
     """The plan of the first step, or another one, after which the others can be done; or why not.
 
@@ -67,6 +69,7 @@ def plan_with_foresight(
         state: from where that was made.
         frames: all steps, their objects resolved.
         stop: asked whether to go on.
+        kept: takes the plans that are made.
 
     Raises:
         Stopped: that was asked for.
@@ -74,7 +77,7 @@ def plan_with_foresight(
     """
 
     def plan_step(frame: g.Frame, then: WorldState) -> PlanningResult:
-        return controller.plan(frame, then, stop=stop)
+        return kept.plan(frame, then, lambda: controller.plan(frame, then, stop=stop))
 
     refused = _refused_ahead(plan_step, made, state, frames)
     if refused is not None and isinstance(made, Plan) and made.task == "lift":

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from nlcontrol.errors import ErrorInfo
     from nlcontrol.session.events import Supervisor
     from nlcontrol.session.foresight.foreseen_steps import StepPlanner
+    from nlcontrol.session.foresight.kept_plans import KeptPlans
     from planner.types.world_state import WorldState
     from sim.supervision import StopToken
 
@@ -71,6 +72,7 @@ def ways_around(
     index: int,
     refused: tuple[Refusal, WorldState] | None,
     supervisor: Supervisor,
+    kept: KeptPlans,
 ) -> Ways | ErrorInfo | None:
     """Steps in place of frames of which one was refused, or an error that tells them.
 
@@ -80,6 +82,7 @@ def ways_around(
         index: of the frame that was refused; what stands before it is done.
         refused: why, and what was believed then; None if it was not.
         supervisor: told of a search, and asked whether to go on.
+        kept: plans that were made for the command from there.
 
     Returns:
         None if there are none; the error if they are not to be done without being asked.
@@ -91,7 +94,8 @@ def ways_around(
     supervisor("plan", 0.0, f"looking for other steps, since {refusal.message}")
     moved = frozenset(f.object.id or "" for f in frames[:index] if f.object is not None)
     try:
-        found = StepSearch(controller, left, moved, supervisor.stop).ways(state, refusal.message)
+        search = StepSearch(controller, left, moved, supervisor.stop, kept)
+        found = search.ways(state, refusal.message)
     except (Stopped, ControlError):
         return None
     if found is None or not found.aside or controller.defaults.clear == CLEARED.index("yes"):
@@ -108,17 +112,23 @@ class StepSearch:
         frames: what is left of a command, its objects resolved.
         moved: names of objects that were moved for it by now, and stay where they are.
         stop: asked whether to go on.
+        kept: plans that were made for the command from here.
     """
 
     def __init__(
-        self, controller: StepPlanner, frames: Frames, moved: frozenset[str], stop: StopToken
+        self,
+        controller: StepPlanner,
+        frames: Frames,
+        moved: frozenset[str],
+        stop: StopToken,
+        kept: KeptPlans,
     ) -> None:
         self._frames, self._moved = frames, moved
         self._defaults = controller.defaults
         self._robot = StoppableRobot(controller.robot, stop, controller.time_limit)
         self._planner = controller.planner
         self._left = MOST_WORK
-        self._made: dict[tuple[object, ...], PlanningResult] = {}
+        self._kept = kept
 
     def ways(self, state: WorldState, why: str) -> Ways | None:
         """The steps from where everything is; None if none are found with the work allowed."""
@@ -201,14 +211,14 @@ class StepSearch:
         """The plan of a step, with no more work than is left."""
         if frame.query is not None or frame.action == "explore":
             return Reached()
-        poses = ((name, seen.pose, seen.lies_on) for name, seen in state.objects.items())
-        key = (frame, state.held, *poses)
-        if key not in self._made:
-            budget = SearchBudget(min(self._left, MOST_EACH))
-            planner = self._planner or partial(planning.plan, budget=budget)
-            self._made[key] = planner(frame, state, self._robot, defaults=self._defaults)
-            self._left -= budget.done
-        return self._made[key]
+        return self._kept.plan(frame, state, lambda: self._new_plan(frame, state))
+
+    def _new_plan(self, frame: g.Frame, state: WorldState) -> PlanningResult:
+        budget = SearchBudget(min(self._left, MOST_EACH))
+        planner = self._planner or partial(planning.plan, budget=budget)
+        made = planner(frame, state, self._robot, defaults=self._defaults)
+        self._left -= budget.done
+        return made
 
 
 def _next_frames(frames: Frames) -> Frames:

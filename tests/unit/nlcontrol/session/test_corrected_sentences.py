@@ -209,6 +209,18 @@ def test_what_is_in_the_way_is_moved_first_and_what_is_spared_is_not() -> None:
     assert refused.status == "refused"
 
 
+def test_no_step_is_planned_twice_from_the_same_places() -> None:
+    asked: list[tuple[object, ...]] = []
+    blocked = mug_in_the_way()
+
+    def rule(frame: g.Frame, state: WorldState) -> bool:
+        asked.append((frame, *(seen.pose for seen in state.objects.values())))
+        return blocked(frame, state)
+
+    assert refusing(rule, "yes").say("push the ice tea box 5 cm away", plan_only=True).frames[1:]
+    assert len(asked) == len(set(asked))
+
+
 def test_another_direction_is_offered_where_no_amount_of_the_one_has_a_plan() -> None:
     def rule(frame: g.Frame, state: WorldState) -> bool:
         return getattr(frame.goal, "direction", None) != "left"
