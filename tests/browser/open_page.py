@@ -14,6 +14,12 @@ AXE = Path(__file__).parent / "vendor" / "axe.min.js"
 PATIENCE = 120.0
 """Longest time to wait for something, on a machine that has other things to do [s]."""
 
+FEW_FRAMES = """
+const soon = globalThis.requestAnimationFrame.bind(globalThis);
+globalThis.requestAnimationFrame = (draw) => setTimeout(() => soon(draw), 300);
+"""
+"""Has a page draw three frames a second at most: in software each takes a tenth of a second."""
+
 
 @dataclass
 class OpenPage:
@@ -30,9 +36,16 @@ class OpenPage:
     complaints: list[str] = field(default_factory=list)
 
     @classmethod
-    def opened(cls, browser: Browser, address: str, **options: Any) -> OpenPage:
-        """A new page at an address, once it is ready; `options` are those of Playwright."""
+    def opened(
+        cls, browser: Browser, address: str, *, few_frames: bool = False, **options: Any
+    ) -> OpenPage:
+        """A new page at an address, once it is ready; `options` are those of Playwright.
+
+        With few frames the processor is left to the simulation that the page shows.
+        """
         page = browser.new_page(**options)
+        if few_frames:
+            page.add_init_script(FEW_FRAMES)
         found = cls(page)
         page.on("request", lambda request: found.requests.append(request.url))
         page.on("pageerror", lambda error: found.complaints.append(str(error)))

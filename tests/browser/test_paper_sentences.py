@@ -23,8 +23,8 @@ SENTENCES = (
 
 @pytest.fixture(scope="module")
 def opened(browser: Browser, server: ServerProcess) -> OpenPage:
-    # Few points leave the processor to the simulation.
-    found = OpenPage.opened(browser, server.url, viewport={"width": 480, "height": 480})
+    viewport = {"width": 480, "height": 480}
+    found = OpenPage.opened(browser, server.url, few_frames=True, viewport=viewport)
     found.wait("page.view.viewer?.frames > 0")
     found.ask("page.state.set({ mode: 'at_once' })")
     return found

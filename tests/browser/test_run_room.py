@@ -23,7 +23,8 @@ PHASE = "page.state.get('events').findLast(({ event }) => event.phase)?.event.ph
 
 @pytest.fixture(scope="module")
 def opened(browser: Browser, server: ServerProcess) -> OpenPage:
-    found = OpenPage.opened(browser, server.url, viewport={"width": 1000, "height": 700})
+    viewport = {"width": 1000, "height": 700}
+    found = OpenPage.opened(browser, server.url, few_frames=True, viewport=viewport)
     found.wait("page.view.viewer?.frames > 0")
     return found
 
