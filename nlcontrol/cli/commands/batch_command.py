@@ -41,7 +41,10 @@ class _BatchGroup(click.Group):
 
 @click.group("batch", cls=_BatchGroup)
 def group() -> None:
-    """Carry out many rows of sentence, scene and seed; `batch FILE` is `batch run FILE`."""
+    """Carry out many rows of sentence, scene and seed.
+
+    `batch FILE` is `batch run FILE`.
+    """
 
 
 _picture = click.option("--picture", type=FILE, help="Draw the summary (PNG, SVG or PDF).")

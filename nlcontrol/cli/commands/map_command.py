@@ -109,9 +109,10 @@ def command(
     lying_on: str,
     as_json: bool,
 ) -> int:
-    """Show what pushes all over a face of OBJECT do, and what force they need.
+    """Show what pushes all over a face of OBJECT do.
 
-    With --experiment they are carried out as well, on the object as it really is in the scene.
+    The map shows the force that they need as well. With --experiment they are carried out, on the
+    object as it really is in the scene.
     """
     _require_fitting_options(ctx, experiment)
     _require_good_endings(outputs)

@@ -33,7 +33,10 @@ def command(
     url: str | None,
     token_file: Path | None,
 ) -> None:
-    """Serve a language model: look, ask, predict, plan, and with leave execute (MCP over stdio)."""
+    """Serve a language model over standard input and output (MCP).
+
+    Its tools look, ask, predict and plan, and with --allow-motion execute.
+    """
     try:
         from nlcontrol.mcp.stdio_server import serve, take_standard_output
     except ModuleNotFoundError as raised:

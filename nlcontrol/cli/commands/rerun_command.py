@@ -20,7 +20,10 @@ from nlcontrol.cli.console.console_output import (
 @click.argument("bundle", type=FILE)
 @json_option
 def command(bundle: Path, as_json: bool) -> int:
-    """Repeat the run of BUNDLE, a file of `say --bundle` or of the service, and compare."""
+    """Repeat the run of BUNDLE and compare.
+
+    BUNDLE is a file of `say --bundle` or of the service.
+    """
     from nlcontrol.service.bundles.bundle_rerun import report_lines, rerun
     from nlcontrol.service.bundles.run_bundle import read_bundle
 

@@ -100,7 +100,10 @@ def say(
     bundle: Path | None,
     **options: Any,
 ) -> int:
-    """Do what SENTENCE says, in simulation, and check every clause of it; or answer it."""
+    """Do what SENTENCE says, in simulation, and check every clause.
+
+    A question is answered.
+    """
     if plan_only:
         motion = "never"
     of_run = {"replay": replay, "trace": trace, "bundle": bundle}
@@ -113,7 +116,10 @@ def say(
 @click.command()
 @_sentence_options
 def plan(**options: Any) -> int:
-    """Plan what SENTENCE says: where and how hard to push, and what that will do."""
+    """Plan what SENTENCE says, and move nothing.
+
+    A plan tells where and how hard to push, and what that will do.
+    """
     return _answer_sentence(**options, motion="never", of_run={})
 
 
@@ -121,7 +127,10 @@ def plan(**options: Any) -> int:
 @_said_options
 @json_option
 def parse(sentence: tuple[str, ...], frames: Path | None, as_json: bool) -> int:
-    """Read SENTENCE: what was understood, as frames; of frames, whether they make sense."""
+    """Read SENTENCE: what was understood, as frames.
+
+    Of --frames it tells whether they make sense.
+    """
     from grammar.parser import default_parser
     from nlcontrol.session.frame_documents import command_of, text_of
     from nlcontrol.text_format import frame_lines
@@ -166,7 +175,7 @@ def _require_names(
 )
 @json_option
 def sample(count: int, seed: int, nouns: tuple[str, ...], as_json: bool) -> int:
-    """Make up random sentences of the language, each with the frames that it means."""
+    """Make up random sentences, each with the frames that it means."""
     from itertools import islice
 
     from grammar.paraphrasing.sentence_sampler import NOUNS, random_sentences

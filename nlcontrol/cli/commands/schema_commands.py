@@ -16,9 +16,10 @@ from nlcontrol.errors import OK
 @set_option
 @json_option
 def defaults(names: tuple[str, ...], scene: str, settings: Settings, as_json: bool) -> int:
-    """List every default with its value: what --set takes, and `defaults` in a scene file.
+    """List every default with its value.
 
-    With NAME only those whose names begin so.
+    These are what --set takes, and `defaults` in a scene file. With NAME only those whose names
+    begin so.
     """
     from dataclasses import asdict
 
@@ -36,7 +37,7 @@ def defaults(names: tuple[str, ...], scene: str, settings: Settings, as_json: bo
 
 @click.command("schema")
 def schema() -> int:
-    """Print the JSON schema of what the commands answer with --json."""
+    """Print the JSON schema of the commands' answers --json."""
     from nlcontrol import json_schema
 
     print_json(json_schema.schema())

@@ -80,7 +80,10 @@ def command(
     approve: bool,
     opens: bool,
 ) -> int:
-    """Serve plans, sessions and runs over HTTP; docs/service.md shows how to use it."""
+    """Serve plans, sessions and runs over HTTP.
+
+    docs/service.md shows how to use it.
+    """
     _require_packages()
     from pydantic import ValidationError
 

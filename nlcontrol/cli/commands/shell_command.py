@@ -63,7 +63,10 @@ def command(
     plan_only: bool,
     motion: Motion | None,
 ) -> int:
-    """Do one sentence after another: "push it away", "again", "undo that", "why?"."""
+    """Do one sentence after another.
+
+    Later ones may refer to earlier ones: "push it away", "again", "undo that", "why?".
+    """
     from nlcontrol.session.conversation import Conversation
 
     if sys.stdin is None:
