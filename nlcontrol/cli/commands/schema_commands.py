@@ -37,7 +37,7 @@ def defaults(names: tuple[str, ...], scene: str, settings: Settings, as_json: bo
 
 @click.command("schema")
 def schema() -> int:
-    """Print the JSON schema of the commands' answers --json."""
+    """Print the JSON schema of what `--json` gives."""
     from nlcontrol import json_schema
 
     print_json(json_schema.schema())
