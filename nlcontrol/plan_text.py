@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from nlcontrol.drag_text import drag_prediction, drag_reason, drag_safety, drag_text
 from nlcontrol.text_format import enumeration, place_text, quantity
 from planner.geometry.directions import phrase
 from planner.types.actions import (
@@ -84,6 +85,8 @@ def push_text(push: Push) -> str:
     """One push in words: with what, where, which way, how hard, and until when."""
     fingers = "one finger" if push.fingers == 1 else "two fingers"
     apart = f" {quantity(push.spread, 'm')} apart" if push.fingers == 2 else ""
+    if push.press:
+        return drag_text(push, _extent(push))
     x, y, _ = push.direction_W
     return (
         f"push the {push.object} with {fingers}{apart} on its {push.face} face, "
@@ -142,6 +145,8 @@ _VERBS = {"slide": "slides", "topple": "topples", "none": "stays"}
 
 def _prediction(push: PushAction) -> str:
     p = push.prediction
+    if push.press:
+        return drag_prediction(push)
     starts = [
         f"{verb} would start at {quantity(force, 'N')}"
         for verb, force in (("sliding", p.slide_force), ("toppling", p.topple_force))
@@ -165,6 +170,8 @@ def _prediction(push: PushAction) -> str:
 
 def _safety(push: PushAction) -> str:
     """Margins between the push and the outcome that it must not have."""
+    if push.press:
+        return drag_safety(push)
     margins = push.margins
     plural = "" if margins.sigmas == 1 else "s"
     case = f"in the worst case of {margins.sigmas:g} standard deviation{plural}"
@@ -190,6 +197,8 @@ def _push_reason(plan: Plan) -> str:
         "toppled": "falls over",
     }[push.ends_on]
     later = len(plan.pushes) - 1
+    if push.press:
+        return drag_reason(push, way)
     more = f" It is the first of {later + 1} pushes, as foreseen." if later else ""
     return (
         f"Pushed on its {push.face} face, {quantity(push.p_BC[2], 'm')} above the table, the "
@@ -221,6 +230,7 @@ def _push_figures(push: PushAction) -> dict[str, float]:
         "margin_force": push.margins.force,
         "onset_force": p.onset,
         "force_limit": push.force_limit,
+        "press": push.press or None,
     }
     return {name: value for name, value in numbers.items() if value is not None}
 

@@ -301,6 +301,8 @@ def _touch_check(clause: g.ContactRegion, p_BT: Array, R_WB: Array, e: Evidence)
         outside = [np.subtract(p_BT, f.centre) @ f.normal for f in faces]
         touched = faces[int(np.argmax(outside))]
         name, _ = face_name(R_WB @ np.array(touched.normal))
+        if p_BT[2] - height > max(outside):
+            name = "top"
         yield object_name(clause, "face touched", clause.face, name)
     if clause.region is not None:
         low, high = {"bottom": (0, 1), "middle": (1, 2), "top": (2, 3)}[clause.region]

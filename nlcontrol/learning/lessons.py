@@ -77,7 +77,8 @@ def lesson_from_push(
     return update.model, Lesson(
         object=target.name,
         moved=trial.moved,
-        force=sum(f * f for f in trial.force) ** 0.5,
+        # What is drawn from above is pressed besides.
+        force=math.hypot(*trial.force[: 2 if made.push.press else 3]),
         surprise=update.surprise,
         contradicts=why is not None,
         why=why,

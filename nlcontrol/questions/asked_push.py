@@ -21,7 +21,7 @@ from nlcontrol.text_format import aside_text, quantity
 from planner.affordances import pushed_face
 from planner.geometry.directions import FACE_HEADINGS, HEADINGS, heading_of, unit
 from planner.problem.frame_interpretation import interpret_frame, require_resting
-from planner.refusals.refusal_builder import no_plan
+from planner.refusals.refusal_builder import no_plan, not_capable
 from planner.types.refusal import NoPlanError
 
 if TYPE_CHECKING:
@@ -199,6 +199,13 @@ def _touched_face(asked: PushProblem, target: SeenObject) -> tuple[FaceName, Fac
         or asked.goal.outcome == "topple"
     ):
         heading = None  # what falls is pushed square to its face
+    if asked.contact.face == "top":
+        raise not_capable(
+            "predicting presses on the top face",
+            "questions are answered about pushes on side faces; the top face is not one",
+            asked.contact.spans,
+            "say “at the top” for the upper third of a side face",
+        )
     if asked.contact.face is not None:
         into = FACE_HEADINGS[asked.contact.face] + math.pi
     else:

@@ -57,7 +57,8 @@ def plan_figure(result: Result, state: WorldState) -> Figure:
     step = result.steps[-1]
     assert step.plan is not None, "without a plan there is nothing to draw"
     figure = Figure(figsize=(9.0, 5.6), dpi=160, layout="constrained")
-    if step.plan.pushes:
+    # What is drawn from above shows its contact there.
+    if step.plan.pushes and not step.plan.push.press:
         above, face = figure.subplots(1, 2, width_ratios=(3.2, 1.0))
         _draw_face(face, step.plan.push, state.objects[step.plan.object])
     else:

@@ -105,7 +105,8 @@ def _with_sd(value: float, sd: float, *, digits: int = 3) -> str:
 
 
 def _controller(plan: Plan) -> Iterator[Value]:
-    yield Value("controller", f"push with {_fingers(plan)}, until {_until(plan.push)}")
+    does = "press from above and draw" if plan.push.press else "push"
+    yield Value("controller", f"{does} with {_fingers(plan)}, until {_until(plan.push)}")
     then = [f"{push.face} face, until {_until(push)}" for push in plan.pushes[1:]]
     if then:
         yield Value("pushes", f"{1 + len(then)} foreseen; then {'; then '.join(then)}")
@@ -267,6 +268,8 @@ def _limit_value(clause: Any, plan: Plan) -> tuple[str, str]:
 
 
 def _margin_text(plan: Plan) -> str:
+    if plan.push.press:
+        return f"{plan.push.margins.force:.1f} N before the fingertip slips"
     if plan.push.prediction.critical_height is None:
         return "no push on this face tips it"
     return f"{si_text(plan.push.margins.height, 'm')} below where it may tip"
@@ -309,6 +312,8 @@ def _open_values(frame: g.Frame, plan: Plan) -> Iterator[Value]:
 
 
 def _contact_text(plan: Plan) -> str:
+    if plan.push.press:
+        return f"top face, pressed with {plan.push.press:.1f} N"
     return f"{plan.push.face} face, {si_text(plan.push.p_BC[2], 'm')} above the table"
 
 

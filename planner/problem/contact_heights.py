@@ -55,17 +55,19 @@ def limit_push_contact(problem: PushProblem, clause: g.ContactRegion) -> PushPro
     """The problem with a push on one face, or between two heights.
 
     Raises:
-        NoPlanError: the face is one that is not pushed.
+        NoPlanError: the face is the top one, on which a fingertip presses to draw an object along,
+            and something else is asked.
     """
-    if clause.face == "top":
+    goal = problem.goal
+    if clause.face == "top" and (not goal.aims or goal.rotates or goal.until is not None):
         raise not_capable(
             "pushing on the top face",
-            "this robot pushes objects on their side faces; the top face is not one",
+            "a fingertip on the top face draws an object along, over a distance or to a place; it "
+            "does nothing else there",
             clause.spans,
             "say “at the top” for the upper third of a side face",
         )
     if clause.face is not None:
-        goal = problem.goal
         if goal.outcome == "topple" and goal.heading is None:
             push = next(d for d, face in FACE_OF_PUSH.items() if face == clause.face)
             goal = replace(goal, heading=HEADINGS[push])

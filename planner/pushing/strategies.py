@@ -20,6 +20,7 @@ from planner.geometry.directions import unit
 from planner.problem.goal_poses import pose_as_aim
 from planner.problem.planning_problem import PushProblem
 from planner.pushing.contact_planner import PushCandidate
+from planner.pushing.drag_planner import FORCES, drag_to
 from planner.pushing.push_sequence import PushSequencePlanner, require_one_push
 from planner.pushing.reach_search import ReachSearch
 from planner.pushing.stroke_speed import require_speed
@@ -164,6 +165,53 @@ class ObliquePush(PlanningStrategy):
         return replace(problem, effort=effort, contact=replace(problem.contact, fingers=(2,)))
 
 
+class DragFromAbove(PlanningStrategy):
+    """A fingertip that presses on top of an object draws it straight to an aim."""
+
+    is_precise = False
+
+    def applies(self, problem: PushProblem, so_far: Sequence[FailedStrategy]) -> bool:
+        """Return True if no fingertip gets to its sides, and nothing is said that takes them."""
+        goal, contact = problem.goal, problem.contact
+        free = contact.face is None and contact.region is None and 1 in contact.fingers
+        free &= problem.motion.duration is None and problem.force.min == 0.0
+        moved = bool(goal.aims) and not goal.rotates and goal.until is None
+        sides = _was_denied(so_far) or deciding_refusal(so_far).reason == "out_of_reach"
+        return free and moved and sides
+
+    def relax(self, problem: PushProblem, so_far: Sequence[FailedStrategy]) -> PushProblem:
+        """The problem with the probability that a drag must have."""
+        least = min(problem.effort.probability, problem.defaults.drag_probability)
+        return replace(problem, effort=replace(problem.effort, probability=least))
+
+    def plan(self, problem: PushProblem, search: ReachSearch) -> Plan | Reached:
+        """The drag to the first aim to which there is one."""
+        attempts = Alternatives()
+        for aim in problem.goal.aims:
+            with attempts:
+                found = drag_to(problem, aim, search)
+                return found if isinstance(found, Reached) else _joint_plan(problem, [found], aim)
+        raise attempts.first
+
+    def decides(self, refusal: Refusal) -> bool:
+        """Return True if it says with what force the object would have to be pressed."""
+        return refusal.code in FORCES
+
+
+class SaidDrag(DragFromAbove):
+    """The same, since the sentence says so."""
+
+    is_precise = True
+
+    def applies(self, problem: PushProblem, so_far: Sequence[FailedStrategy]) -> bool:
+        """Always."""
+        return True
+
+    def decides(self, refusal: Refusal) -> bool:
+        """Return True: there is no other way."""
+        return True
+
+
 class RelaxedGoal(PlanningStrategy):
     """Straight to a pose at the edge of the tolerance."""
 
@@ -209,6 +257,7 @@ STRATEGIES: tuple[PlanningStrategy, ...] = (
     ExhaustiveReach(),
     RelaxedProbability(),
     ObliquePush(),
+    DragFromAbove(),
     RelaxedGoal(),
     OtherFall(),
 )
@@ -229,7 +278,7 @@ def plan_pushes(
     budget, untried = problem.budget, 0
     if budget.is_used_up:
         raise budget.dead_end(problem.target.name, len(STRATEGIES))
-    for strategy in STRATEGIES:
+    for strategy in (SaidDrag(),) if problem.contact.face == "top" else STRATEGIES:
         if not strategy.applies(problem, so_far):
             continue
         if budget.is_used_up:

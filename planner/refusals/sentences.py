@@ -146,6 +146,42 @@ _PUSHES = {
         "{probability:chance}; {asked_probability:share} is asked",
         ("find out the weight and the friction of the {object} first",),
     ),
+    "drag_turns": unsupported(
+        "pressed from above, the {object} is drawn along as it lies; it would have to turn by "
+        "{turn:deg}",
+        ("turn it first",),
+        "turning an object by pressing on it",
+    ),
+    "no_top_to_press": impossible(
+        "the {object} has no level face on top, over its centre of mass, on which a fingertip "
+        "could press",
+        (_ANOTHER_WAY,),
+    ),
+    "no_pressing": unsupported(
+        "this robot does not press on the {object} from above",
+        ("push it on a side",),
+        "pressing from above",
+    ),
+    "drag_tips": impossible(
+        "the {object}, {height:mm} high, would tip over if it were drawn along from above",
+        ("push it on a side",),
+    ),
+    "finger_too_smooth": impossible(
+        "no pressing from above takes the {object} along: friction at the fingertip is "
+        "{finger:share}, at the table {table:share}",
+        ("lift the {object}, if a hand can hold it",),
+    ),
+    "press_too_weak": out_of_reach(
+        "drawing the {object} along takes that it is pressed from above with {needed_force:N}; a "
+        "fingertip presses with {max_press:N} at most",
+        ("lift the {object}, if a hand can hold it",),
+    ),
+    "drag_slips": too_uncertain(
+        "pressed from above with {max_press:N}, all that a fingertip has, the {object} comes along "
+        "with a probability of {probability:chance}; {asked_probability:share} is asked, and with "
+        "everything as believed {needed_force:N} would do",
+        ("find out how slippery the {object} is first",),
+    ),
     "turn_blocked": blocked(
         "turning here, the {object} would swing {where}", ("move it away from there first",)
     ),

@@ -21,12 +21,10 @@ from planner.types.stack_actions import SetOn
 from planner.types.turning_actions import TurnOver
 
 Vector3 = tuple[float, float, float]
-FaceName = Literal["front", "back", "left", "right"]
+FaceName = Literal["front", "back", "left", "right", "top"]
 Outcome = Literal["none", "slide", "topple", "slide+topple"]
-StopEvent = Literal[
-    "moves",  # the object has begun to move
-    "touching",  # it has met the object that `Push.meets` names
-]
+StopEvent = Literal["moves", "touching"]
+"""The object has begun to move, or has met the object that `Push.meets` names."""
 
 FALLING = math.radians(11.0)
 """Tilt beyond the angle of no return at which a push lets a toppling object fall [rad]."""
@@ -71,7 +69,7 @@ class Push(Value):
 
     Attributes:
         object: name of the pushed object in the scene.
-        face: side face that is touched, named by where it looks now (front looks at the robot).
+        face: face that is touched, named by where it looks now (front looks at the robot).
         p_BC: contact point in B [m]; with two fingers the midpoint between the fingertips.
         normal_W: outward unit normal of the touched face in W.
         direction_W: unit direction in which the fingertips move, in W (horizontal).
@@ -90,6 +88,8 @@ class Push(Value):
         until: event that ends the push earlier; None if there is none.
         meets: name of the object that is to be touched, if that is the event.
         limits: what stops it.
+        press: force with which a fingertip presses on the top face and draws it along [N]; 0 of a
+            push on a side face.
     """
 
     kind: Literal["push"] = "push"
@@ -109,6 +109,7 @@ class Push(Value):
     until: StopEvent | None = None
     meets: str | None = None
     limits: Limits = Limits()
+    press: float = 0.0
 
 
 class Prediction(Value):

@@ -66,6 +66,8 @@ class Defaults:
         sigmas: standard deviations that a worst case takes.
         probability: the least probability of the wanted outcome that a plan may have.
         probability_on: the same of what is left of it once its first push is made.
+        drag_probability: the same of a fingertip that presses from above and draws something along;
+            where it slips over it instead, that is felt, and nothing has moved.
         speed_fast: least speed of a fast push [m/s].
         force_hard: a hard push is ready to press with at least so much [N].
         force_tolerance: of the felt force, from the sensor's noise [N].
@@ -173,6 +175,7 @@ class Defaults:
     sigmas: Factor = 2.0
     probability: Probability = 0.95
     probability_on: Probability = 0.85
+    drag_probability: Probability = 0.8
     speed_fast: Speed = 0.10
     force_hard: Force = 8.0
     force_tolerance: Force = 0.3

@@ -58,6 +58,8 @@ class PushGuide(Value):
         end_W: where the middle of their centres is then, if the object follows as predicted [m].
         hand_turn: by which the hand turns with the object about the vertical [rad].
         tilt: by which the object is tilted, held and let back, if that is wanted [rad].
+        press: force into the face that is kept up meanwhile, of a fingertip that draws the object
+            along from above [N]; 0 if none is.
         force_limit: of all fingers together, along the direction [N].
         force_rise: time in which the limit rises from the touch on to that [s].
         first_speed: until the object moves [m/s].
@@ -82,6 +84,7 @@ class PushGuide(Value):
     end_W: Vector3
     hand_turn: float
     tilt: float
+    press: float = 0.0
     force_limit: float
     force_rise: float
     first_speed: float

@@ -92,6 +92,7 @@ class RobotLimits:
         finger_spreads: distances between the two outer fingertips of a two-finger push, the largest
             first [m].
         max_force: largest force that one fingertip can exert [N].
+        max_press: largest force with which one fingertip can press on a level face [N].
         force_skew: largest vertical force at a fingertip per force along the push while the tip
             sticks: what the hand's own stiffness lets it transmit, whatever friction would allow.
         lowest_height: lowest contact height above the table that a fingertip reaches anywhere [m].
@@ -107,6 +108,7 @@ class RobotLimits:
     lowest_height: float
     grasp_widths: tuple[float, float] | None = None
     lowest_grasp: float = 0.0
+    max_press: float = 0.0
 
 
 @dataclass(frozen=True)

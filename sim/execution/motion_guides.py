@@ -28,6 +28,7 @@ from planner.types.world_state import SeenObject, WorldState
 from sim.control.grasping import flip_control, held_object_sensing
 from sim.control.grasping.hand_motion import CLOSING_SPEED
 from sim.control.pushing.clause_guards import limit_conditions
+from sim.control.pushing.drag_control import drag_conditions
 from sim.control.pushing.force_control import FASTEST_START
 from sim.control.pushing.guarded_touch import TOUCH_BEYOND, TOUCH_SPEED, touch_force
 from sim.control.pushing.push_guards import RAMP, guard_conditions
@@ -68,7 +69,7 @@ def motion_guide(plan: Plan, state: WorldState, robot: Robot) -> MotionGuide:
 def _push_guide(push: PushAction, state: WorldState, robot: Robot) -> PushGuide:
     seen, radius = state.objects[push.object], robot.limits.fingertip_radius
     way = FingertipPath.from_push(push, seen, radius)
-    left = np.cross([0.0, 0.0, 1.0], way.inward)
+    left = np.cross([0.0, 0.0, 1.0], way.R_WD[:, 0])
     asides = np.linspace(0.5, -0.5, push.fingers) * push.spread
     return PushGuide(
         object=push.object,
@@ -86,6 +87,7 @@ def _push_guide(push: PushAction, state: WorldState, robot: Robot) -> PushGuide:
         end_W=_vector(way.end),
         hand_turn=way.turn,
         tilt=push.tilt,
+        press=push.press,
         force_limit=push.force_limit,
         force_rise=RAMP,
         first_speed=min(FASTEST_START, push.speed),
@@ -100,7 +102,7 @@ def _push_guide(push: PushAction, state: WorldState, robot: Robot) -> PushGuide:
             ),
             *_planned_ends(push),
             *limit_conditions(push, seen),
-            *guard_conditions(push),
+            *(drag_conditions(push) if push.press else guard_conditions(push)),
         ),
     )
 

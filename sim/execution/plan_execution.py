@@ -17,6 +17,7 @@ from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer
 from sim.collision.collision_scene import SPARE
 from sim.control.free_motion import look_around
+from sim.control.pushing.drag_control import DragControl
 from sim.control.pushing.force_control import ExecutionContext, ForceController
 from sim.control.pushing.push_control import PushControl
 from sim.control.pushing.tilt_control import TiltControl
@@ -81,7 +82,7 @@ def _push(plan: Plan, execution: PushExecution) -> tuple[EndReason, str]:
     stance, way = execution.stance(state)
     execution.approach(stance, way)
     execution.recorder.report("touch", "feeling for the face")
-    make = _CONTROLS.get(plan.push.ends_on, PushControl)
+    make = DragControl if plan.push.press else _CONTROLS.get(plan.push.ends_on, PushControl)
     control = make(ExecutionContext(plan, execution.recorder, stance, way, state))
     try:
         control.touch()

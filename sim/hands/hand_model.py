@@ -333,6 +333,12 @@ class Hand(Protocol):
             fine: the palm may lean by small angles and large ones.
         """
 
+    def pressing_postures(self) -> PostureSet:
+        """Postures in which one finger presses down on something level, the best first.
+
+        D's x axis is then the way along which it drags; strength is that of the pressing meanwhile.
+        """
+
     def grasp_posture(
         self, width: float, *, pinch: bool = False, depth: float = 0.0
     ) -> GraspPosture | None:

@@ -36,6 +36,7 @@ class Approach:
         fingers: how many fingertips do.
         spread: distance between two of them [m].
         fine: whether the palm may lean by small angles and large ones.
+        pressing: whether it comes from above to press.
         outline: the object's corners in B, one after the other [m].
         height, radius: of the object; see `Obstacle` [m].
         points: of T in B before the face and at it, one after the other [m].
@@ -46,6 +47,7 @@ class Approach:
     fingers: int
     spread: float
     fine: bool
+    pressing: bool
     outline: tuple[float, ...]
     height: float
     radius: float
@@ -55,7 +57,7 @@ class Approach:
     @classmethod
     def to_object(
         cls, pushed: Obstacle, points: Array, R_WD: Array, hand: Hand, fingers: int, spread: float,
-        *, fine: bool,
+        *, fine: bool, pressing: bool = False,
     ) -> Approach:  # fmt: skip
         """The approach along two points of T in W, shape (2, 3) [m], with D at R_WD."""
         return cls(
@@ -63,6 +65,7 @@ class Approach:
             fingers=fingers,
             spread=spread,
             fine=fine,
+            pressing=pressing,
             outline=tuple(pushed.outline.ravel().tolist()),
             height=pushed.height,
             radius=pushed.radius,
@@ -78,7 +81,8 @@ class Approach:
             some = hands[new]
             known[some.number] = _CLEAR
             # What stays behind the face's plane cannot hit what is beyond it.
-            some = some[some.fronts >= self._room_ahead]
+            if not self.pressing:
+                some = some[some.fronts >= self._room_ahead]
             known[some.number] = _HIT
             for part in _parted(some.spheres.shape[1] - self.fingers):
                 some = some[self._are_clear(some, part)]
@@ -119,5 +123,8 @@ def _rounded(array: Array) -> tuple[float, ...]:
 @functools.lru_cache(maxsize=_CONTACTS)
 def _known_hands(approach: Approach) -> NDArray[np.int8]:
     """What is known of each of all hands by now."""
-    every = approach.hand.pushing_postures(approach.fingers, approach.spread, fine=approach.fine)
+    hand = approach.hand
+    if approach.pressing:
+        return np.full(len(hand.pressing_postures()), _UNKNOWN, dtype=np.int8)
+    every = hand.pushing_postures(approach.fingers, approach.spread, fine=approach.fine)
     return np.full(len(every), _UNKNOWN, dtype=np.int8)

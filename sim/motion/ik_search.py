@@ -176,11 +176,19 @@ class PushIkSearch:
     def _bear_force(self, solved: IkSolutions) -> NDArray[np.bool_]:
         """Which arms bear the force of the push all along the stroke, shape (k,)."""
         arm, hand, R_WA = self._mount.arm, self._mount.hand, self._mount.R_WA
-        contact = self._points[1:] + hand.tip_radius * self._R_WD[1:, :, 0]
+        into = self._R_WD[1:, :, 0]
+        along_push, up = np.array(self._push.direction_W), np.array([0.0, 0.0, 1.0])
+        if self._push.press:
+            into = -up
+            forces = np.array([[0.0], [self._push.force_limit]]) * along_push - (
+                self._push.press * up
+            )
+        else:
+            skews = hand.force_skew * np.array([[-1.0], [1.0]])
+            forces = self._push.force_limit * (along_push + skews * up)
+        contact = self._points[1:] + hand.tip_radius * into
         p_AC = (contact - self._mount.p_WA) @ R_WA
-        along_push = np.array(self._push.direction_W)
-        drag = np.array([[0.0, 0.0, -hand.force_skew], [0.0, 0.0, hand.force_skew]])
-        f_A = np.array([f_W @ R_WA for f_W in self._push.force_limit * (along_push + drag)])
+        f_A = np.array([f_W @ R_WA for f_W in forces])
         torques = arm.torques(solved.q[:, 1:], p_AC, f_A[:, None, None])
         return np.asarray((np.abs(torques) < EFFORT_SHARE * arm.efforts).all(axis=(0, 2, 3)))
 

@@ -118,7 +118,7 @@ class PushMotionSearch:
         self._scenery = scenery
         self._approach = Approach.to_object(
             self._scenery.pushed, self._points[:2], self._R_WD[0], mount.hand,
-            push.fingers, push.spread, fine=effort.fine,
+            push.fingers, push.spread, fine=effort.fine, pressing=push.press > 0.0,
         )  # fmt: skip
 
     @functools.cached_property

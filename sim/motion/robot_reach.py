@@ -138,6 +138,7 @@ class ArmHandReach:
             fingertip_radius=hand.tip_radius,
             finger_spreads=hand.finger_spreads,
             max_force=float(hand.pushing_postures(1, 0.0).strength.max()),
+            max_press=float(hand.pressing_postures().strength.max(initial=0.0)),
             force_skew=hand.force_skew,
             lowest_height=lowest_contact(hand),
             grasp_widths=hand.grasp_widths,
@@ -232,7 +233,7 @@ class ArmHandReach:
         self, push: Push, state: WorldState, spare: float = 0.0
     ) -> tuple[ArmConfiguration, ReachAnswer] | ReachAnswer:
         """The best stance for a push, or why there is none; `spare` as of `grasp_motion`."""
-        if push.p_BC[2] < self.limits.lowest_height - 1e-9:
+        if not push.press and push.p_BC[2] < self.limits.lowest_height - 1e-9:
             height = 1e3 * push.p_BC[2]
             return ReachAnswer(
                 False, "table", f"the finger would touch the table {height:.0f} mm up"
@@ -265,8 +266,13 @@ class ArmHandReach:
         self, push: Push, search: PushMotionSearch
     ) -> tuple[ArmConfiguration, ReachAnswer] | ReachAnswer:
         """The best stance that bears the force of a push, or why there is none."""
-        every = self.mount.hand.pushing_postures(push.fingers, push.spread, fine=self._effort.fine)
-        strong = every.strength * push.fingers >= push.force_limit
+        hand = self.mount.hand
+        if push.press:
+            every = hand.pressing_postures()
+            strong = every.strength >= push.press
+        else:
+            every = hand.pushing_postures(push.fingers, push.spread, fine=self._effort.fine)
+            strong = every.strength * push.fingers >= push.force_limit
         found = search.best_configuration(every[strong])
         if strong.all() or not isinstance(found, ReachAnswer):
             return found
@@ -280,7 +286,7 @@ class ArmHandReach:
                 False,
                 "torque",
                 f"the hands that get there bear {strength:.1f} N, and the push may need "
-                f"{push.force_limit:.1f} N",
-                numbers={"strength": strength, "force": push.force_limit},
+                f"{push.press or push.force_limit:.1f} N",
+                numbers={"strength": strength, "force": push.press or push.force_limit},
             )
         return replace(found, crowded=found.crowded and weaker.crowded) if strong.any() else weaker

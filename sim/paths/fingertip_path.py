@@ -34,8 +34,8 @@ class FingertipPath:
     """Path of the midpoint of the fingertips in W, and turn of the palm along it.
 
     Attributes:
-        inward: horizontal unit vector to which the hand is square: into the touched face, as that
-            should look at the end of a straight push.
+        inward: unit vector to which the hand is square: into the touched face, as that should look
+            at the end of a straight push; horizontal, or down onto a top face.
         start: before the face; `touch`: at the face; `end`: after the stroke.
         turn: angle by which the palm turns about the vertical during the stroke, evenly [rad]; the
             stroke is then an arc.
@@ -73,8 +73,12 @@ class FingertipPath:
 
     @property
     def R_WD(self) -> Array:
-        """Orientation of the push's frame D when the hand touches, shape (3, 3)."""
-        return rot_z(np.arctan2(self.inward[1], self.inward[0]))
+        """Orientation of the push's frame D when the hand touches, shape (3, 3).
+
+        That of a hand that presses from above looks along the way.
+        """
+        x, y, _ = self.inward if self.inward[2] == 0.0 else self.end - self.touch
+        return rot_z(np.arctan2(y, x))
 
     def points_at(self, shares: Array = STROKE_POINTS) -> Array:
         """Start, and the stroke at shares of it, shape (1 + n, 3)."""

@@ -56,7 +56,7 @@ _SETTLING = 12  # looks at how the force shifts the load; each leaves a share of
 _SETTLED = 1e-9  # change of the force, as a share of the grip
 _SHORT = 1e-6  # share of its way by which the centre of pressure stays short of the edge
 _LEAST_SHARE = 1e-3  # least pressing force that is looked at, as a share of the largest
-_FORCES, _HALVINGS = 16, 24  # forces between those two, and steps to the limit between two of them
+_FORCES, _HALVINGS = 16, 14  # forces between those two, and steps to the limit between two of them
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ from sim.hands.four_finger.hand_posture import (
     thin_spheres,
     whole_spheres,
 )
+from sim.hands.four_finger.pressing_postures import pressing_postures
 from sim.hands.four_finger.pushing_postures import FINGER_SPREADS, LARGEST_SKEW, pushing_postures
 from sim.hands.hand_model import Angles, FlipPostureSet, Posture, PostureSet
 from sim.paths.lid_arc_path import LidShape
@@ -72,6 +73,10 @@ class FourFingerHand:
     def pushing_postures(self, fingers: int, spread: float, *, fine: bool = False) -> PostureSet:
         """Postures whose fingers bear and feel the push."""
         return pushing_postures(fingers, spread, fine=fine, wrist=self.wrist)
+
+    def pressing_postures(self) -> PostureSet:
+        """Postures whose finger bears and feels the pressing while it drags."""
+        return pressing_postures(self.wrist)
 
     def grasp_posture(
         self, width: float, *, pinch: bool = False, depth: float = 0.0

@@ -47,7 +47,7 @@ def test_every_sentence_comes_to_an_end_that_is_told(kitchen: Controller, seed: 
         ("hand me the coffee box", "handing objects over"),
         ("push the coffee box onto the cereal box", "putting objects on others"),
         ("push the coffee box away with your left hand", "a second (left) hand"),
-        ("push the coffee box on its top face", "pushing on the top face"),
+        ("turn the coffee box on its top face", "pushing on the top face"),
         ("find out how tall the coffee box is", "finding out the height of objects"),
     ],
 )

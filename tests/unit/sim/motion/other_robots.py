@@ -93,6 +93,9 @@ class TwoFingerGripper:
             postures, spheres, np.zeros(n, dtype=int), R_DP, np.full(n, 20.0)
         )
 
+    def pressing_postures(self) -> PostureSet:
+        return self.pushing_postures(1, 0.0)[:0]
+
     def grasp_posture(
         self, width: float, *, pinch: bool = False, depth: float = 0.0
     ) -> GripperGrasp | None:

@@ -1,0 +1,192 @@
+"""A drag: a fingertip presses on top of an object over its centre of mass and draws it along.
+
+There nothing turns, whichever way it goes, so that it goes straight to its aim. The pressing force
+is the least with which it surely goes along, as the exact tier has it; where no force makes that as
+sure as a push must be, the one with which it does so with the probability that a drag must have: a
+fingertip that slips instead is felt, and has moved nothing.
+
+Frames: W is the world, B the object.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.support_points import is_within
+from objectmodels.mechanics.exact.top_drag import drag_probability, press_range, top_drag
+from objectmodels.models.top_face import top_face
+from planner.geometry.directions import unit
+from planner.problem.planning_problem import PushProblem
+from planner.pushing.contact_planner import PushCandidate
+from planner.pushing.push_paths import Obstructions, PathSegment, free_length_mark
+from planner.pushing.push_sequence import path_clearances
+from planner.pushing.reach_search import ReachSearch
+from planner.refusals.reach_refusals import no_push_reached
+from planner.refusals.refusal_builder import no_plan
+from planner.types.actions import Aim, Margins, Prediction, Push, PushAction, Vector3
+from planner.types.plan import Reached
+from planner.types.refusal import NoPlanError
+
+FORCES = ("drag_slips", "press_too_weak", "finger_too_smooth")
+"""Codes of refusals since no pressing force takes an object along."""
+
+_CLOSE = 0.004  # what is nearer to its aim counts as there [m]
+_RIM = 0.005  # between the contact and the edge of the top, at least [m]
+_MUCH = 20.0  # times the force of a fingertip: what takes more is not told in newtons
+_RATED, _CONFIRMED = 1, 3  # units of work of a force found, and of a hand asked for
+
+
+def drag_to(problem: PushProblem, aim: Aim, search: ReachSearch) -> PushCandidate | Reached:
+    """The drag that brings an object straight to an aim, or the finding that it is there.
+
+    Raises:
+        NoPlanError: there is none.
+    """
+    target = problem.target
+    way = np.array([aim.x - target.pose.x, aim.y - target.pose.y])
+    off, turn = float(np.hypot(*way)), 0.0 if aim.yaw is None else aim.yaw - target.pose.yaw
+    if abs(turn) > problem.defaults.no_turn:
+        raise no_plan("drag_turns", {"turn": turn}, object=target.name)
+    if off <= _CLOSE:
+        return Reached(aim=aim, off=off, turned_off=abs(turn))
+    segment = PathSegment(math.atan2(way[1], way[0]), off)
+    _require_free(problem, segment)
+    problem.budget.spend(_RATED + _CONFIRMED)
+    push = _drag_along(problem, segment)
+    answer = search.reach(push, problem.state)
+    if not answer.ok:
+        raise no_push_reached(target.name, [answer])
+    return PushCandidate(push, ("drag",), considered=1, satisfying=1, notes=())
+
+
+def _require_free(problem: PushProblem, segment: PathSegment) -> None:
+    """Make sure that nothing stands in the way, and that it does not leave the table.
+
+    Raises:
+        NoPlanError: something does.
+    """
+    target, margin = problem.target, problem.defaults.clearance
+    met = Obstructions(target, problem.state, path_clearances(problem), margin).first_stop(
+        (segment,)
+    )
+    if met is None:
+        return
+    marks, free = (free_length_mark(target, (segment,), met),), max(met.free, 0.0)
+    if met.other is None:
+        numbers = {"room": free, "distance": segment.distance}
+        raise no_plan("off_the_table", numbers, marks=marks, object=target.name)
+    numbers = {"free": free, "distance": segment.distance}
+    raise no_plan("in_the_way", numbers, marks=marks, object=target.name, other=met.other)
+
+
+def _contact(problem: PushProblem) -> Array:
+    """The point on the top face over the centre of mass, in B, shape (3,) [m].
+
+    Raises:
+        NoPlanError: there is no level face for a fingertip.
+    """
+    model = problem.target.model
+    face, over = top_face(model), np.array(model.com[:2])
+    if model.container is not None or face is None or not is_within(face, over[None], -_RIM):
+        raise no_plan("no_top_to_press", object=problem.target.name)
+    return np.append(over, model.top)
+
+
+def _drag_along(problem: PushProblem, segment: PathSegment) -> PushAction:
+    """The drag along a segment, with what the exact tier says of it."""
+    target, motion, force = problem.target, problem.motion, problem.force
+    model, point = target.model, _contact(problem)
+    direction = target.pose.R_WB.T @ unit(segment.heading)
+    direction = np.array([*direction[:2], 0.0]) / np.hypot(*direction[:2])
+    press, probability = _pressing(problem, point, direction)
+    drag = top_drag(model, point[None], direction[None], press)
+    needed, grip = float(np.hypot(*drag.force[0])), float(drag.grip[0])
+    if needed > force.max:
+        numbers = {"needed_force": needed, "allowed_force": force.max}
+        words = {"object": target.name, "doing": "drawing along"}
+        raise no_plan("force_not_allowed", numbers, spans=force.spans, **words)
+    tips = float(drag.tip_ratio[0] * min(needed, grip))
+    push = Push(
+        object=target.name,
+        face="top",
+        p_BC=_vector(point),
+        normal_W=(0.0, 0.0, 1.0),
+        direction_W=_vector(unit(segment.heading)),
+        force_limit=min(grip, force.max),
+        speed=motion.speed,
+        stroke=segment.distance,
+        fingers=1,
+        spread=0.0,
+        ends_on="stroke",
+        limits=motion.guards,
+        press=press,
+    )
+    prediction = Prediction(
+        outcome="slide",
+        onset=needed,
+        slide_force=needed,
+        topple_force=tips if math.isfinite(tips) else None,
+        critical_height=None,
+        critical_height_worst=None,
+        probability=probability,
+        stay_on_base_angle=model.angle_of_no_return(direction),
+        tier="exact",
+        friction="static",
+    )
+    face = top_face(model)
+    assert face is not None, "a contact was found on it"
+    lateral = float((face.offsets - face.normals @ point[:2]).min())
+    margins = Margins(
+        force=grip - needed, height=0.0, lateral=lateral, sigmas=0.0, force_limit=grip - needed
+    )
+    displacement = _vector(segment.displacement)
+    return PushAction(
+        **dict(push), prediction=prediction, margins=margins, displacement=displacement
+    )
+
+
+def _pressing(problem: PushProblem, point: Array, direction: Array) -> tuple[float, float]:
+    """The pressing force [N], and the probability with which the object then goes along.
+
+    Raises:
+        NoPlanError: no force that a fingertip has is sure enough.
+    """
+    model, most = problem.target.model, problem.robot.limits.max_press
+    if most <= 0.0:
+        raise no_plan("no_pressing", object=problem.target.name)
+    surest = float(drag_probability(model, point[None], direction[None], most)[0])
+    asked = problem.defaults.probability
+    if surest < asked:
+        asked = problem.effort.probability
+    found = press_range(model, point, direction, most, asked) if surest >= asked else None
+    if found is None:
+        raise _not_taken_along(problem, point, direction, surest)
+    press = found[0]
+    return press, float(drag_probability(model, point[None], direction[None], press)[0])
+
+
+def _not_taken_along(
+    problem: PushProblem, point: Array, direction: Array, surest: float
+) -> NoPlanError:
+    """Dead end since pressing does not take an object along, with what decides."""
+    target, most = problem.target, problem.robot.limits.max_press
+    model = target.model
+    pressed = top_drag(model, point[None], direction[None], most)
+    numbers = {"max_press": most, "probability": surest}
+    if pressed.outcome[0] == "tips":
+        return no_plan("drag_tips", numbers, object=target.name, height=model.top)
+    nominal = press_range(model, point, direction, _MUCH * most)
+    if nominal is None:
+        words = {"finger": model.finger_friction, "table": model.friction}
+        return no_plan("finger_too_smooth", numbers | words, object=target.name)
+    numbers |= {"needed_force": nominal[0], "asked_probability": problem.effort.probability}
+    code = "press_too_weak" if nominal[0] > most else "drag_slips"
+    return no_plan(code, numbers, object=target.name)
+
+
+def _vector(v: Array) -> Vector3:
+    x, y, z = v.tolist()
+    return x, y, z
