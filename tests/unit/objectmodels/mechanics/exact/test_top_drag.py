@@ -32,9 +32,9 @@ def test_over_the_centre_of_mass_the_least_force_is_that_of_the_closed_form() ->
     model = book()
     needed = model.friction * model.weight / (model.finger_friction - model.friction)
     found = press_range(model, MIDDLE[0], LEFT[0], 30.0)
-    # The search halves its bracket of a few newtons 24 times.
+    # The search halves its bracket of 2.4 N 14 times.
     assert found is not None
-    np.testing.assert_allclose(np.array(found), np.array([needed, 30.0]), atol=1e-5)
+    np.testing.assert_allclose(np.array(found), np.array([needed, 30.0]), atol=2e-4)
     forces = np.array([0.99, 1.01]) * needed
     drag = top_drag(model, np.tile(MIDDLE, (2, 1)), np.tile(LEFT, (2, 1)), forces)
     assert drag.outcome.tolist() == ["slips", "drags"]
