@@ -176,8 +176,7 @@ class DragFromAbove(PlanningStrategy):
         free = contact.face is None and contact.region is None and 1 in contact.fingers
         free &= problem.motion.duration is None and problem.force.min == 0.0
         moved = bool(goal.aims) and not goal.rotates and goal.until is None
-        sides = _was_denied(so_far) or deciding_refusal(so_far).reason == "out_of_reach"
-        return free and moved and sides
+        return free and moved and deciding_refusal(so_far).reason == "out_of_reach"
 
     def relax(self, problem: PushProblem, so_far: Sequence[FailedStrategy]) -> PushProblem:
         """The problem with the probability that a drag must have."""
@@ -194,8 +193,8 @@ class DragFromAbove(PlanningStrategy):
         raise attempts.first
 
     def decides(self, refusal: Refusal) -> bool:
-        """Return True if it says with what force the object would have to be pressed."""
-        return refusal.code in FORCES
+        """Return True if it is asked for, or says with what force it would have to press."""
+        return self.is_precise or refusal.code in FORCES
 
 
 class SaidDrag(DragFromAbove):
@@ -205,10 +204,6 @@ class SaidDrag(DragFromAbove):
 
     def applies(self, problem: PushProblem, so_far: Sequence[FailedStrategy]) -> bool:
         """Always."""
-        return True
-
-    def decides(self, refusal: Refusal) -> bool:
-        """Return True: there is no other way."""
         return True
 
 
