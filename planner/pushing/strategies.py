@@ -172,11 +172,11 @@ class DragFromAbove(PlanningStrategy):
 
     def applies(self, problem: PushProblem, so_far: Sequence[FailedStrategy]) -> bool:
         """Return True if no fingertip gets to its sides, and nothing is said that takes them."""
-        goal, contact = problem.goal, problem.contact
-        free = contact.face is None and contact.region is None and 1 in contact.fingers
-        free &= problem.motion.duration is None and problem.force.min == 0.0
-        moved = bool(goal.aims) and not goal.rotates and goal.until is None
-        return free and moved and deciding_refusal(so_far).reason == "out_of_reach"
+        goal, contact, why = problem.goal, problem.contact, deciding_refusal(so_far)
+        said = contact.face or contact.region or problem.motion.duration or problem.force.min
+        moved = goal.aims and not goal.rotates and goal.until is None and 1 in contact.fingers
+        no_side = why.reason == "out_of_reach" or why.code == "pushes_blocked"
+        return bool(moved and no_side and not said)
 
     def relax(self, problem: PushProblem, so_far: Sequence[FailedStrategy]) -> PushProblem:
         """The problem with the probability that a drag must have."""
