@@ -3,7 +3,7 @@
 For each way of moving it (slide or topple to a side, tilt, turn) two answers: what the object
 allows, from its model (from which face, at what least force, where it is sure), and what the robot
 can do, which is whether the planner makes a plan for it. For what a whole hand does with it (lift
-it, open or close its lid) the planner alone is asked, and whether it can be poured from.
+it, stand it up, open or close its lid, pour from it) the planner alone is asked.
 
 Frames: contacts are places on a face of B; directions are the robot's.
 """
@@ -40,7 +40,7 @@ class Affordance:
     """One thing that may be done with an object.
 
     Attributes:
-        outcome: `slide`, `topple`, `tilt`, `turn`, `lift`, `open`, `close` or `pour`.
+        outcome: `slide`, `topple`, `tilt`, `turn`, `lift`, `stand`, `open`, `close` or `pour`.
         direction: `away`, `toward`, `left`, `right` (for `turn`: which way it turns); empty for
             what a whole hand does.
         face: face that is pushed, as the robot calls it; None if there is none.
@@ -79,15 +79,17 @@ def affordances(
     pushed = tuple(_push_affordances(target, state, robot, defaults))
     if robot.limits.grasp_widths is None:
         return pushed
-    return (*pushed, *_hand_affordances(target, state, robot, defaults))
+    return (*pushed, *hand_affordances(target, state, robot, defaults))
 
 
-def _hand_affordances(
+def hand_affordances(
     target: SeenObject, state: WorldState, robot: Robot, defaults: Defaults
 ) -> Iterator[Affordance]:
-    """Affordances for a whole hand; those of a lid and of contents if there are any."""
+    """Affordances for a whole hand: of what lies, of a lid and of contents if there are any."""
     model, ref = target.model, g.ObjectRef(text=target.name, id=target.name)
     frames = [g.Frame(action="lift", object=ref, goal=g.Lift())]
+    if target.lies_on != "bottom":
+        frames.append(g.Frame(action="place", object=ref, goal=g.Upright()))
     if model.lid is not None:
         frames.append(g.Frame(action="open", object=ref, goal=g.Open()))
         frames.append(g.Frame(action="close", object=ref, goal=g.Close()))
@@ -101,15 +103,14 @@ def _hand_affordances(
         made = plan(frame, state, robot, defaults=defaults)
         none = None, True, None, None, None
         assert frame.action is not None
+        outcome = "stand" if isinstance(frame.goal, g.Upright) else frame.action
         if isinstance(made, Refusal):
-            yield Affordance(
-                frame.action, "", *none, False, made.reason, made.message, made.suggestions
-            )
+            yield Affordance(outcome, "", *none, False, made.reason, made.message, made.suggestions)
         elif made.status == "planned":
             told = f"probability {probability_text(made.probability)}"
             if made.grasp is not None:
                 told = f"squeezed with {made.grasp.squeeze:.1f} N, {told}"
-            yield Affordance(frame.action, "", *none, True, None, told)
+            yield Affordance(outcome, "", *none, True, None, told)
 
 
 def _push_affordances(

@@ -242,6 +242,9 @@ def _denial(
     )
 
 
+_AROUND_IT = {"stand": "stand it up"}  # outcomes whose verb stands on both sides of the object
+
+
 def _affordances(frame: g.Frame, state: WorldState, robot: Robot, defaults: Defaults) -> Answer:
     """Affordances of an object: a sentence, and the lines of `nlcontrol affordances`."""
     target = target_of(frame, state)
@@ -253,7 +256,9 @@ def _affordances(frame: g.Frame, state: WorldState, robot: Robot, defaults: Defa
         f"With the {target.name} I can {enumeration([_ways(o, can) for o in done]) or 'do nothing'}"
     )
     if done and lacking:
-        text += f"; I cannot {enumeration(list(lacking), 'or')} it"
+        plain = enumeration([each for each in lacking if each not in _AROUND_IT], "or")
+        others = [_AROUND_IT[each] for each in lacking if each in _AROUND_IT]
+        text += f"; I cannot {enumeration([*([f'{plain} it'] if plain else []), *others], 'or')}"
     return Answer(
         query="affordances",
         text=f"{text}.",
@@ -266,7 +271,7 @@ def _ways(outcome: str, can: list[Affordance]) -> str:
     """One thing that can be done, with its directions and its least force."""
     ways = [a for a in can if a.outcome == outcome]
     if not ways[0].direction:
-        return f"{outcome} it"
+        return _AROUND_IT.get(outcome, f"{outcome} it")
     least = min(a.least_force for a in ways if a.least_force is not None)
     directions = enumeration([phrase(HEADINGS[a.direction]) for a in ways])
     return f"{outcome} it {directions} (from {force_text(least)} on)"

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     Frames = tuple[g.Frame, ...]
     Steps = list[tuple[g.Frame, Plan | Reached]]
 
-MOST_WORK, MOST_EACH = 30_000, 12_000
+MOST_WORK, MOST_EACH = 18_000, 12_000
 """Work of all plans of a search, and of each: about four seconds and two of a quiet core."""
 
 MOST_ASIDE = 3

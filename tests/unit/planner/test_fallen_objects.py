@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from objectmodels import BoxModel, Registry
 from planner import plan
+from planner.affordances import hand_affordances
 from planner.predicted_states import state_after
 from planner.types.actions import LiftUp, SetDown
 from planner.types.defaults import DEFAULTS
@@ -125,3 +126,13 @@ def test_what_stands_is_left_alone() -> None:
     down = plan(frame_of("stand the cube up"), held, RuledHand())
     assert isinstance(down, Plan)
     assert down.steps == (SetDown(),)
+
+
+def test_standing_up_is_an_affordance_of_what_lies() -> None:
+    state = lying("sugar box", "x", 90.0)
+    seen = state.objects["sugar box"]
+    found = {a.outcome: a for a in hand_affordances(seen, state, RuledHand(), DEFAULTS)}
+    assert found["stand"].can
+    upright = SeenObject("sugar box", PlanarPose(0.5, 0.0), seen.standing_model)
+    there = WorldState({"sugar box": upright}, TABLE)
+    assert {a.outcome for a in hand_affordances(upright, there, RuledHand(), DEFAULTS)} == {"lift"}
