@@ -6,12 +6,16 @@ the two.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 
 from planner.refusals.refusal_builder import no_plan
 from planner.types.defaults import DEFAULTS, kinds
+from planner.types.marks import obstacle_mark
 from planner.types.refusal import NoPlanError
 from planner.types.robot import ReachAnswer
+
+_MARKED = 2  # obstacles that the dead end names
 
 
 class SearchBudget:
@@ -56,7 +60,10 @@ class SearchBudget:
             raise self.dead_end(name, 0)
 
     def dead_end(self, name: str, strategies: int) -> NoPlanError:
-        """Dead end since it is used up, with some other strategies untried."""
+        """Dead end since it is used up, with some other strategies untried.
+
+        Its marks name what stopped the hand most often so far.
+        """
         numbers = {
             "work": float(self.done),
             "most_work": float(self.most),
@@ -64,5 +71,7 @@ class SearchBudget:
             "untried_strategies": float(strategies),
         }
         more = min(2.0 * self.most, kinds()["most_work"].most)
-        made = no_plan("work_used_up", numbers, object=name, more=more)
+        stopped = Counter(each.blocker for each in self.answers.values() if each.blocker)
+        marks = tuple(obstacle_mark(each) for each, _ in stopped.most_common(_MARKED))
+        made = no_plan("work_used_up", numbers, marks=marks, object=name, more=more)
         return NoPlanError(made.refusal, ends_search=True)

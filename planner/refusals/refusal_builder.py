@@ -9,7 +9,7 @@ from typing import Any
 
 from planner.refusals.refusal_marks import height_marks
 from planner.refusals.sentences import SENTENCES
-from planner.types.marks import Mark, ObstacleMark
+from planner.types.marks import Mark, obstacle_mark
 from planner.types.probability_text import probability_text
 from planner.types.refusal import NoPlanError, Refusal, RefusalReason
 
@@ -105,7 +105,7 @@ def _marks(
         yield from height_marks(words["object"], numbers)
     other = words.get("blocker") or (words.get("other") if reason == "blocked" else None)
     if other is not None:
-        yield ObstacleMark(object=other, text=f"the {other} stands in the way")
+        yield obstacle_mark(other)
 
 
 def not_capable(capability: str, message: str, spans: Spans, *instead: str) -> NoPlanError:

@@ -79,6 +79,11 @@ class ObstacleMark(Value):
     text: str
 
 
+def obstacle_mark(name: str) -> ObstacleMark:
+    """The mark of an object that stands in the way."""
+    return ObstacleMark(object=name, text=f"the {name} stands in the way")
+
+
 Mark = Annotated[
     HeightMark | LengthMark | TiltMark | ObstacleMark,
     Field(discriminator="kind"),

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import pytest
 
 from planner import plan
+from planner.clearing import obstacles
 from planner.problem.search_budget import SearchBudget
 from planner.types.actions import Push
 from planner.types.defaults import DEFAULTS, with_settings
@@ -55,6 +56,19 @@ def test_a_search_that_is_out_of_work_says_what_was_left(kitchen: WorldState) ->
     assert option == "most_work"
     assert isinstance(more, Refusal)
     assert more.numbers.get("work", 1e9) > found.numbers["work"]
+
+
+def test_a_search_that_is_out_of_work_marks_what_stopped_the_hand_most(
+    kitchen: WorldState,
+) -> None:
+    budget = SearchBudget(100)
+    for number, blocker in enumerate(["mug", "vase", "vase", None, "lamp", "lamp", "lamp"]):
+        budget.answers[number] = ReachAnswer(blocker is None, "obstacle", blocker=blocker)
+    budget.spend(100)
+    found = plan(frame_of(SENTENCE), kitchen, RuledReach(), budget=budget)
+    assert isinstance(found, Refusal)
+    assert found.code == "work_used_up"
+    assert obstacles(found) == ("lamp", "vase")
 
 
 def test_nothing_is_asked_twice_and_all_that_was_asked_is_told(kitchen: WorldState) -> None:
