@@ -37,8 +37,8 @@ if TYPE_CHECKING:
     Frames = tuple[g.Frame, ...]
     Steps = list[tuple[g.Frame, Plan | Reached]]
 
-MOST_WORK, MOST_EACH = 18_000, 12_000
-"""Work of all plans of a search, and of each: about four seconds and two of a quiet core."""
+MOST_WORK, MOST_EACH = 22_000, 12_000
+"""Work of all plans of a search, and of each: some seven seconds of a core, and four."""
 
 MOST_ASIDE = 3
 """Objects that are moved aside for one command."""
