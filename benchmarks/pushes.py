@@ -32,7 +32,7 @@ Array = NDArray[np.float64]
 Stands = Literal["corners", "weighted", "evenly"]
 
 STEP = 1e-3
-"""Of both engines [s]."""
+"""Of both engines, but for MuJoCo's round bases [s]."""
 SPHERE = 1e-3
 """Radius of the spheres at the base corners [m]; friction acts at their lowest points."""
 SETTLING = 0.1
@@ -190,23 +190,27 @@ def share_at(time: float) -> float:
     return NEAR + (FAR - NEAR) * (time - QUICK) / SLOW
 
 
-def roll_out(world: World, push: Push) -> Seen:
-    """Settles the object, then pushes it until it moves."""
-    for _ in range(round(SETTLING / STEP)):
+def roll_out(world: World, push: Push, step: float = STEP, *, rocks: bool = False) -> Seen:
+    """Settles the object, then pushes it until it moves; the world's steps are so long [s].
+
+    One that `rocks` before it tips topples only if its lift alone comes to the bound.
+    """
+    least = {"slide": COUNTS, "topple": LIFTS if rocks else COUNTS}
+    for _ in range(round(SETTLING / step)):
         world.step(push.point, np.zeros(3))
     corners = push.model.footprint.corners
     slips: list[float] = []
     lifts: list[float] = []
-    for i in range(round((QUICK + SLOW) / STEP)):
-        time = i * STEP
+    for i in range(round((QUICK + SLOW) / step)):
+        time = i * step
         angular, velocity = world.step(push.point, share_at(time) * push.onset * push.direction)
         slip, lift = corner_speeds(corners, angular, velocity)
         slips.append(slip)
         lifts.append(lift)
         if slip >= SLIPS or lift >= LIFTS:
             both = {"slide": slips, "topple": lifts}
-            times = STEP * np.arange(len(slips))
-            starts = {key: onset_time(times, v) for key, v in both.items() if v[-1] >= COUNTS}
+            times = step * np.arange(len(slips))
+            starts = {k: onset_time(times, v) for k, v in both.items() if v[-1] >= least[k]}
             outcome = min(starts, key=lambda key: starts[key])
             onset = share_at(starts[outcome]) * push.onset
             return Seen(outcome, onset, share_at(time) * push.onset, slip, lift)

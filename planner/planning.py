@@ -39,6 +39,8 @@ from planner.types.refusal import Alternatives, NoPlanError
 from planner.types.robot import Failed, Robot
 from planner.types.world_state import WorldState
 
+Way = Callable[[], PlanningResult]
+
 
 def plan(
     frame: g.Frame,
@@ -92,21 +94,29 @@ def plan(
             return Reached()
         if only_pushes or not is_handled(frame):
             return by_pushes()
-        if _is_placed(frame, state, defaults):
-            return Reached() if is_off_the_table(frame) else by_pushes()
-        two_ways = frame.goal.kind in ("place", "upright") and not is_off_the_table(frame)
-        if state.held is not None or not two_ways:
-            return by_hand()
-        ways = (by_hand, by_pushes)
-        if not upright and not _is_said_how_to_hold(frame, state):
-            ways = (by_pushes, by_hand)
-        dead_ends = Alternatives()
-        for way in ways:
-            with dead_ends:
-                return way()
-        raise dead_ends.first if upright or ways[-1] is by_hand else dead_ends.last
+        return _plan_handled(frame, state, defaults, by_hand, by_pushes)
     except NoPlanError as error:
         return with_account(error.refusal, budget.answers.values(), budget.done)
+
+
+def _plan_handled(
+    frame: g.Frame, state: WorldState, defaults: Defaults, by_hand: Way, by_pushes: Way
+) -> PlanningResult:
+    """Plan what a whole hand does, or pushes where these would do too."""
+    upright = isinstance(frame.goal, g.Upright)
+    if _is_placed(frame, state, defaults):
+        return Reached() if is_off_the_table(frame) else by_pushes()
+    two_ways = frame.goal.kind in ("place", "upright") and not is_off_the_table(frame)
+    if state.held is not None or not two_ways:
+        return by_hand()
+    ways = (by_hand, by_pushes)
+    if not upright and not _is_said_how_to_hold(frame, state):
+        ways = (by_pushes, by_hand)
+    dead_ends = Alternatives()
+    for way in ways:
+        with dead_ends:
+            return way()
+    raise dead_ends.first if upright or ways[-1] is by_hand else dead_ends.last
 
 
 def _is_said_how_to_hold(frame: g.Frame, state: WorldState) -> bool:

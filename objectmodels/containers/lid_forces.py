@@ -173,15 +173,7 @@ def flip(
         if fixed:
             never = np.full((len(of.weight), len(angles)), np.inf)
             return never, never
-        moved = hinge.centre_of_mass(angles) - hinge.centre_of_mass(0.0)
-        c = of.com[:, None, :] + (lid.mass * GRAVITY / of.weight)[:, None, None] * moved
-        held = of.finger_friction[:, None, None] * hinge.lid_direction(angles)
-        tried = (directions + share * held for share in SHARES)
-        pairs = zip(*(_yield_forces(model, of, points, u, c) for u in tried), strict=True)
-        slides, topples = (np.array(each) for each in pairs)
-        best = np.minimum(slides, topples).argmax(axis=0)[None]
-        slide, topple = (np.take_along_axis(each, best, axis=0)[0] for each in (slides, topples))
-        return slide, topple
+        return _flip_thresholds(model, lid, hinge, angles, (points, directions), of)
 
     slide, topple = thresholds(_believed_sample(model))
     needed = force(np.array([lid.friction_torque]), np.array([lid.snap_torque]))
@@ -191,6 +183,27 @@ def flip(
     moves = force(friction, snap) <= np.minimum(*thresholds(sample))
     share = float(moves.all(axis=1).mean())
     return FlipArc(angles, points, directions, needed[0], slide[0], topple[0], share)
+
+
+def _flip_thresholds(
+    model: ObjectModel, lid: FlipLid, hinge: Hinge, angles: Array, push: tuple[Array, Array],
+    of: Sample,
+) -> tuple[Array, Array]:  # fmt: skip
+    """Forces at which k bodies slide and topple under a lid's n angles, (k, n) each [N].
+
+    The fingertip's points and directions are (n, 3); of what its friction bears along the lid it
+    takes the share at which the object stands longest.
+    """
+    points, directions = push
+    moved = hinge.centre_of_mass(angles) - hinge.centre_of_mass(0.0)
+    c = of.com[:, None, :] + (lid.mass * GRAVITY / of.weight)[:, None, None] * moved
+    held = of.finger_friction[:, None, None] * hinge.lid_direction(angles)
+    tried = (directions + share * held for share in SHARES)
+    pairs = zip(*(_yield_forces(model, of, points, u, c) for u in tried), strict=True)
+    slides, topples = (np.array(each) for each in pairs)
+    best = np.minimum(slides, topples).argmax(axis=0)[None]
+    slide, topple = (np.take_along_axis(each, best, axis=0)[0] for each in (slides, topples))
+    return slide, topple
 
 
 def flip_torques(model: ObjectModel, lid: FlipLid, angle: float) -> tuple[float, float, float]:
