@@ -149,6 +149,8 @@ class Result(Document):
         seed: what everything random was drawn from.
         explanation: which words became which parameters, if that was asked for.
         files: what was written, by kind (`replay`, `trace`, `picture`).
+        aside: those of the frames that move something out of the way of others; not a part of the
+            JSON document.
         trace: what happened over time; not a part of the JSON document.
     """
 
@@ -173,6 +175,7 @@ class Result(Document):
     seed: int
     explanation: tuple[Row, ...] | None = None
     files: dict[str, str] = Field(default_factory=dict)
+    aside: SkipJsonSchema[tuple[Frame, ...]] = Field(default=(), exclude=True, repr=False)
     trace: SkipJsonSchema[Annotated[Trace, AsItIs()] | None] = Field(
         default=None, exclude=True, repr=False
     )

@@ -90,7 +90,8 @@ def run_command(
                 frames, left = (*frames[:index], *ways.frames), left - 1
                 made[index] = ways.first
                 notes = (*result.notes, *ways.notes)
-                result = result_with(result, frames=frames, notes=notes)
+                aside = (*result.aside, *ways.aside)
+                result = result_with(result, frames=frames, notes=notes, aside=aside)
                 continue
             result = tried if ways is None else result_with(tried, error=ways)
         if result.error or result.status == "planned":

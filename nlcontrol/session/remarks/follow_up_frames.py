@@ -86,11 +86,12 @@ def _corrected_frames(
     unresolved = last.error is not None and last.status == "not_understood"
     wrong = last.error.span if last.error and unresolved else None
     stopped = last.steps[-1].frame if last.steps else 0
-    return correct_frame(last.frames[stopped:], frame, wrong)
+    return correct_frame(_frames(last, stopped), frame, wrong)
 
 
-def _frames(result: Result | None) -> list[g.Frame]:
-    return list(result.frames) if result else []
+def _frames(result: Result | None, first: int = 0) -> list[g.Frame]:
+    """The frames that were said, from one of a result's on; not what was moved out of the way."""
+    return [each for each in result.frames[first:] if each not in result.aside] if result else []
 
 
 def repeat_frames(before: Sequence[g.Frame], said: g.Frame) -> tuple[g.Frame, ...]:

@@ -13,6 +13,7 @@ from grammar.frames import command as g
 from nlcontrol import Controller
 from nlcontrol.session.conversation import Conversation
 from nlcontrol.session.corrected_sentences import BEFORE, LEFT_OUT, REMARKS
+from nlcontrol.session.remarks.follow_up_frames import meant_command
 from planner import plan
 from planner.refusals.refusal_builder import no_plan
 from planner.refusals.sentences import SENTENCES
@@ -219,6 +220,13 @@ def test_no_step_is_planned_twice_from_the_same_places() -> None:
 
     assert refusing(rule, "yes").say("push the ice tea box 5 cm away", plan_only=True).frames[1:]
     assert len(asked) == len(set(asked))
+
+
+@pytest.mark.parametrize("remark", ["again", "do the same", "no, 7 cm"])
+def test_a_remark_is_about_what_was_said_and_not_about_what_was_moved_aside(remark: str) -> None:
+    done = refusing(mug_in_the_way(), "yes").say("push the ice tea box 5 cm away", plan_only=True)
+    meant = meant_command(parse(remark), done, done)
+    assert [frame.object.text for frame in meant.frames if frame.object] == ["ice tea box"]
 
 
 def test_another_direction_is_offered_where_no_amount_of_the_one_has_a_plan() -> None:
