@@ -2,7 +2,8 @@
 
 Model: it turns evenly about the middle of the grasp, with hand and all. How it is turned about the
 vertical in the end is free: the hand had better point then where it pointed before, so that its
-wrist rolls and the arm stays where it is.
+wrist rolls and the arm stays where it is. A hand from above, which pointed nowhere, ends level, and
+may point away from W's origin or to the sides.
 
 Frames: W is the world, N the face on which it lies, B the object as it stands.
 """
@@ -33,6 +34,7 @@ from planner.types.world_state import SeenObject
 
 _UP = np.array([0.0, 0.0, 1.0])
 _HALF = math.radians(150.0)  # turns by more than this are tried the other way round, too
+_ASIDE = np.radians([0.0, 40.0, -40.0, 80.0, -80.0])  # of a hand in the end, off "away"
 _SAMPLES = 32  # orientations on the way that are looked at
 _POINTS_UP = 0.2  # of straight fingers in the end, how much they go up at most
 
@@ -57,7 +59,7 @@ def stand_up(problem: GraspProblem) -> Plan | Reached:
     def with_loads(loads: list[GraspLoad]) -> Plan:
         return _first_way(problem, rest, stable_grasps(problem, loads))
 
-    loads = ([load for each in group for load in _turned(each, rest)]
+    loads = ([load for each in group for load in _turned(each, rest, problem.target)]
              for group in body_candidates(problem))  # fmt: skip
     some = [group for group in loads if group]
     if not some:
@@ -65,20 +67,22 @@ def stand_up(problem: GraspProblem) -> Plan | Reached:
     return first_plan_of_groups(some, with_loads)
 
 
-def _turned(held: Candidate, rest: Resting) -> Iterator[GraspLoad]:
-    """A hold of an object while it turns until its bottom is below, this or that way round.
+def _turned(held: Candidate, rest: Resting, target: SeenObject) -> Iterator[GraspLoad]:
+    """Ways to turn an object in a hold until its bottom is below, this or that way round.
 
     None if the fingers would then point up.
     """
     level = _lean_onto(rest.foot)
-    first, last = heading_of(held.approach), heading_of(level @ held.approach)
-    R = rotation_about(_UP, first - last) @ level
-    if (R @ held.approach)[2] > _POINTS_UP:
+    last = level @ held.approach
+    if last[2] > _POINTS_UP:
         return
-    axis, angle = axis_and_angle(R)
-    yield GraspLoad(held, turned=angle * axis)
-    if angle > _HALF:
-        yield GraspLoad(held, turned=(angle - math.tau) * axis)
+    away = heading_of(target.pose.p_WB) - target.pose.yaw
+    kept = [heading_of(held.approach)] if np.any(held.approach[:2]) else []
+    for heading in (*kept, *(away + _ASIDE)):
+        axis, angle = axis_and_angle(rotation_about(_UP, heading - heading_of(last)) @ level)
+        yield GraspLoad(held, turned=angle * axis)
+        if angle > _HALF:
+            yield GraspLoad(held, turned=(angle - math.tau) * axis)
 
 
 def _lean_onto(foot: Array) -> Array:

@@ -105,6 +105,24 @@ def test_what_lies_is_turned_over_in_the_hand(axis: str, degrees: float) -> None
     assert made.aim.yaw == pytest.approx(Rotation.from_matrix(R @ R_WB).as_euler("zyx")[0])
 
 
+def test_a_hand_from_above_may_end_pointing_to_a_side() -> None:
+    """Where it cannot end pointing one way, another is tried."""
+
+    def heading(made: Plan) -> float:
+        turn = made.steps[1]
+        assert isinstance(turn, TurnOver)
+        assert made.grasp is not None
+        R = Rotation.from_rotvec(turn.angle * np.array(turn.axis_W)).as_matrix()
+        x, y, _ = R @ made.grasp.approach_W
+        return float(np.degrees(np.arctan2(y, x)))
+
+    hand = RuledHand(holds=lambda made: heading(made) > 60.0)
+    made = plan(frame_of("stand the ice tea up"), lying("ice tea", "x", 90.0), hand)
+    assert isinstance(made, Plan), made
+    assert heading(made) > 60.0
+    assert min(heading(each) for each in hand.plans) < 0.0
+
+
 def test_what_no_hand_turns_is_tipped_onto_its_bottom() -> None:
     """A book on its edge falls flat; on its back there is no edge for that."""
     made = planned("stand the book up", lying("book", "x", 90.0))
