@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from objectmodels.errors import ModelError
-from objectmodels.geometry.vector_arrays import cross, dot
+from objectmodels.geometry.vector_arrays import cross, dot, unique_rows
 
 Array = NDArray[np.float64]
 
@@ -364,19 +364,6 @@ class Disc(Base):
         points = (k / rings)[:, None, None] * self.corners
         weights = np.append(inner[0] ** 2, ring)
         return np.vstack(([[0.0, 0.0]], points.reshape(-1, 2))), weights
-
-
-def unique_rows(rows: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Index of the first of each different row, in the rows' order, and which of these each row is.
-
-    As `np.unique`, which loads numpy's masked arrays besides.
-    """
-    order = np.lexsort(rows.T[::-1])
-    first = np.ones(min(len(rows), 1), dtype=np.bool_)
-    begins = np.append(first, np.any(rows[order[1:]] != rows[order[:-1]], axis=1))
-    which = np.empty(len(rows), dtype=np.intp)
-    which[order] = np.cumsum(begins) - 1
-    return order[begins], which
 
 
 def without_collinear(vertices: Array) -> Array:

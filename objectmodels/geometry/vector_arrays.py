@@ -45,6 +45,19 @@ def rotate(v: Array, angle: Array) -> Array:
     return np.column_stack((c * v[:, 0] - s * v[:, 1], s * v[:, 0] + c * v[:, 1]))
 
 
+def unique_rows(rows: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Index of the first of each different row, in the rows' order, and which of these each row is.
+
+    As `np.unique`, which loads numpy's masked arrays besides.
+    """
+    order = np.lexsort(rows.T[::-1])
+    first = np.ones(min(len(rows), 1), dtype=np.bool_)
+    begins = np.append(first, np.any(rows[order[1:]] != rows[order[:-1]], axis=1))
+    which = np.empty(len(rows), dtype=np.intp)
+    which[order] = np.cumsum(begins) - 1
+    return order[begins], which
+
+
 def checked_pairs(points: ArrayLike, vectors: ArrayLike) -> tuple[Array, Array]:
     """Two finite arrays of equal shape (n, 3), or a `ModelError`.
 

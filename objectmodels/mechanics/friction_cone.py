@@ -26,7 +26,8 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 import numpy as np
 
 from objectmodels.cached_values import remember_answers
-from objectmodels.geometry.base_shapes import Array, Base, unique_rows
+from objectmodels.geometry.base_shapes import Array, Base
+from objectmodels.geometry.vector_arrays import unique_rows
 from objectmodels.mechanics.margin_search import MarginSearch, circle_corners
 from objectmodels.mechanics.outcome_probability import (
     BLOCK,

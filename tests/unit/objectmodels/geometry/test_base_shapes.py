@@ -9,13 +9,14 @@ from hypothesis import strategies as st
 from scipy.integrate import dblquad
 
 from objectmodels import Disc, ModelError, Polygon
-from objectmodels.geometry.base_shapes import Array, Base, unique_rows
+from objectmodels.geometry.base_shapes import Array, Base
 from objectmodels.geometry.support_points import (
     carrying_base,
     friction_radius,
     is_within,
     support_points,
 )
+from objectmodels.geometry.vector_arrays import unique_rows
 
 HEXAGON = Polygon.convex(
     [
