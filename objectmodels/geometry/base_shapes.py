@@ -260,14 +260,12 @@ class Polygon(Base):
         self, m: Array, e: Array, rise: Array, load: Array, shift: ArrayLike = 0.0
     ) -> Array:
         """See `Base`."""
-        least: Array | None = None
         (x, y), (rise_x, rise_y) = np.moveaxis(m + e, -1, 0), np.moveaxis(rise, -1, 0)
-        for n_x, n_y, d, nearer in self._edges(shift):
-            room = d * load - nearer - (n_x * x + n_y * y)
-            height = _first_crossing(room, n_x * rise_x + n_y * rise_y)
-            least = height if least is None else np.minimum(least, height)
-        assert least is not None
-        return least
+        heights = [
+            _first_crossing(d * load - nearer - (n_x * x + n_y * y), n_x * rise_x + n_y * rise_y)
+            for n_x, n_y, d, nearer in self._edges(shift)
+        ]
+        return np.asarray(np.min(heights, axis=0))
 
     def quadrature_nodes(self) -> tuple[Array, Array]:
         """Corners of small triangles, each with a third of the area of those that it belongs to."""
