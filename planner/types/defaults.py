@@ -67,7 +67,7 @@ class Defaults:
         probability: the least probability of the wanted outcome that a plan may have.
         probability_on: the same of what is left of it once its first push is made.
         drag_probability: the same of a fingertip that presses from above and draws something along;
-            where it slips over it instead, that is felt, and nothing has moved.
+            where it slips over it instead, that is seen, and ends the push.
         speed_fast: least speed of a fast push [m/s].
         force_hard: a hard push is ready to press with at least so much [N].
         force_tolerance: of the felt force, from the sensor's noise [N].
