@@ -10,6 +10,7 @@ from nlcontrol.learning.exploration_session import Exploration, explore
 from objectmodels.mechanics.outcome_map import outcome_map
 from sim import load_scene
 from sim.exploration.exploration_run import Explorer, Touched
+from tests.lone_objects import with_only
 
 NAME = "ice tea box"
 GAIN = 0.05
@@ -17,8 +18,8 @@ SEED = 3
 
 
 def explored(gain: float) -> Exploration:
-    """One repetition in the kitchen, its force sensors off by a common factor."""
-    kitchen = load_scene("kitchen")
+    """One repetition with the box of the kitchen, the force sensors off by a common factor."""
+    kitchen = with_only(load_scene("kitchen"), NAME)
     sensor = kitchen.torque_sensor.model_copy(update={"gain_error": gain})
     scene = kitchen.model_copy(update={"torque_sensor": sensor})
     controller = Controller(scene, seed=SEED)

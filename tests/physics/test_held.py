@@ -6,14 +6,14 @@ import pytest
 from nlcontrol import Controller
 from nlcontrol.session.conversation import Conversation
 from sim import load_scene
+from tests.lone_objects import with_only
 
 pytestmark = pytest.mark.slow
 
 
 def test_what_is_picked_up_is_put_down_before_anything_is_pushed() -> None:
-    scene = load_scene("kitchen")
-    few = tuple(scene.object(name) for name in ("mug", "ice tea box"))
-    controller = Controller(scene.model_copy(update={"objects": few}), seed=0)
+    scene = with_only(load_scene("kitchen"), "mug", "ice tea box")
+    controller = Controller(scene, seed=0)
     talk = Conversation(controller)
     lifted = talk.say("pick up the mug")
     assert lifted.status == "done", lifted.error

@@ -15,6 +15,7 @@ from sim.simulated_executor import simulation
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import FrictionVariation, Scene
 from sim.worlds.drake.drake_world import DrakeWorld
+from tests.lone_objects import with_only
 
 pytestmark = pytest.mark.slow
 
@@ -35,7 +36,7 @@ class Pushed:
 
 
 def _scene(variation: FrictionVariation, shift_m: float) -> Scene:
-    kitchen = load_scene("kitchen")
+    kitchen = with_only(load_scene("kitchen"), NAME, "coffee box")
     box = kitchen.object(NAME)
     truth = box.truth.model_copy(update={"contents_shift_m": shift_m})
     return kitchen.model_copy(

@@ -7,16 +7,14 @@ from nlcontrol import Controller
 from nlcontrol.results.result import Result
 from nlcontrol.session.conversation import Conversation
 from sim import load_scene
+from tests.lone_objects import with_only
 
 pytestmark = pytest.mark.slow
 
 
 def _alone(name: str) -> Conversation:
     """One thing of the pantry, where it stands there."""
-    scene = load_scene("pantry")
-    return Conversation(
-        Controller(scene.model_copy(update={"objects": (scene.object(name),)}), seed=1)
-    )
+    return Conversation(Controller(with_only(load_scene("pantry"), name), seed=1))
 
 
 def _off(result: Result, name: str) -> np.ndarray:

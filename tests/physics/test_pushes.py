@@ -15,6 +15,7 @@ from planner.types.plan import Plan
 from sim import Trace, load_scene
 from sim.simulated_executor import SimulatedExecutor
 from sim.truth.scene_file import Pose, Scene
+from tests.lone_objects import with_only
 from tests.plans import changed_push, push_plan
 
 GRAVITY = 9.81
@@ -89,7 +90,7 @@ def _plan(asked: Asked, scene: Scene) -> Plan:
 
 
 def _carried_out(asked: Asked, *, seed: int = 0) -> Trace:
-    scene = load_scene("kitchen")
+    scene = with_only(load_scene("kitchen"), asked.name)
     return SimulatedExecutor(scene, seed=seed).execute(_plan(asked, scene), _models(scene))
 
 
@@ -169,7 +170,7 @@ def test_a_topple_that_slides_is_stopped() -> None:
 
 @pytest.mark.slow
 def test_nothing_to_touch() -> None:
-    scene = load_scene("kitchen")
+    scene = with_only(load_scene("kitchen"), "ice tea box")
     far = _plan(Asked("ice tea box", "front", 0.03), scene)
     # The contact is believed 8 cm before the face that is there.
     x, y, z = far.push.p_BC
@@ -209,7 +210,8 @@ def _errors(trace: Trace, asked: Asked) -> tuple[float, float, float]:
 @pytest.mark.slow
 @pytest.mark.parametrize("turn", [-5.0, 4.0])
 def test_a_straight_push_squares_the_object_to_the_fingers(turn: float) -> None:
-    scene, asked = load_scene("kitchen"), Asked("ice tea box", "front", 0.03, stroke=0.05)
+    asked = Asked("ice tea box", "front", 0.03, stroke=0.05)
+    scene = with_only(load_scene("kitchen"), asked.name)
     plan = changed_push(_plan(asked, scene), turn=np.radians(turn))
     trace = SimulatedExecutor(scene).execute(plan, _models(scene))
     along, across, turned = _errors(trace, asked)
@@ -222,7 +224,8 @@ def test_a_straight_push_squares_the_object_to_the_fingers(turn: float) -> None:
 
 @pytest.mark.slow
 def test_one_finger_keeps_a_round_object_on_its_line() -> None:
-    scene, asked = load_scene("counter"), Asked("soup can", "front", 0.03, fingers=1, stroke=0.15)
+    asked = Asked("soup can", "front", 0.03, fingers=1, stroke=0.15)
+    scene = with_only(load_scene("counter"), asked.name)
     trace = SimulatedExecutor(scene, seed=1).execute(_plan(asked, scene), _models(scene))
     along, across, turned = _errors(trace, asked)
     assert trace.end == "stroke"
@@ -265,7 +268,8 @@ def test_a_push_meets_another_object_or_stays_clear_of_it(changes: dict[str, Any
 
 @pytest.mark.slow
 def test_the_felt_force_stays_below_a_limit_that_just_suffices() -> None:
-    scene, asked = load_scene("kitchen"), Asked("ice tea box", "front", 0.03, stroke=0.06)
+    asked = Asked("ice tea box", "front", 0.03, stroke=0.06)
+    scene = with_only(load_scene("kitchen"), asked.name)
     plan = _plan(asked, scene)
     needed = 3.75  # 0.345 of 1.06 kg, and what the fingers press down
     limited = changed_push(plan, force_limit=1.35 * needed)

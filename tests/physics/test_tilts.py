@@ -13,6 +13,7 @@ from planner.types.actions import Limits
 from planner.types.plan import Plan
 from sim import Trace, load_scene
 from sim.simulated_executor import SimulatedExecutor
+from tests.lone_objects import with_only
 from tests.plans import changed_push
 
 
@@ -29,7 +30,9 @@ def _planned(controller: Controller, text: str, name: str) -> Plan:
 
 
 def _carried_out(controller: Controller, made: Plan, **push: object) -> Trace:
-    executor = SimulatedExecutor(load_scene("kitchen"), seed=controller.seed)
+    executor = SimulatedExecutor(
+        with_only(load_scene("kitchen"), made.object), seed=controller.seed
+    )
     return executor.execute(changed_push(made, **push), controller.models)
 
 

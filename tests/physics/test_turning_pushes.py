@@ -19,13 +19,10 @@ from sim.simulated_executor import SimulatedExecutor
 from sim.truth.scene_file import Scene
 from sim.worlds.drake.drake_world import DrakeWorld
 from tests.fakes.robots import robot_in
+from tests.lone_objects import with_only
 from tests.plans import changed_push, push_plan
 
 HEIGHT = 0.03
-
-
-def _alone(scene: Scene, name: str) -> Scene:
-    return scene.model_copy(update={"objects": (scene.object(name),)})
 
 
 def _plan(name: str, scene: Scene, face: int, angle: float, stroke: float | None = None) -> Plan:
@@ -99,7 +96,7 @@ def _best(name: str, face: int, angle: float) -> TurningPush:
 def test_an_object_turns_by_the_asked_angle(
     scene: str, name: str, face: int, degrees: float
 ) -> None:
-    alone = _alone(load_scene(scene), name)
+    alone = with_only(load_scene(scene), name)
     plan = _plan(name, alone, face, np.radians(degrees))
     trace = _carried_out(plan, alone)
     assert trace.end == "turned", trace.detail
@@ -113,7 +110,7 @@ def test_an_object_turns_by_the_asked_angle(
 @pytest.mark.slow
 def test_a_can_goes_where_the_model_has_it() -> None:
     # The can stands on its rim in both, so that the friction radius is known.
-    alone, angle = _alone(load_scene("counter"), "soup can"), np.radians(25.0)
+    alone, angle = with_only(load_scene("counter"), "soup can"), np.radians(25.0)
     trace = _carried_out(_plan("soup can", alone, 0, angle), alone)
     predicted = np.array(_best("soup can", 0, angle).pose[:2])
     # Its friction at the finger differs from the belief by 8 %, the touch and the finger's first
@@ -123,7 +120,7 @@ def test_a_can_goes_where_the_model_has_it() -> None:
 
 @pytest.mark.slow
 def test_a_turn_ends_with_its_stroke() -> None:
-    alone = _alone(load_scene("kitchen"), "ice tea box")
+    alone = with_only(load_scene("kitchen"), "ice tea box")
     trace = _carried_out(_plan("ice tea box", alone, 2, -0.5, stroke=0.02), alone)
     assert trace.end == "stroke"
     assert 2.0 < np.degrees(-trace.yaw("ice tea box")[-1]) < 15.0
@@ -131,7 +128,7 @@ def test_a_turn_ends_with_its_stroke() -> None:
 
 @pytest.mark.slow
 def test_a_limit_stops_a_turn() -> None:
-    alone = _alone(load_scene("kitchen"), "ice tea box")
+    alone = with_only(load_scene("kitchen"), "ice tea box")
     plan = _plan("ice tea box", alone, 2, 0.6)
     trace = _carried_out(changed_push(plan, limits=Limits(duration=1.5)), alone)
     assert trace.end == "guard"
@@ -141,7 +138,7 @@ def test_a_limit_stops_a_turn() -> None:
 
 @pytest.mark.slow
 def test_a_plan_may_be_of_a_look_that_saw_it_turned_a_little() -> None:
-    alone, turn = _alone(load_scene("kitchen"), "ice tea box"), np.radians(-5.0)
+    alone, turn = with_only(load_scene("kitchen"), "ice tea box"), np.radians(-5.0)
     plan = _plan("ice tea box", alone, 2, turn)
     # Much more than the noise of two looks, 0.26°.
     askew = _vector(rot_z(np.radians(2.0)) @ np.array(plan.push.normal_W))
@@ -151,7 +148,7 @@ def test_a_plan_may_be_of_a_look_that_saw_it_turned_a_little() -> None:
 
 @pytest.mark.slow
 def test_a_hand_that_cannot_go_straight_off_the_face_goes_by_the_joints() -> None:
-    alone = _alone(load_scene("kitchen"), "ice tea box")
+    alone = with_only(load_scene("kitchen"), "ice tea box")
     plan = _plan("ice tea box", alone, 2, -0.5)
     models = {"ice tea box": Registry.default().get("ice tea box")}
     world = DrakeWorld(alone)

@@ -18,8 +18,10 @@ from planner.geometry.directions import angle_between
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
+from sim import load_scene
 from sim.traces.trace import Trace
 from tests.fakes.played_executor import PlayedExecutor, played
+from tests.lone_objects import with_only
 from tests.unit.nlcontrol.pushes import BOX, FORWARDS, Happens
 
 PUSH = "push the ice tea box away"
@@ -182,25 +184,31 @@ def test_what_is_round_is_turned_back_only_if_it_was_to_turn(asked: bool) -> Non
         assert back.notes == ("that the mug turned by 40.1° is not undone",)
 
 
+@pytest.fixture
+def simulated() -> Conversation:
+    """With the ice tea box of the kitchen."""
+    return Conversation(Controller(with_only(load_scene("kitchen"), BOX), seed=1))
+
+
 @pytest.mark.slow
-def test_turned_and_turned_back(conversation: Conversation) -> None:
-    start = conversation.controller.look().objects[BOX].pose
+def test_turned_and_turned_back(simulated: Conversation) -> None:
+    start = simulated.controller.look().objects[BOX].pose
     # Far beyond what may be left of it, and two pushes each way.
-    assert conversation.say("turn the ice tea box by 15 degrees to the left").ok
-    assert conversation.say("undo that").ok
-    end = conversation.controller.look().objects[BOX].pose
+    assert simulated.say("turn the ice tea box by 15 degrees to the left").ok
+    assert simulated.say("undo that").ok
+    end = simulated.controller.look().objects[BOX].pose
     assert abs(angle_between(end.yaw, start.yaw)) < 2 * DEFAULTS.turn_tolerance
     assert math.hypot(end.x - start.x, end.y - start.y) < 2 * DEFAULTS.turn_drift
 
 
 @pytest.mark.slow
-def test_pushed_and_pushed_back(conversation: Conversation) -> None:
-    start = conversation.controller.look().objects["ice tea box"].pose
-    done = conversation.say(f"{PUSH} without toppling it")
+def test_pushed_and_pushed_back(simulated: Conversation) -> None:
+    start = simulated.controller.look().objects["ice tea box"].pose
+    done = simulated.say(f"{PUSH} without toppling it")
     assert [c for c in done.checks if not c.ok] == []
-    result = conversation.say("undo that")
+    result = simulated.say("undo that")
     assert (result.status, [c for c in result.checks if not c.ok]) == ("done", [])
-    end = conversation.controller.look().objects["ice tea box"].pose
+    end = simulated.controller.look().objects["ice tea box"].pose
     # Each way holds its distance within the 1 cm that a bare distance is checked with.
     assert math.hypot(end.x - start.x, end.y - start.y) < 0.01
 
