@@ -124,7 +124,7 @@ def _missing_verb_error(
         return ParseError("unsupported_verb", message, span, (*offers, EXAMPLE))
     if not word.isalpha() or word in lexicon.reserved_words | lexicon.first_words:
         return None
-    close = _nearest_words(word, sorted(lexicon.verb_words["VERB"]), close=65.0)
+    close = _nearest_words(word, sorted(lexicon.verb_words["VERB"]), close=67.0)
     if not (first or close):
         return None
     return ParseError("unknown_verb", f'"{word}" is no known verb', span, close or (EXAMPLE,))

@@ -169,7 +169,8 @@ class _ClauseReader:
         self._require_there_is_clear(ask)
         if ask and not verbs:
             return [self._question_frame(ask, remarks)]
-        if ask:  # "what happens if you push it harder?"
+        if ask or any(isinstance(part, GOES_ON) for part in self._parts):
+            # "What happens if you push it harder?", "lift it 10 cm more slowly"
             how = [part.span for part in self._parts if isinstance(part, ph.Constraint)]
             remarks = [remark for remark in remarks if remark.span not in how]
         if ask and remarks:

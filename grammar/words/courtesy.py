@@ -35,8 +35,8 @@ _BEGS = re.compile("(?:please )?(?:can|could|may|might) (?:i|we) (?:please )?(?:
 _BEHIND_TOPIC = re.compile(r" (?:[,.;?!]|and)(?: (?:and|then|please|now|(?:could|would) you))* ")
 _READ = frozenset({"FILLER", "NEXT", "VOCATIVE"})
 _SAYS = frozenset({"AMOUNT", "DIRECTION", "FACE", "FROM_SIDE", "MANNER", "REGION",
-                   "REGION_OF_TABLE", "SENSE", "WAY", "LENGTH_UNIT", "ANGLE_UNIT", "FORCE_UNIT",
-                   "SPEED_UNIT", "TOOL"})  # fmt: skip
+                   "REGION_OF_TABLE", "SENSE", "SIDE_QUALITY", "WAY", "LENGTH_UNIT",
+                   "ANGLE_UNIT", "FORCE_UNIT", "SPEED_UNIT", "TOOL"})  # fmt: skip
 _PAUSES = frozenset(",.;!?")
 _LONGEST_CLOSING = 8
 """Words of the longest courtesy behind a command without a pause before it."""
@@ -87,7 +87,7 @@ class Courtesy:
         """Check for words of courtesy that do not just point at something."""
         if not known.issuperset(words) or self._words["pointing"].issuperset(words):
             return False
-        if self._names_a_thing(words):
+        if self._names_a_thing(words) or _goes_ahead(words):
             return False
         return not self._is_read(words) and not self._says_something(" ".join(words))
 
@@ -139,6 +139,7 @@ class Courtesy:
             asked = self._asks(words[_last_pause(words) :]) and not begs
             asked = asked or any(self._reaches(said.text, m.start(), start) for m in places[:i])
             asked = asked or self._says_something(" ".join(words)) or self._names_a_thing(words)
+            asked = asked or _goes_ahead(words)
             asked = asked or (words != ["so"] and self._is_read(words))
             if instead is not None and not asked:
                 return _begun_with(instead, said, start)
@@ -227,6 +228,11 @@ class Courtesy:
             for start in starts
             for phrase, kinds in self._phrases.phrases_at(text, start)
         )
+
+
+def _goes_ahead(words: list[str]) -> bool:
+    """Check for "ahead" as a direction, which it is not in "go right ahead"."""
+    return "ahead" in words and "go" not in words
 
 
 def _last_pause(words: list[str]) -> int:

@@ -23,7 +23,7 @@ _ASKED = ("CAN_YOU", "HOW", "HOW_HARD", "HOW_MUCH_DOES", "SEEN", "WHAT_CAN", "WH
 """Terminals that begin a question."""
 
 _IS = ("is", "are", "gets", "goes")
-_DIRECTIONS = ("DIRECTION", "TOWARD_REGION", "AWAY_FROM_REGION")
+_TOWARDS = ("TOWARD_REGION", "AWAY_FROM_REGION")
 _PLACES = ("RELATION", "BETWEEN", "REGION_OF_TABLE", "TO_X", "INTO", "PARTICLE")
 _QUANTITIES = ("THE_SIDE_OF", "BOUND")
 _BEFORE_PARTICLES = ("VERB", "WORD", "IT", "QUOTED")
@@ -40,6 +40,7 @@ class Lookahead:
 
     def __init__(self, lexicon: Lexicon, phrases: Phrases) -> None:
         self._any = phrases.has_terminal_at
+        self._at = phrases.phrases_at
         self._from_sides = lexicon.phrases_of("FROM_SIDE")
         self._first_of_number = lexicon.numbers.first_words
         self._adjectives = lexicon.adjectives
@@ -86,6 +87,9 @@ class Lookahead:
             "EVENT": lambda phrase, text, end, _last: (
                 phrase not in _IS or not self._any("VERB_ED", text, end + 1)
             ),
+            "MANNER": lambda phrase, text, end, _last: (
+                not (phrase == "with force" and self._any("BOUND", text, end - len("force")))
+            ),
             "STROKE": lambda phrase, text, end, last: (
                 last == "NEEDS" or self._last_goal(text, end - len(phrase)) == "hand_over"
             ),
@@ -105,7 +109,11 @@ class Lookahead:
         """Of places and directions."""
         return {
             **dict.fromkeys(("REGION", "FACE", "SIDE_QUALITY"), self._not_into_a_name),
-            **dict.fromkeys(_DIRECTIONS, self._not_towards_a_name),
+            "REGION_OF_TABLE": lambda phrase, text, end, _last: (
+                phrase.rsplit(maxsplit=1)[-1] not in self._adjectives or self._ends_name(text, end)
+            ),
+            **dict.fromkeys(_TOWARDS, self._not_towards_a_name),
+            "DIRECTION": self._no_name_nor_more,
             "UPON": self._onto_what_is_pushed,
             "ON_TABLE": self._put_there,
             "PARTICLE": self._not_off_a_thing,
@@ -215,6 +223,11 @@ class Lookahead:
         """Towards the left, but not towards the left mug."""
         return not phrase.startswith(("toward", "away from")) or self._ends_name(text, end)
 
+    def _no_name_nor_more(self, phrase: str, text: str, end: int, last: str) -> bool:
+        """Further away from you, but not where a remark begins: that goes on farther."""
+        goes_on = phrase.startswith(("further", "farther")) and last in _BEFORE_COMMANDS
+        return not goes_on and self._not_towards_a_name(phrase, text, end, last)
+
     def _no_little_box(self, phrase: str, text: str, end: int, _last: str) -> bool:
         """A little, but not a little box."""
         return not phrase.startswith("a ") or self._ends_name(text, end)
@@ -305,7 +318,11 @@ class Lookahead:
     def _some_of_a_liquid(self, phrase: str, text: str, end: int, last: str) -> bool:
         """A bit of the milk, but not a bit, of its front side; pour some milk, no little box."""
         if phrase.endswith("of"):
-            return not self._any("FACE", text, end - len("of"))
+            of = end - len("of")
+            return not any(
+                "FACE" in kinds and self._not_into_a_name(face, text, of + len(face), last)
+                for face, kinds in self._at(text, of)
+            )
         poured = last == "FILLED_WITH" or (last == "VERB" and self._last_goal(text, end) == "pour")
         return poured and not self._ends_name(text, end)
 

@@ -18,7 +18,7 @@ from grammar.words.phrase_places import WORD, Phrases
 _HOW = frozenset({"AVOID_DOING", "COMING_WITHIN", "COMPARED", "KEEPS", "LETTING", "MANNER",
                   "REPEAT", "UNTIL", "WITHOUT"})  # fmt: skip
 _WHERE = frozenset({"AWAY_FROM_REGION", "BETWEEN", "DIRECTION", "FACE", "FROM_SIDE", "INTO",
-                    "REGION", "REGION_OF_TABLE", "RELATION", "SENSE", "TOWARD",
+                    "MUTUAL", "REGION", "REGION_OF_TABLE", "RELATION", "SENSE", "TOWARD",
                     "TOWARD_REGION"})  # fmt: skip
 _MEASURES = frozenset({"ANGLE_UNIT", "FORCE_UNIT", "LENGTH_UNIT", "SPEED_UNIT", "TOOL"})
 _BEFORE_MEASURES = frozenset({"A", "AT", "BOUND", "BY", "NUMBER", "SIDE", "THE", "WITH"})
@@ -61,7 +61,10 @@ class Reasons:
         """End of the reason whose opening words stand in a span; None if it is none."""
         if start == 0:
             return self._end_of_first(text, opened)
-        goes_somewhere = any(said.kinds & _WHERE for said in self._said(text[:start], 0))
+        goes_somewhere = self.goes_somewhere(text[:start])
+        opening = self._said(text[:opened], start)
+        if not goes_somewhere and any("MUTUAL" in said.kinds for said in opening):
+            return None  # "push it so that it is out of the way"
         measure: int | None = None
         negated, telling, last = False, False, text[:opened].rpartition(" ")[2]
         for said in self._said(text, opened):
@@ -86,6 +89,10 @@ class Reasons:
                 measure, telling = said.start, last in _TELLING or last.endswith("s")
             last = said.words.rpartition(" ")[2]
         return len(text)
+
+    def goes_somewhere(self, text: str) -> bool:
+        """Check for words that say where something is to go."""
+        return any(said.kinds & _WHERE for said in self._said(text, 0))
 
     def _end_of_first(self, text: str, opened: int) -> int | None:
         """End of a reason with which the sentence begins: a pause, or the verb of a command."""

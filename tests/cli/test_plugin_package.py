@@ -106,7 +106,7 @@ def test_a_sentence_about_its_object_is_planned(site: Path, tmp_path: Path) -> N
 
 
 def test_a_sentence_in_its_words_is_planned(site: Path) -> None:
-    told = nlcontrol(site, "plan", "scoot the mug 3 cm to port with kid gloves", "--json")
+    told = nlcontrol(site, "plan", "shimmy the mug 3 cm to port with kid gloves", "--json")
     document = json.loads(told.stdout)
     assert (told.returncode, document["status"]) == (0, "planned"), told.stderr
     assert document["frames"][0]["goal"]["direction"] == "left"

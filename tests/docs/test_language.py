@@ -237,7 +237,7 @@ def test_the_plug_in_of_the_guide() -> None:
 
 def test_without_the_plug_in_its_words_are_unknown() -> None:
     with pytest.raises(ParseError) as caught:
-        parse("scoot the mug to port")
+        parse("shimmy the mug to port")
     assert caught.value.code == "unknown_verb"
 
 

@@ -2,7 +2,7 @@
 
 WORDS = {
     # "(a|b)" is a choice, "[c]" may be left out.
-    "verbs": [{"says": ["scoot", "scooch [over]"], "action": "slide", "goal": "displace"}],
+    "verbs": [{"says": ["shimmy", "jiggle [over]"], "action": "slide", "goal": "displace"}],
     "terminals": {
         "DIRECTION": {"left": ["to port"], "right": ["to starboard"]},
         "MANNER": {"gentle": ["with kid gloves"]},

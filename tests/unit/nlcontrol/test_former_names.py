@@ -75,10 +75,10 @@ MILK = CartonModel(
 WORDS = """
 from grammar.lexicon import default_lexicon
 
-assert "scoot" not in default_lexicon().verbs
+assert "shimmy" not in default_lexicon().verbs
 
 WORDS = {
-    "verbs": [{"says": ["scoot", "scooch [over]"], "action": "slide", "goal": "displace"}],
+    "verbs": [{"says": ["shimmy", "jiggle [over]"], "action": "slide", "goal": "displace"}],
     "terminals": {
         "DIRECTION": {"left": ["to port"], "right": ["to starboard"]},
         "MANNER": {"gentle": ["with kid gloves"]},
@@ -158,7 +158,7 @@ def test_a_kind_of_model_written_for_the_version_before_is_plugged_in(site: Path
 
 
 def test_words_written_for_the_version_before_are_plugged_in(site: Path) -> None:
-    sentence = "scoot the silver hard drive to port with kid gloves"
+    sentence = "shimmy the silver hard drive to port with kid gloves"
     printed = run("-m", "nlcontrol", "parse", sentence, "--json", site=site)
     assert '"displace"' in printed
     assert '"left"' in printed

@@ -116,10 +116,20 @@ def test_widths_of_hand_and_finger_are_lengths_and_no_objects() -> None:
     assert {distance(f"two {said}") for said in PALMS if "finger" in said} == {0.04}
 
 
+WHOLE = {f"whole {unit}" for unit in (
+    "centimetre", "centimeter", "centimetres", "centimeters", "millimetres", "millimeters",
+    "degrees",
+)}  # fmt: skip
+
+
+def test_whole_centimetres_are_centimetres() -> None:
+    assert distance("two whole centimetres") == distance("twenty whole millimeters") == 0.02
+
+
 def test_no_unit_of_the_lexicon_is_left_out() -> None:
     tables = {"LENGTH": LENGTHS, "ANGLE": ANGLES, "FORCE": FORCES, "TIME": TIMES, "SPEED": SPEEDS}
     for name, units in tables.items():
-        known = set(LEXICON.phrases_of(f"{name}_UNIT")) - PALMS
+        known = set(LEXICON.phrases_of(f"{name}_UNIT")) - PALMS - WHOLE
         assert {word for _, word in ways(units)} == known
 
 

@@ -50,6 +50,40 @@ def test_what_stands_around_a_command_changes_nothing(text: str, plain: str) -> 
     assert parse(text).paraphrase == parse(plain).paraphrase
 
 
+@pytest.mark.parametrize(
+    ("text", "plain"),
+    [
+        ("push the jar 5 cm, right", "push the jar 5 cm to the right"),
+        ("push the jar 5 cm, ahead please", "push the jar 5 cm away"),
+        ("ahead, push the jar", "push the jar away"),
+        ("push the jar, over please", "topple the jar"),
+        ("push the jar, quick please", "quickly push the jar"),
+        ("lift the jar 5 cm more slowly", "slowly lift the jar 5 cm"),
+        ("push the jar 5 cm with force at most 5 N", "push the jar 5 cm with at most 5 N"),
+        ("push the jar so it is out of my way", "push the jar out of the way"),
+        ("push the jar to get it out of the way", "push the jar out of the way"),
+    ],
+)
+def test_what_says_where_or_how_is_no_courtesy(text: str, plain: str) -> None:
+    assert parse(text).paraphrase == parse(plain).paraphrase
+
+
+@pytest.mark.parametrize(
+    ("text", "plain"),
+    [
+        ("move the jar 5 cm, right, toward me", "move the jar 5 cm toward me"),
+        ("push the jar away, right?", "push the jar away"),
+        ("go right ahead, push the jar", "push the jar"),
+        ("push the jar behind the tin, that's the plan", "push the jar behind the tin"),
+        ("push the jar behind the tin so it is out of the way", "push the jar behind the tin"),
+        ("try to please turn the jar 30 degrees", "turn the jar 30 degrees"),
+        ("push the jar away afterwards", "push the jar away"),
+    ],
+)
+def test_courtesy_beside_what_says_where_changes_nothing(text: str, plain: str) -> None:
+    assert parse(text).paraphrase == parse(plain).paraphrase
+
+
 @pytest.mark.parametrize("text", ["enough", "Enough!", "no thanks"])
 def test_who_has_enough_stops_what_moves(text: str) -> None:
     assert parse(text).frames[0].dialogue == "stop"

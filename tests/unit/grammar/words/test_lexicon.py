@@ -229,6 +229,10 @@ FORMS = {
     "square": ("squared", "squaring"), "line": ("lined", "lining"),
     "arrange": ("arranged", "arranging"), "clear": ("cleared", "clearing"),
     "stack": ("stacked", "stacking"), "pile": ("piled", "piling"),
+    "tug": ("tugged", "tugging"), "steer": ("steered", "steering"),
+    "scoot": ("scooted", "scooting"), "scooch": ("scooched", "scooching"),
+    "budge": ("budged", "budging"), "shuffle": ("shuffled", "shuffling"),
+    "guide": ("guided", "guiding"),
 }  # fmt: skip
 """Participle and gerund of every verb, from the dictionary."""
 
@@ -259,17 +263,17 @@ def test_adjectives_tell_qualities_of_the_contract() -> None:
 
 def test_plug_in_adds_words() -> None:
     lexicon = LEXICON.with_words(
-        verbs=[{"says": ["scoot"], "action": "slide", "goal": "displace"}],
+        verbs=[{"says": ["shimmy"], "action": "slide", "goal": "displace"}],
         terminals={"DIRECTION": {"left": ["portside"]}},
         adjectives={"red": ["crimson"]},
     )
-    (frame,) = Parser(lexicon).parse("scoot the crimson box portside").frames
+    (frame,) = Parser(lexicon).parse("shimmy the crimson box portside").frames
     assert frame.action == "slide"
     assert frame.object is not None
     assert (frame.object.qualities, frame.object.noun) == (("red",), "box")
     assert frame.goal.model_dump()["direction"] == "left"
     with pytest.raises(ParseError):
-        parse("scoot the box")
+        parse("shimmy the box")
     assert parse("push the crimson box").frames[0].object.qualities == ()  # type: ignore[union-attr]
 
 
@@ -333,7 +337,7 @@ def test_first_sentence_needs_neither_yaml_nor_lark() -> None:
 
 def test_changed_words_are_read_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     changed = tmp_path / "lexicon.yaml"
-    words = WORDS.read_text(encoding="utf-8").replace("nudge", "budge")
+    words = WORDS.read_text(encoding="utf-8").replace("nudge", "jiggle")
     changed.write_text(words, encoding="utf-8")
     monkeypatch.setattr(module, "WORDS", changed)
-    assert {"nudge", "budge"} & default_lexicon.__wrapped__().verbs.keys() == {"budge"}
+    assert {"nudge", "jiggle"} & default_lexicon.__wrapped__().verbs.keys() == {"jiggle"}

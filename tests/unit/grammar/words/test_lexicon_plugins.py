@@ -17,7 +17,7 @@ from grammar.words.lexicon import default_lexicon
 from objectmodels.files.limits import LIMITS
 
 SCOOT = """
-WORDS = {"verbs": [{"says": ["scoot"], "action": "slide", "goal": "displace"}]}
+WORDS = {"verbs": [{"says": ["shimmy"], "action": "slide", "goal": "displace"}]}
 """
 PORT = """
 WORDS = {"terminals": {"DIRECTION": {"left": ["to port"]}}}
@@ -65,14 +65,14 @@ def test_mapping(install: Install) -> None:
     install(
         workshop="""
 WORDS = {
-    "verbs": [{"says": ["scoot"], "action": "slide", "goal": "displace"}],
+    "verbs": [{"says": ["shimmy"], "action": "slide", "goal": "displace"}],
     "terminals": {"DIRECTION": {"left": ["to port"]}},
     "adjectives": {"grey": ["silver"]},
     "names": ["hard drive"],
 }
 """
     )
-    (frame,) = parse("scoot the silver hard drive to port").frames
+    (frame,) = parse("shimmy the silver hard drive to port").frames
     assert frame.object is not None
     assert (frame.action, frame.goal.model_dump()["direction"]) == ("slide", "left")
     assert (frame.object.text, frame.object.qualities) == ("silver hard drive", ("grey",))
@@ -81,21 +81,21 @@ WORDS = {
 
 def test_path_of_a_file(install: Install, tmp_path: Path) -> None:
     file = tmp_path / "words.yaml"
-    file.write_text('verbs: [{says: ["scoot"], action: "slide", goal: "displace"}]\n')
+    file.write_text('verbs: [{says: ["shimmy"], action: "slide", goal: "displace"}]\n')
     install(text=f"WORDS = {str(file)!r}")
-    assert action("scoot the box away") == "slide"
+    assert action("shimmy the box away") == "slide"
     install(path=f"import pathlib\nWORDS = pathlib.Path({str(file)!r})")
-    assert action("scoot the box away") == "slide"
+    assert action("shimmy the box away") == "slide"
 
 
 def test_function(install: Install) -> None:
     install(called=f"{SCOOT}\n_words = WORDS\ndef WORDS():\n    return _words\n")
-    assert action("scoot the box away") == "slide"
+    assert action("shimmy the box away") == "slide"
 
 
 def test_words_of_several_plug_ins_come_together(install: Install) -> None:
     install(first=SCOOT, second=PORT)
-    (frame,) = parse("scoot the box to port").frames
+    (frame,) = parse("shimmy the box to port").frames
     assert (frame.action, frame.goal.model_dump()["direction"]) == ("slide", "left")
 
 
@@ -129,7 +129,7 @@ def test_a_bad_plug_in_is_reported_and_the_others_are_kept(
     _, (problem,) = plugins.installed_lexicon()
     assert problem.startswith("plug-in 'bad' of words_of_bad")
     assert why in problem
-    assert action("scoot the box away") == "slide"
+    assert action("shimmy the box away") == "slide"
     assert action("push the box to the left") == "push"
 
 
@@ -137,14 +137,14 @@ def test_nothing_of_a_bad_plug_in_is_taken(install: Install) -> None:
     install(
         half="""
 WORDS = {
-    "verbs": [{"says": ["scoot"], "action": "slide", "goal": "displace"}],
+    "verbs": [{"says": ["shimmy"], "action": "slide", "goal": "displace"}],
     "terminals": {"DIRECTION": {"away": ["to the left"]}},
 }
 """
     )
     assert plugins.installed_lexicon()[0] == default_lexicon()
     with pytest.raises(ParseError) as caught:
-        parse("scoot the box away")
+        parse("shimmy the box away")
     assert caught.value.code == "unknown_verb"
 
 
@@ -230,7 +230,7 @@ def test_a_file_of_words_is_read_within_limits(
     install(bad=f"WORDS = {str(tmp_path / 'words.yaml')!r}", good=SCOOT)
     _, (problem,) = plugins.installed_lexicon()
     assert why in problem
-    assert action("scoot the box away") == "slide"
+    assert action("shimmy the box away") == "slide"
 
 
 def test_the_limit_is_that_of_the_table() -> None:
