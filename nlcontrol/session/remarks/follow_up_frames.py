@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, NoReturn
 
 from grammar import paraphrase
+from grammar.clauses.consistency import first_contradiction
 from grammar.frames import command as g
 from grammar.frames.conflicts import HOW_FAR
 from grammar.words.lexicon_plugins import installed_lexicon
@@ -95,11 +96,17 @@ def _frames(result: Result | None, first: int = 0) -> list[g.Frame]:
 
 
 def repeat_frames(before: Sequence[g.Frame], said: g.Frame) -> tuple[g.Frame, ...]:
-    """The frames before once more, or one of them with what is said besides ("push it again")."""
+    """The frames before once more, or one of them with what is said besides ("push it again").
+
+    Raises:
+        ControlError: `nothing_before`, if both together contradict each other.
+    """
     if not (said.query or says_something(said)):
         return tuple(map(without_spans, before))
     last = latest_matching(before, said)
     merged = merge_frames(without_spans(last, _names_for_kept(last, said)), said)
+    if said.object and first_contradiction(merged):  # "the same with the jar", not to be touched
+        nothing_before("together with what was said before, this contradicts itself")
     if said.query is None:
         return (merged,)
     asked = {"query": said.query, "event": said.event, "negated": said.negated}
@@ -265,11 +272,13 @@ def has_verb(text: str) -> bool:
     return not lexicon.verb_words["VERB"].keys().isdisjoint(text.casefold().split())
 
 
-def asks_further(command: g.Command) -> bool:
-    """Check for a question that goes on with one before: "and the mug?"."""
+def goes_on_with_question(command: g.Command) -> bool:
+    """Check for a question that goes on with one before, or "that one", which may be its answer."""
     first = command.frames[0]
     asked = command.text.rstrip().endswith("?")
-    return asked and first.dialogue == "repeat" and first.query is None
+    refs = [frame.object for frame in command.frames if frame.object and frame.object.pronoun]
+    points = any(ref.text.casefold().startswith(("that", "this")) for ref in refs)
+    return points or (asked and first.dialogue == "repeat" and first.query is None)
 
 
 def joins_last(command: g.Command) -> bool:
