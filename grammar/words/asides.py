@@ -206,9 +206,9 @@ class Asides:
     def _says_too_little(self, kind: str, match: re.Match[str], left: Normalised) -> bool:
         """Check for a rest that needs what is left out: "to the right now", "no, right"."""
         after = match.string[match.end() :].lstrip(" .")
-        if match[0].strip(" .,") == "right" and match.start():
+        if match[0].strip(" .,") in ("over", "right") and match.start():
             if not self._reasons.goes_somewhere(left.text):
-                return True  # "push it 5 cm, right"
+                return True  # "push it 5 cm, right"; "push it, over"
             if match.string[match.start()] == "." and after:
                 return not self._courtesy.begins_command(after)  # "left. Right. Slowly"
         if kind == "restarts":

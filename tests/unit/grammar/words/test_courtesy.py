@@ -73,6 +73,7 @@ def test_what_says_where_or_how_is_no_courtesy(text: str, plain: str) -> None:
     [
         ("move the jar 5 cm, right, toward me", "move the jar 5 cm toward me"),
         ("push the jar away, right?", "push the jar away"),
+        ("push the jar away. Over.", "push the jar away"),
         ("go right ahead, push the jar", "push the jar"),
         ("push the jar behind the tin, that's the plan", "push the jar behind the tin"),
         ("push the jar behind the tin so it is out of the way", "push the jar behind the tin"),
