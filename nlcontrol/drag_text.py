@@ -35,7 +35,7 @@ def drag_safety(push: PushAction) -> str:
     """Force that is left before the fingertip slips."""
     return (
         f"the fingertip would slip over it with {quantity(push.margins.force, 'N')} more, as it is "
-        "believed to be; that is felt, and ends it."
+        "believed to be; that is seen, and ends it."
     )
 
 

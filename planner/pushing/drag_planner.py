@@ -3,7 +3,7 @@
 There nothing turns, whichever way it goes, so that it goes straight to its aim. The pressing force
 is the least with which it surely goes along, as the exact tier has it; where no force makes that as
 sure as a push must be, the one with which it does so with the probability that a drag must have: a
-fingertip that slips instead is felt, and has moved nothing.
+fingertip that slips instead is seen to, within a centimetre.
 
 Frames: W is the world, B the object.
 """
