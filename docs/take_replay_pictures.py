@@ -1,4 +1,4 @@
-"""Takes the pictures of replays in `docs/watching.md`, each from a run that is carried out for it.
+"""Takes the pictures of replays in the guides, each from a run that is carried out for it.
 
 python -m docs.take_replay_pictures              # all of them, in some minutes
 python -m docs.take_replay_pictures replay.png   # by name
@@ -45,6 +45,10 @@ class View(NamedTuple):
 PICTURES: dict[str, tuple[View, ...]] = {
     "replay.png": (View("push the ice tea box away without toppling it", 8.5),),
     "replay_pour.png": (View("pour the contents of the ice tea into the mug", 22.5, "dark"),),
+    "replay_stand_up.png": (
+        View("stand the sugar box up", 11.5, scene="examples/fallen_sugar_box.yaml"),
+    ),
+    "replay_swap.png": (View("swap the sugar box and the tea tin", 75.0, scene="workbench"),),
     "replay_phone.png": (
         View("open the jar", 8.4, size=PHONE, scene="pantry"),
         View("topple the ice tea box", 10.3, "dark", PHONE),
