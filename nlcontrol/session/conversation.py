@@ -228,7 +228,7 @@ class Conversation:
             return self._plain_result(command, self._explain_last(command), "answered")
         if remark == "undo":
             return self._way_back(command)
-        asks_on = self._asked_in_vain and follow_up.goes_on_with_question(command)
+        asks_on = self._asked_in_vain and follow_up.asks_further(command)
         if asks_on or (self._lost and follow_up.leaves_object_open(command)):
             nothing_before("what was said last was not understood, so this may be about that")
         meant = follow_up.meant_command(command, self._said, self._done)

@@ -272,13 +272,11 @@ def has_verb(text: str) -> bool:
     return not lexicon.verb_words["VERB"].keys().isdisjoint(text.casefold().split())
 
 
-def goes_on_with_question(command: g.Command) -> bool:
-    """Check for a question that goes on with one before, or "that one", which may be its answer."""
+def asks_further(command: g.Command) -> bool:
+    """Check for a question that goes on with one before: "and the mug?"."""
     first = command.frames[0]
     asked = command.text.rstrip().endswith("?")
-    refs = [frame.object for frame in command.frames if frame.object and frame.object.pronoun]
-    points = any(ref.text.casefold().startswith(("that", "this")) for ref in refs)
-    return points or (asked and first.dialogue == "repeat" and first.query is None)
+    return asked and first.dialogue == "repeat" and first.query is None
 
 
 def joins_last(command: g.Command) -> bool:

@@ -319,16 +319,6 @@ def test_a_remark_that_a_kept_clause_forbids_does_nothing(conversation: Conversa
     assert [frame.object and frame.object.id for frame in other.frames] == ["cereal box"]
 
 
-def test_behind_a_question_in_vain_that_one_may_be_its_answer(conversation: Conversation) -> None:
-    result = plan(conversation, AWAY, "which of the two is taller?", "push that one away")
-    assert (result.status, result.error and result.error.code) == (
-        "not_understood",
-        "nothing_before",
-    )
-    again = plan(conversation, AWAY, "push that one to the left")
-    assert goal(again)[0] == "coffee box"
-
-
 @pytest.mark.parametrize(
     ("remark", "constraint"),
     [("do it with one finger", "effector"), ("do that gently", "gentle"), ("quicker", "fast")],
