@@ -6,6 +6,7 @@ The words are chosen so that reading them gives the same frames again, up to spa
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import groupby
 
 from grammar.frames import command as g
 from grammar.paraphrasing.clause_wording import Phrasing
@@ -17,6 +18,11 @@ _LIMITS = ("no_topple", "no_tilt", "no_turn", "no_slide")
 
 _TOLD_BY_SIDES = ("lift", "open", "close", "pour", "parameters")
 """Goals for which "in the middle" behind the object tells it apart."""
+
+_MUTUAL = ("in_row", "together", "place_of")
+"""Places of several objects that are said at once."""
+
+_EVERY = "…"  # for their names
 
 _OPENINGS: dict[str, tuple[str, str]] = {
     "possible": ("POSSIBLE", ""),
@@ -40,7 +46,15 @@ def paraphrase(
     """
     frames = (said,) if isinstance(said, g.Frame) else said
     speaker = _Speaker(default_lexicon() if lexicon is None else lexicon, choose)
-    return ", then ".join(speaker.frame_words(frame) for frame in frames)
+    clauses: list[str] = []
+    for shared, group in groupby(frames, speaker.shared_words):
+        if shared is None:
+            clauses += map(speaker.frame_words, group)
+        else:
+            *names, last = [speaker.object_words(f.object) for f in group if f.object is not None]
+            every = " and ".join([*([", ".join(names)] if names else []), last])
+            clauses.append(shared.replace(_EVERY, every))
+    return ", then ".join(clauses)
 
 
 class _Speaker(Phrasing):
@@ -53,6 +67,13 @@ class _Speaker(Phrasing):
         if frame.query is not None:
             return self._question_words(_with_it(frame), frame.query)
         return self._command_words(frame)
+
+    def shared_words(self, frame: g.Frame) -> str | None:
+        """A frame without its object, if that stands to others so that they are said at once."""
+        is_mutual = isinstance(frame.goal, g.Place) and frame.goal.relation in _MUTUAL
+        if frame.query or frame.dialogue or not is_mutual:
+            return None
+        return self._command_words(frame, name=_EVERY)
 
     # --- commands -----------------------------------------------------------------------------
 

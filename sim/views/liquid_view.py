@@ -63,12 +63,19 @@ def parts(trace: Trace, scene: Scene, sample: int) -> Iterator[Part]:
 
 
 def triangles(pieces: Sequence[Array]) -> tuple[Array, Array]:
-    """Corners (n, 3) of convex pieces, and of each triangle of their surfaces the three, (m, 3)."""
+    """Corners (n, 3) of convex pieces, and of each triangle of their surfaces the three, (m, 3).
+
+    Seen from outside a triangle's corners go counterclockwise: others are not drawn.
+    """
     from scipy.spatial import ConvexHull
 
     faces, first = [], 0
     for piece in pieces:
-        faces.append(ConvexHull(piece).simplices + first)
+        hull = ConvexHull(piece)
+        a, b, c = np.asarray(piece)[hull.simplices].transpose(1, 0, 2)
+        outwards = np.einsum("ij,ij->i", np.cross(b - a, c - a), hull.equations[:, :3]) > 0.0
+        ordered = np.where(outwards[:, None], hull.simplices, hull.simplices[:, ::-1])
+        faces.append(ordered + first)
         first += len(piece)
     return np.concatenate(pieces), np.concatenate(faces)
 

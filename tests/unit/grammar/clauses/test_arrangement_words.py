@@ -61,3 +61,23 @@ def test_what_stands_on_it_is_asked(text: str) -> None:
     assert frame.query == "value"
     assert isinstance(frame.goal, g.Parameters)
     assert frame.goal.which == ("load",)
+
+
+@pytest.mark.parametrize(
+    ("text", "understood"),
+    [
+        ("swap the mug and the box", "put the mug and the box in each other's place"),
+        (
+            "put the mug, the tin and the box in a row without touching the jar",
+            "put the mug, the tin and the box in a row without touching the jar",
+        ),
+    ],
+)
+def test_what_stands_to_each_other_is_said_at_once(text: str, understood: str) -> None:
+    said = parse(text)
+    assert said.paraphrase == understood
+    again = parse(said.paraphrase).frames
+    assert [f.object and f.object.text for f in again] == [
+        f.object and f.object.text for f in said.frames
+    ]
+    assert [f.goal.kind for f in again] == [f.goal.kind for f in said.frames]

@@ -93,3 +93,11 @@ def test_triangles_close_each_piece(poured: tuple[Moved, Trace]) -> None:
     edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]))
     _, counts = np.unique(edges, axis=0, return_counts=True)
     assert (counts == 2).all()
+
+
+def test_triangles_are_seen_from_outside(poured: tuple[Moved, Trace]) -> None:
+    piece = _parts(poured, 220)["carton", "stream"].pieces[0]
+    corners, faces = triangles([piece])
+    a, b, c = corners[faces].transpose(1, 0, 2)
+    outwards = np.einsum("ij,ij->i", np.cross(b - a, c - a), (a + b + c) / 3 - corners.mean(axis=0))
+    assert (outwards > 0.0).all()
