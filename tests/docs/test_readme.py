@@ -74,7 +74,7 @@ def test_the_examples_of_the_guide_to_predictions(capsys: pytest.CaptureFixture[
     printed = capsys.readouterr().out
     for code in others:
         exec(compile(code, "predictions.md", "exec"), {})
-    assert len(others) == 2
+    assert len(others) == 3
     assert "topples from 8.79 N on" in printed
     # The last lines: below the onset, the same at once, unlikely to topple, not sure over the cone.
     assert printed.splitlines()[-5:-1] == ["['none']", "['none']", "[0.]", "[False]"]
