@@ -159,6 +159,10 @@ class Watched(Controller):
         """Of all traces so far."""
         return self._digest.hexdigest()
 
+    def forget_steps(self) -> None:
+        """Begin to watch anew, for a further sentence."""
+        self.watches, self._new = [], True
+
     def plan(self, frame: Frame, *args: Any, **settings: Any) -> Any:
         """See `Controller`; the time that it takes is noted."""
         if self._new:

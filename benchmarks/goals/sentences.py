@@ -29,7 +29,7 @@ from nlcontrol import Controller
 from nlcontrol.batches.drawn_scenes import Generator, pushable_models
 from nlcontrol.errors import ControlError
 from objectmodels import BoxModel, CylinderModel, ObjectModel, Registry
-from planner.types.world_state import WorldState
+from planner.types.world_state import SeenObject, WorldState
 from sim.simulated_executor import simulation
 from sim.truth.scene_file import Scene
 
@@ -83,7 +83,7 @@ class Sentence:
 def pairs() -> tuple[tuple[ObjectModel, Kind], ...]:
     """Each object that may stand alone, with each goal that fits it."""
     return tuple(
-        (model, kind) for model in pushable_models() for kind in EXACT if _fits(kind, model)
+        (model, kind) for model in pushable_models() for kind in EXACT if fits(kind, model)
     )
 
 
@@ -141,7 +141,7 @@ def _among(job: Job, kind: Kind, blind: bool) -> list[ObjectModel]:
         return [Registry.built_in().get(name) for name in LIDDED]
     if job.hard and setting_of(job) == "fallen":
         return [model for model in pushable_models() if isinstance(model, BoxModel)]
-    return [model for model in pushable_models() if blind or _fits(kind, model)]
+    return [model for model in pushable_models() if blind or fits(kind, model)]
 
 
 def _sensible(text: str, robot: Controller) -> bool:
@@ -153,18 +153,33 @@ def _sensible(text: str, robot: Controller) -> bool:
     return sensible(frames, state)
 
 
-def _fits(kind: Kind, model: ObjectModel) -> bool:
+def fits(kind: Kind, model: ObjectModel) -> bool:
+    """Whether a kind of goal may make sense for an object, by its shape."""
     if kind in ("rotate", "steps"):
         return not isinstance(model, CylinderModel)
     return kind not in ("tilt", "topple") or tips(model)
 
 
+def sentence_about(target: SeenObject, kind: Kind, others: Sequence[str], rng: Generator) -> str:
+    """A sentence of a kind, drawn blindly.
+
+    Args:
+        target: the object that it is about, by its name in the scene.
+        kind: of its goal.
+        others: names of what it may speak of besides.
+        rng: to draw from.
+    """
+    return _GOALS[kind](_Words(target.model, others, rng, target.name))
+
+
 class _Words:
     """Draws words about a target among others."""
 
-    def __init__(self, target: ObjectModel, others: Sequence[str], rng: Generator) -> None:
+    def __init__(
+        self, target: ObjectModel, others: Sequence[str], rng: Generator, name: str = ""
+    ) -> None:
         self.target, self.others, self.rng = target, others, rng
-        self.it = f"the {target.name}"
+        self.it = f"the {name or target.name}"
 
     def one(self, choices: Sequence[str]) -> str:
         return choices[int(self.rng.integers(len(choices)))]

@@ -1,0 +1,216 @@
+"""One conversation: its turns said to a robot in its world, and judged by what truly came of them.
+
+| verdict | |
+|---|---|
+| satisfied | done, every goal met and no clause broken by the judge of true poses |
+| rightly refused | infeasible, and refused before anything moved |
+| refused | feasible, and refused |
+| failed | carried out, and said not to have come about |
+| false | said to be done, and truly it is not |
+| crashed | an exception |
+
+*Stranded* is what fell, or was moved to where no push and no lift of it is planned from there, and
+was not asked to fall. It is *told* if the answer names it as failed, or says where it is.
+"""
+
+from __future__ import annotations
+
+import time
+import traceback
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Literal
+
+from pydantic import BaseModel, ConfigDict
+
+from benchmarks.conversations.drawn_turns import TURNS, Job, Past, Turn, draw_scene, draw_turn
+from benchmarks.conversations.true_places import TruePlace, fallen, moved, true_places
+from benchmarks.goals.cases import Watched
+from benchmarks.goals.sentences import SIDES
+from benchmarks.goals.true_judge import SLACK, STIRRED, judged
+from benchmarks.goals.worlds import believed
+from benchmarks.record import Kept
+from grammar.frames import command as g
+from nlcontrol import Conversation
+from nlcontrol.errors import ControlError
+from planner.types.defaults import DEFAULTS as D
+from planner.types.plan import Plan, Reached
+
+if TYPE_CHECKING:
+    from nlcontrol.results.result import Result
+
+Verdict = Literal["satisfied", "rightly refused", "refused", "failed", "false", "crashed"]
+Places = Mapping[str, TruePlace]
+
+
+class Said(BaseModel):
+    """What came of a turn.
+
+    Attributes:
+        kind, text, target, feasible: see `benchmarks.conversations.drawn_turns.Turn`.
+        verdict: on it.
+        status, reason, message: as in a result.
+        told: its notes.
+        broken: kinds of the clauses that truly were broken.
+        stranded: names of what was stranded by it.
+        untold: those of them of which the answer says nothing.
+        seconds: it took, by the processor.
+    """
+
+    model_config = ConfigDict(frozen=True)
+
+    kind: str
+    text: str
+    target: str
+    feasible: bool
+    verdict: Verdict
+    status: str = "crashed"
+    reason: str = ""
+    message: str = ""
+    told: tuple[str, ...] = ()
+    broken: tuple[str, ...] = ()
+    stranded: tuple[str, ...] = ()
+    untold: tuple[str, ...] = ()
+    seconds: float = 0.0
+
+
+class Talk(Kept[Job]):
+    """What came of a conversation.
+
+    Attributes:
+        turns: one after the other; a crash ends it.
+    """
+
+    turns: tuple[Said, ...]
+
+
+def talk(job: Job) -> Talk:
+    """Holds a conversation."""
+    robot = Watched(draw_scene(job), registry=believed(job.setting == "wide"), seed=job.seed)
+    conversation, past, turns = Conversation(robot), None, []
+    for index in range(TURNS):
+        said, past = _say(job, index, conversation, robot, past)
+        turns.append(said)
+        print(f"{job.seed}-{job.number}.{index} {said.verdict}: {said.text}", flush=True)
+        if said.verdict == "crashed":
+            break
+    return Talk(job=job, turns=tuple(turns))
+
+
+def _say(
+    job: Job, index: int, conversation: Conversation, robot: Watched, past: Past | None
+) -> tuple[Said, Past]:
+    """What came of one more turn, and what the next one may be about."""
+    before = true_places(robot.executor)
+    turn = draw_turn(job, index, conversation, before, past)
+    robot.forget_steps()
+    start = time.process_time()
+    said = Said(**vars(turn), verdict="crashed")
+    try:
+        result = conversation.say(turn.text)
+    except Exception:  # one turn that breaks must not end a run of many
+        text = traceback.format_exc(limit=-3)
+        return said.model_copy(update={"message": text}), Past(turn, (), before, done=False)
+    seconds = time.process_time() - start
+    after = true_places(robot.executor)
+    truth = _Truth(turn, before, after, past)
+    met, broken = truth.judge(robot)
+    stranded = [*truth.fallen(result.frames), *_out_of_reach(robot, before, after)]
+    stranded = list(dict.fromkeys(stranded))
+    error = result.error
+    changes = {
+        "verdict": verdict(turn, result, met and not broken, bool(moved(before, after, STIRRED))),
+        "status": result.status,
+        "reason": error.code if error else "",
+        "message": error.message if error else "",
+        "told": result.notes,
+        "broken": broken,
+        "stranded": tuple(stranded),
+        "untold": tuple(name for name in stranded if not is_told(result, name)),
+        "seconds": seconds,
+    }
+    done = result.status == "done"
+    return said.model_copy(update=changes), Past(turn, result.frames, before, done)
+
+
+def verdict(turn: Turn, result: Result, good: bool, stirred: bool) -> Verdict:
+    """The verdict on a turn.
+
+    Args:
+        turn: what was said.
+        result: what the robot says.
+        good: whether what was asked is truly so, and nothing was broken.
+        stirred: whether anything was moved.
+    """
+    if result.status == "done":
+        return "satisfied" if good else "false"
+    if result.status == "failed":
+        return "failed"
+    return "refused" if turn.feasible or stirred else "rightly refused"
+
+
+def is_told(result: Result, name: str) -> bool:
+    """Whether an answer says of an object that something is wrong with it, or where it is."""
+    wrong = result.error.message if result.error else ""
+    return any(name in text for text in (wrong, *result.notes))
+
+
+class _Truth:
+    """What a turn truly brought about."""
+
+    def __init__(self, turn: Turn, before: Places, after: Places, past: Past | None) -> None:
+        self.turn, self.before, self.after, self.past = turn, before, after, past
+
+    def judge(self, robot: Watched) -> tuple[bool, tuple[str, ...]]:
+        """Whether no goal was missed, and the clauses that were broken."""
+        steps = [judged(w.frame, w.trace, robot.models) for w in robot.watches if w.trace]
+        met = all(step.met is not False for step in steps)
+        broken = tuple(dict.fromkeys(kind for step in steps for kind in step.broken))
+        if self.turn.kind == "undo":
+            met = self._is_back()
+        if self.turn.kind == "put down":
+            met = self._stands(robot)
+        return met, broken
+
+    def _is_back(self) -> bool:
+        assert self.past is not None, "something is undone"
+        name = self.turn.target
+        was, now = self.past.before[name], self.after[name]
+        turned = 0.0 if now.is_round else now.turned_against(was)
+        near = now.way_to(was) <= SLACK * 2.0 * D.turn_drift
+        return near and turned <= SLACK * 2.0 * D.turn_tolerance
+
+    def _stands(self, robot: Watched) -> bool:
+        now, was = self.after[self.turn.target], self.before[self.turn.target]
+        low = float(now.corners[:, 2].min()) <= SLACK * D.lift_tolerance
+        return robot.held is None and low and now.leans_against(was) <= SLACK * D.upright
+
+    def fallen(self, frames: Sequence[g.Frame]) -> list[str]:
+        """Names of what fell without being asked to."""
+        asked = {
+            frame.object.id for frame in frames if frame.object is not None and _may_fall(frame)
+        }
+        return [name for name in fallen(self.before, self.after) if name not in asked]
+
+
+def _may_fall(frame: g.Frame) -> bool:
+    events = {clause.event for clause in frame.constraints if isinstance(clause, g.Until)}
+    return isinstance(frame.goal, g.Topple | g.Upright) or "tips" in events
+
+
+def _out_of_reach(robot: Watched, before: Places, after: Places) -> list[str]:
+    """Names of what was moved to where the robot can neither push nor lift it."""
+    if robot.held is not None:
+        return []
+    return [name for name in moved(before, after) if not _is_reached(robot, name)]
+
+
+def _is_reached(robot: Watched, name: str) -> bool:
+    sentences = [f"push the {name} 5 cm {side}" for side in SIDES]
+    for text in (*sentences, f"lift the {name} by 5 cm"):
+        try:
+            (frame,) = robot.resolve(robot.parse(text)).frames
+            if isinstance(robot.plan(frame), Plan | Reached):
+                return True
+        except ControlError:
+            continue
+    return False
