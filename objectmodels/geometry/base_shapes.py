@@ -218,9 +218,10 @@ class Polygon(Base):
         room = self.offsets - np.abs(self.normals) @ np.broadcast_to(shift, 2)
         holding = np.maximum(weight * room - self.normals @ m, _NO_HOLD * weight * self.size)
         rates = np.column_stack((self.normals, self.offsets)) / holding[:, None]
-        push = np.stack(np.broadcast_arrays(e[..., 0], e[..., 1], w))
+        push = np.stack((e[..., 0], e[..., 1], np.broadcast_to(w, e.shape[:-1])))
+        growth = (rates @ push.reshape(3, -1)).max(axis=0, initial=0.0)
         with np.errstate(divide="ignore"):
-            return np.asarray(1.0 / np.tensordot(rates, push, axes=1).max(axis=0, initial=0.0))
+            return np.asarray(1.0 / growth.reshape(e.shape[:-1]))
 
     def single_topple_force(
         self, m: tuple[float, float], e: tuple[float, float], w: float, weight: float

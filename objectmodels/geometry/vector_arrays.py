@@ -61,10 +61,10 @@ def unique_rows(rows: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
 def checked_pairs(points: ArrayLike, vectors: ArrayLike) -> tuple[Array, Array]:
     """Two finite arrays of equal shape (n, 3), or a `ModelError`.
 
-    Each component lies in a row: numpy is much faster on such arrays.
+    Each component of the points lies in a row: numpy is much faster on such arrays.
     """
     p = np.asarray(points, dtype=np.float64, order="F")
-    v = np.asarray(vectors, dtype=np.float64, order="F")
+    v = np.asarray(vectors, dtype=np.float64)
     if p.ndim != 2 or p.shape[1] != 3 or p.shape != v.shape:
         raise ModelError(
             "bad_array",

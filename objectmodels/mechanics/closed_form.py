@@ -6,8 +6,7 @@ than all operations of one push; of many, a block at a time stays in the process
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable
+from collections.abc import Iterator
 from math import inf
 from typing import NamedTuple
 
@@ -15,7 +14,8 @@ import numpy as np
 
 from objectmodels.geometry.base_shapes import Array, Base
 from objectmodels.mechanics.push_thresholds import (
-    QUICK_STEPS,
+    LAST_STEP,
+    MORE_STEPS,
     is_largest_load,
     load_guess,
     load_step,
@@ -27,9 +27,6 @@ from objectmodels.mechanics.push_thresholds import (
 
 BLOCK = 8192
 """Pushes that are treated at once."""
-
-MANY = 100_000
-"""From so many pushes on, threads are worth their start."""
 
 
 class Figures(NamedTuple):
@@ -59,30 +56,18 @@ def slide_and_topple_forces(body: Figures, p: Array, u: Array) -> tuple[Array, A
     if single is not None:
         return np.array(single[:1]), np.array(single[1:])
     slide, topple = np.empty((2, len(p)))
-
-    def fill(b: slice) -> None:
+    for b in blocks(len(p)):
         slide[b] = _quick_slide(body, p[b], u[b])
         topple[b] = topple_threshold(body.base, p[b], u[b], body.com, body.weight)
-
-    run_blocks(fill, len(p))
     (i,) = np.nonzero(np.isnan(slide))
     arm = yaw_arm(p[i], u[i], body.com)
     slide[i] = slide_threshold(u[i], arm, body.friction, body.radius, body.weight)
     return slide, topple
 
 
-def run_blocks(work: Callable[[slice], None], n: int) -> None:
-    """Do some work for each block of n pushes; numpy lets other threads work as it computes."""
-    blocks = [slice(start, start + BLOCK) for start in range(0, n, BLOCK)]
-    if n < MANY:
-        for block in blocks:
-            work(block)
-        return
-    from concurrent.futures import ThreadPoolExecutor
-
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        for _ in pool.map(work, blocks):
-            pass
+def blocks(n: int) -> Iterator[slice]:
+    """Parts of n pushes, one after the other."""
+    return (slice(start, start + BLOCK) for start in range(0, n, BLOCK))
 
 
 def _quick_slide(body: Figures, p: Array, u: Array) -> Array:
@@ -113,13 +98,16 @@ def _single_slide(h2: float, w: float, a2: float, mu: float, weight: float) -> f
     try:
         by_friction = 1.0 / (mu * mu)
         h2, a2 = h2 * by_friction, a2 * by_friction
-        v, A, B = load_guess(h2, w, a2), h2 + a2, a2 * w
-        for _ in range(QUICK_STEPS):
-            step = load_step(v, A, B, w)
+        v, A, B = load_guess(h2, w, a2), h2 + a2, 2.0 * a2 * w
+        C = 0.5 * B * w
+        for _ in range(MORE_STEPS):
+            step = load_step(v, A, B, C)
             v -= step
+            if abs(step) <= LAST_STEP * v:
+                break
     except ZeroDivisionError:
         return None
-    if is_largest_load(v, step, A, B, w) and h2 > 0.0:
+    if is_largest_load(v, step, A, B, v + w) and h2 > 0.0:
         return weight / (v + w)
     jams = w < 0.0 and h2 <= w * w and a2 <= 8.0 * h2
     return inf if jams else None

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from objectmodels.geometry.base_shapes import Array, Base
 from objectmodels.html_table import html_table
-from objectmodels.mechanics.closed_form import Figures, run_blocks, slide_and_topple_forces
+from objectmodels.mechanics.closed_form import Figures, blocks, slide_and_topple_forces
 from objectmodels.mechanics.push_thresholds import (
     centre_of_pressure,
     push_axes,
@@ -260,12 +260,11 @@ def closed_form_thresholds(
 def size_and_direction(f: Array) -> tuple[Array, Array]:
     """Sizes (n,) and unit directions (n, 3) of forces; a zero force has the direction zero."""
     size, u = np.empty(len(f)), np.empty(f.shape, order="F")
-
-    def fill(b: slice) -> None:
-        size[b] = np.sqrt(f[b, 0] ** 2 + f[b, 1] ** 2 + f[b, 2] ** 2)
-        u[b] = f[b] / np.maximum(size[b], np.finfo(float).tiny)[:, None]
-
-    run_blocks(fill, len(f))
+    for b in blocks(len(f)):
+        x, y, z = f[b].T
+        size[b] = np.sqrt(x * x + y * y + z * z)
+        length = np.maximum(size[b], np.finfo(float).tiny)
+        u[b, 0], u[b, 1], u[b, 2] = x / length, y / length, z / length
     return size, u
 
 

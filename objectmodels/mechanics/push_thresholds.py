@@ -28,10 +28,10 @@ GRAVITY = 9.81
 
 Number = TypeVar("Number", float, Array)
 
-QUICK_STEPS = 5
-"""Newton steps to the load per force; all but some pushes in a thousand need no more."""
+QUICK_STEPS, MORE_STEPS = 4, 8
+"""Newton steps to the load per force; all but some pushes in a hundred need no more than four."""
 
-_LAST_STEP = 1e-8
+LAST_STEP = 1e-8
 """A step of less than this share ends at the root, but for some hundred times its square."""
 
 _STEEP = 0.01
@@ -44,8 +44,8 @@ _MAX_ITERATIONS = 100
 def push_moment(p: Array, u: Array) -> Array:
     """Moment p_z u_xy − u_z p_xy that a unit push adds to load times place, shape (..., 2) [m]."""
     # One component after the other: numpy is much faster on arrays that lie in a row.
-    parts = [p[..., 2] * u[..., k] - u[..., 2] * p[..., k] for k in (0, 1)]
-    return np.moveaxis(np.stack(parts), 0, -1)
+    x, y = (p[..., 2] * u[..., k] - u[..., 2] * p[..., k] for k in (0, 1))
+    return np.moveaxis(np.array([x, y]), 0, -1)
 
 
 def push_axes(u: Array) -> tuple[Array, Array, Array]:
@@ -76,7 +76,7 @@ def topple_threshold(
 
 def yaw_arm(p: Array, u: Array, c: Array) -> Array:
     """Arm [(p − c) × u]_z of the force about the vertical through the centre of mass [m]."""
-    return cross(p - c, u)
+    return cross(p[..., :2] - c[..., :2], u)
 
 
 def slide_threshold(
@@ -98,7 +98,7 @@ def slide_threshold(
     h2, a, mu = x * x + y * y, np.abs(arm) / radius, np.asarray(friction)
     if mu.ndim or h2.shape != a.shape:
         h2, w, a, mu = np.broadcast_arrays(h2, w, a, mu)
-    s = quick_slide_force(h2, w, a * a, mu, weight)
+    s = quick_slide_force(h2, w, a * a, mu, weight, MORE_STEPS)
     i = np.isnan(s)
     if i.any():
         h, w, a, mu = (np.broadcast_to(each, i.shape)[i] for each in (np.sqrt(h2), w, a, mu))
@@ -107,8 +107,9 @@ def slide_threshold(
 
 
 def quick_slide_force(
-    h2: Array, w: Array, a2: Array, friction: float | Array, weight: float
-) -> Array:
+    h2: Array, w: Array, a2: Array, friction: float | Array, weight: float,
+    steps: int = QUICK_STEPS,
+) -> Array:  # fmt: skip
     """`slide_threshold` for squares of |u_xy| and of arm/c̄; nan where it takes a closer look [N].
 
     All of one shape (...).
@@ -116,12 +117,14 @@ def quick_slide_force(
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         by_friction = 1.0 / np.square(friction)
         h2, a2 = h2 * by_friction, a2 * by_friction
-        v, A, B = load_guess(h2, w, a2), h2 + a2, a2 * w
-        for _ in range(QUICK_STEPS):
-            step = load_step(v, A, B, w)
-            v = v - step
-        sure = is_largest_load(v, step, A, B, w) & (h2 > 0.0)
-        return np.where(sure, weight / (v + w), np.nan)
+        v, A, B = load_guess(h2, w, a2), h2 + a2, 2.0 * a2 * w
+        C = 0.5 * B * w
+        for _ in range(steps):
+            step = load_step(v, A, B, C)
+            v -= step
+        load = v + w
+        sure = is_largest_load(v, step, A, B, load) & (h2 > 0.0)
+        return np.where(sure, weight / load, np.nan)
 
 
 def force_at(r: Array, w: Array, weight: Array | float) -> Array:
@@ -148,18 +151,19 @@ def load_guess(h2: Number, w: Number, a2: Number) -> Number:
     return v
 
 
-def load_step(v: Number, A: Number, B: Number, w: Number) -> Number:
-    """Newton's step, to be taken off v, on v⁴ − A v² − 2 B v − B w; A = h² + a², B = a² w."""
+def load_step(v: Number, A: Number, B: Number, C: Number) -> Number:
+    """Newton's step, to be taken off v, on v⁴ − A v² − B v − C: h² + a², 2 a² w and a² w²."""
     t = v * v
-    return (v * (v * (t - A) - 2.0 * B) - B * w) / (2.0 * (v * (t + t - A) - B))
+    r = t - A
+    return (v * (v * r - B) - C) / (2.0 * v * (r + t) - B)
 
 
-def is_largest_load(v: Number, step: Number, A: Number, B: Number, w: Number) -> Any:
-    """Return True where v, found by a last step, surely is the largest root, and its s positive."""
+def is_largest_load(v: Number, step: Number, A: Number, B: Number, load: Number) -> Any:
+    """Return True where v, found by a last step, surely is the largest root, and v + w positive."""
     t = v * v
     # Beyond v² = A/6 the quartic is convex: from a root there at which it rises it never returns.
-    rises = (v * (t + t - A) - B >= _STEEP * t * v) & (6.0 * t >= A)
-    return rises & (v > 0.0) & (v + w > 0.0) & (abs(step) <= _LAST_STEP * v)
+    rises = (2.0 * v * (t + t - A) - B >= 2.0 * _STEEP * t * v) & (6.0 * t >= A)
+    return rises & (load > 0.0) & (abs(step) <= LAST_STEP * v)
 
 
 def _careful_load_ratio(h: Array, w: Array, a: Array, mu: Array) -> Array:

@@ -28,9 +28,9 @@ def checked_contacts(
     """
     p, v = checked_pairs(points, vectors)
     low, high = model.contact_room
-    off = (p < low) | (p > high)
-    if off.any():
-        raise _off_object(model, p[off.any(axis=1).argmax()], low, high)
+    if p.size and ((p.min(axis=0) < low) | (p.max(axis=0) > high)).any():
+        off = ((p < low) | (p > high)).any(axis=1)
+        raise _off_object(model, p[off.argmax()], low, high)
     return p, v
 
 

@@ -80,19 +80,6 @@ def test_many_pushes_are_predicted_as_few() -> None:
     np.testing.assert_allclose(many.topple[BLOCK:], last.topple, rtol=1e-12)
 
 
-def test_threads_change_no_digit(monkeypatch: pytest.MonkeyPatch) -> None:
-    model = Registry.built_in().get("ice tea box")
-    p, u = pushes_of_all_kinds(model, 3 * BLOCK + 7)
-    f = u * np.linspace(0.0, model.weight, len(u))[:, None]
-    one_by_one = model.predict(p, f)
-    monkeypatch.setattr(closed_form, "MANY", len(p))
-    threaded = model.predict(p, f)
-    assert np.array_equal(threaded.force, one_by_one.force)
-    assert np.array_equal(threaded.thresholds.slide, one_by_one.thresholds.slide)
-    assert np.array_equal(threaded.thresholds.topple, one_by_one.thresholds.topple)
-    assert np.array_equal(threaded.code, one_by_one.code)
-
-
 def test_what_has_no_friction_slides_at_once() -> None:
     box = Registry.built_in().get("ice tea box").model_copy(update={"friction": 0.0})
     p, u = np.array([[0.0, -0.03, 0.1]] * 2), np.array([[0.0, 1.0, 0.0], [0.6, 0.0, -0.8]])
