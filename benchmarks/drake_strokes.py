@@ -89,7 +89,7 @@ class DrakeBench:
             scene_graph,
             robot=spheres,
             table=table,
-            solids=[solid for _, solid, _ in added.values()],
+            solids=[solid for _, solids, _ in added.values() for solid in solids],
             feet=[foot for *_, feet in added.values() for foot in feet.geometries],
         )
         self._bodies = {name: body for name, (body, *_) in added.items()}

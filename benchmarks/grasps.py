@@ -132,7 +132,7 @@ class Gantry:
             plant.set_gravity_enabled(instance, False)
         scene = _scene(case)
         table = add_table(plant, scene)
-        self.box, solid, feet = add_object(plant, scene.objects[0])
+        self.box, solids, feet = add_object(plant, scene.objects[0])
         plant.Finalize()
         plant.SetDefaultFloatingBaseBodyPose(self.box, initial_pose(scene.objects[0]))
         robot = [
@@ -141,7 +141,7 @@ class Gantry:
             for geometry in plant.GetCollisionGeometriesForBody(plant.get_body(index))
         ]
         filter_collisions(
-            scene_graph, robot=robot, table=table, solids=[solid], feet=feet.geometries
+            scene_graph, robot=robot, table=table, solids=solids, feet=feet.geometries
         )
         self._simulator = Simulator(builder.Build())
         self.context = plant.GetMyMutableContextFromRoot(self._simulator.get_mutable_context())

@@ -236,8 +236,8 @@ def _furnished(
     """Table, object, lid and fingertip, finalised."""
     table = add_table(plant, scene)
     bare = item.model_copy(update={"truth": item.truth.without_lid})
-    body, solid, feet = add_object(plant, bare)
-    lid = add_lid(plant, item, body, solid)
+    body, solids, feet = add_object(plant, bare)
+    lid = add_lid(plant, item, body, solids[0])
     assert lid is not None
     if item.fixed:
         plant.WeldFrames(plant.world_frame(), body.body_frame(), initial_pose(item))
@@ -251,7 +251,7 @@ def _furnished(
         for geometry in plant.GetCollisionGeometriesForBody(plant.get_body(index))
     ]
     standing = feet.geometries
-    filter_collisions(scene_graph, robot=spheres, table=table, solids=[solid], feet=standing)
+    filter_collisions(scene_graph, robot=spheres, table=table, solids=solids, feet=standing)
     filter_lids(scene_graph, [lid], robot=spheres, table=table, feet=standing)
     name = item.name
     return Standing(plant, scene_graph, {name: body}, {name: feet}, {name: lid})

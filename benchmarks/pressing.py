@@ -135,12 +135,12 @@ def outcome_in_drake(case: Case, scene: Scene) -> tuple[str, float]:
     truth = truth_as_believed(case.model)
     pose = Pose(x_m=0.5, y_m=0.0, z_m=0.0, yaw_deg=0.0)
     item = SceneObject(name="thing", model="box", pose=pose, truth=truth)
-    body, solid, feet = add_object(plant, item)
+    body, solids, feet = add_object(plant, item)
     tip = _Fingertip(plant)
     plant.Finalize()
     plant.SetDefaultFloatingBaseBodyPose(body, initial_pose(item))
     filter_collisions(
-        scene_graph, robot=[tip.solid], table=table, solids=[solid], feet=feet.geometries
+        scene_graph, robot=[tip.solid], table=table, solids=solids, feet=feet.geometries
     )
     simulator = Simulator(builder.Build())
     context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())

@@ -117,7 +117,7 @@ def has_fallen(scene: Scene, items: list[SceneObject]) -> bool:
     plant.Finalize()
     for level, (item, (body, *_)) in enumerate(zip(items, added, strict=True)):
         plant.SetDefaultFloatingBaseBodyPose(body, initial_pose(item, level))
-    solids = [solid for _, solid, _ in added]
+    solids = [solid for _, own, _ in added for solid in own]
     feet = [foot for *_, each in added for foot in each.geometries]
     filter_collisions(scene_graph, robot=[], table=table, solids=solids, feet=feet)
     filter_slabs(scene_graph, slabs, [table, *solids, *feet])

@@ -295,7 +295,7 @@ def _step(step: Action, plan: Plan) -> str:
         case SetDown():
             return "set it down"
         case SetOn():
-            return f"set it down on the {step.onto}"
+            return f"set it down {_where(step)} the {step.onto}"
         case FlipOver():
             return (
                 f"move the lid of {what} with a fingertip from {quantity(step.start, 'rad')} to "
@@ -311,6 +311,10 @@ def _step(step: Action, plan: Plan) -> str:
         case PutOn():
             return f"put it onto the {step.onto} and press with {quantity(step.press, 'N')}"
     raise AssertionError(f"{step.kind} is no step of a hand")
+
+
+def _where(step: SetOn) -> str:
+    return "in" if step.inside else "on"
 
 
 def predicted_outcomes(plan: Plan) -> list[str]:
@@ -333,7 +337,9 @@ def predicted_outcomes(plan: Plan) -> list[str]:
                 )
             case SetOn():
                 stands = probability_text(action.prediction.stands)
-                told.append(f"it stands on the {action.onto} with probability {stands}")
+                told.append(
+                    f"it stands {_where(action)} the {action.onto} with probability {stands}"
+                )
             case FlipOver():
                 told.append(f"the lid ends at {quantity(action.prediction.lid_angle, 'rad')}")
     return told
@@ -360,7 +366,7 @@ def _reasons(action: Action, name: str) -> Iterator[str]:
             yield from _bearing_texts(action.prediction, name)
         case SetOn():
             margin = quantity(action.prediction.margin, "m")
-            yield f"standing on the {action.onto}, it is {margin} from falling"
+            yield f"standing {_where(action)} the {action.onto}, it is {margin} from falling"
         case TurnCap():
             cap, turns = action.prediction, ""
             if cap.turning_torque is not None:

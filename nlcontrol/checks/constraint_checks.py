@@ -67,7 +67,7 @@ def _to_be_touched(e: Evidence) -> Iterator[str]:
         yield below
     if isinstance(goal, g.Pour) and goal.into is not None:
         yield goal.into.id or goal.into.text
-    if isinstance(goal, g.Place) and goal.relation in ("touching", "on"):
+    if isinstance(goal, g.Place) and goal.relation in ("touching", "on", "in"):
         assert isinstance(goal.reference, tuple)
         yield from (ref.id for ref in goal.reference if ref.id)
     for clause in e.frame.constraints:

@@ -100,8 +100,6 @@ def require_checkable(frame: g.Frame) -> None:
     goal = frame.goal
     if goal.kind not in GOALS:
         raise _uncheckable(goal.kind, goal.spans)
-    if isinstance(goal, g.Place) and goal.relation in ("in", "out_of"):
-        raise _uncheckable("place in an object", goal.spans)
     for clause in frame.constraints:
         if clause.kind not in CONSTRAINTS:
             raise _uncheckable(clause.kind, clause.spans)

@@ -95,12 +95,11 @@ def _distance(goal: g.Displace, along: float, e: Evidence) -> Check:
 def _place(goal: g.Place, e: Evidence) -> Iterator[Check]:
     start = e.start.objects[e.name]
     place = region(goal, e.end, e.defaults, start)
-    assert place is not None, "a place in an object is refused before"
+    assert place is not None, "a place in what is no open box is refused before"
     if goal.fraction is not None:
         place = share_of_way(place, goal.fraction, start, e.defaults.place_tolerance)
-    if goal.relation != "off":
-        yield from (place_check(goal, one) for one in place.measures(e.end.objects[e.name]))
-    if goal.relation == "on" and isinstance(goal.reference, tuple):
+    yield from (place_check(goal, one) for one in place.measures(e.end.objects[e.name]))
+    if goal.relation in ("on", "in") and isinstance(goal.reference, tuple):
         yield from handling.set_on(goal, goal.reference[0].id or "", e)
     elif handling.by_hand(e):
         yield from handling.set_down_upright(goal, e)

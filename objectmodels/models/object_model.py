@@ -54,7 +54,8 @@ if TYPE_CHECKING:
     from objectmodels.mechanics.push_outcomes import SuddenPush
     from objectmodels.models.calibration import SeenPushes
 
-_OF_ITS_BASE = ("friction_radius", "friction_radius_sd", "correlations", "container", "lid")
+_OF_ITS_BASE = ("friction_radius", "friction_radius_sd", "correlations", "container", "inside",
+                "lid")  # fmt: skip
 
 
 class ObjectModel(Parameters, ABC):

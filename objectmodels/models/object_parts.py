@@ -99,6 +99,18 @@ class Container(Part):
         return self.density * self.contents
 
 
+class Cavity(Part):
+    """Inside of an open box: a cuboid in the middle of it, without a ceiling.
+
+    Attributes:
+        size: extents along B's x and y, between the walls [m].
+        floor: height of its floor over the base [m].
+    """
+
+    size: Annotated[tuple[Length, Length], BeforeValidator(as_tuple), Field(alias="size_m")]
+    floor: Annotated[Length, Field(alias="floor_m")]
+
+
 class FlipLid(Part):
     """A lid on a hinge at the rim, with a tab at the other side that a fingertip gets under.
 

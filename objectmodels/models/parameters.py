@@ -26,7 +26,8 @@ from objectmodels.geometry.pushed_body import UNCERTAIN, Friction
 from objectmodels.geometry.support_points import Support
 from objectmodels.geometry.vector_arrays import as_tuple, as_tuples
 from objectmodels.mechanics.push_thresholds import GRAVITY
-from objectmodels.models.object_parts import Container, Graspable, Lid, Part
+from objectmodels.models.object_parts import Cavity, Container, Graspable, Lid, Part
+from objectmodels.models.open_box import cavity_error
 
 RADIUS_SHARE_SD = 0.45
 """Standard deviation of an unfitted friction radius as a share of it: real objects spread so."""
@@ -79,6 +80,7 @@ class Parameters(Part):
         friction_radius_sd: 45 % of c̄ if not given, which is the spread over real objects.
         correlations: of the beliefs, as (name, name, coefficient); names of `UNCERTAIN`.
         container: what it holds, if it is hollow.
+        inside: where other objects may stand, if it is an open box.
         lid: what covers it, if it has a lid.
         grasp: where a hand may hold it, if it may be held.
         synonyms: other names.
@@ -109,6 +111,7 @@ class Parameters(Part):
     friction_radius_sd: Annotated[Deviation, Field(alias="friction_radius_m_sd")] = _DERIVED
     correlations: Correlations = ()
     container: Container | None = None
+    inside: Cavity | None = None
     lid: Lid | None = None
     grasp: Graspable | None = None
     provenance: Provenance = Provenance()
@@ -131,6 +134,19 @@ class Parameters(Part):
         if wrong:
             raise ModelError("bad_value", wrong, path="correlations", suggestions=(hint,))
         return self
+
+    @model_validator(mode="after")
+    def _open_above(self) -> Self:
+        if self.inside is None:
+            return self
+        if self.container is not None or self.lid is not None:
+            raise cavity_error("", "goes with neither `container` nor `lid`", "leave those out")
+        self._require_walls(self.inside)
+        return self
+
+    def _require_walls(self, inside: Cavity) -> None:
+        """Makes sure that the shape has walls around a cavity; only that of a box has."""
+        raise cavity_error("", "only a box has one", "begin the file with `format: box/1`")
 
     def __eq__(self, other: object) -> bool:
         """Equal beliefs of one kind; what was computed from them does not count."""

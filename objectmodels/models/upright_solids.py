@@ -18,6 +18,8 @@ from objectmodels.geometry.side_faces import AXES, Face, sides
 from objectmodels.geometry.vector_arrays import cross
 from objectmodels.models.convex_hull import HullModel
 from objectmodels.models.object_model import ObjectModel
+from objectmodels.models.object_parts import Cavity
+from objectmodels.models.open_box import require_open_box
 from objectmodels.models.parameters import Corners, Size
 from objectmodels.models.resting_face import Resting
 
@@ -58,6 +60,9 @@ class BoxModel(ObjectModel):
     def faces(self, headings: ArrayLike | None = None) -> tuple[Face, ...]:
         """The four side faces: +x, +y, −x, −y."""
         return sides(self.footprint, self.size[2])
+
+    def _require_walls(self, inside: Cavity) -> None:
+        require_open_box(self.size, inside)
 
     @cached_property
     def rests(self) -> tuple[Resting, ...]:

@@ -1,8 +1,8 @@
 """Who stands on whom, and how surely.
 
 Model: what is seen as high above the table as another object's top, its middle over that, stands on
-it. Stability is that of `objectmodels.mechanics.stack_stability`. Frames: W is the world, B an
-object.
+it; what is seen within the walls of an open box, below its rim, stands on its floor. Stability is
+that of `objectmodels.mechanics.stack_stability`. Frames: W is the world, B an object.
 """
 
 from __future__ import annotations
@@ -14,7 +14,8 @@ import numpy as np
 
 from objectmodels.geometry.base_shapes import Polygon
 from objectmodels.mechanics.stack_stability import StackedBody
-from objectmodels.models.top_face import top_face
+from objectmodels.models.open_box import inner_floor
+from objectmodels.models.top_face import standing_face, standing_height
 from planner.types.world_state import SeenObject
 
 _SAME_HEIGHT = 0.012  # heights that differ by less are one, as a biased camera sees them [m]
@@ -32,10 +33,16 @@ def with_supports(
     found = dict(objects)
     for name in sorted(heights, key=lambda name: heights[name]):
         seen, height = found[name], heights[name]
+        box = next((other for other in found.values() if _is_inside(seen, height, other)), None)
+        if box is not None:
+            found[name] = put_on(seen, box)
+            continue
         lower = [
             other
             for other in found.values()
-            if heights.get(other.name, 0.0) < height and _is_over(seen, other)
+            if other.model.inside is None
+            and heights.get(other.name, 0.0) < height
+            and _is_over(seen, other)
         ]
         nearest = min(lower, key=lambda other: abs(other.top_height - height), default=None)
         if nearest is None or height < _SAME_HEIGHT:
@@ -47,7 +54,9 @@ def with_supports(
 
 def put_on(seen: SeenObject, lower: SeenObject | None) -> SeenObject:
     """An object on another one, or on the table if that is None, where it is seen from above."""
-    z, on = (0.0, None) if lower is None else (lower.pose.z + lower.model.top, lower.name)
+    z, on = (
+        (0.0, None) if lower is None else (lower.pose.z + standing_height(lower.model), lower.name)
+    )
     return replace(seen, pose=replace(seen.pose, z=z), on=on)
 
 
@@ -55,6 +64,17 @@ def _is_over(seen: SeenObject, other: SeenObject) -> bool:
     """Return True if the middle of an object is above another one."""
     outline = Polygon.convex(other.bulk()[0])
     return bool((outline.normals @ [seen.pose.x, seen.pose.y] < outline.offsets).all())
+
+
+def _is_inside(seen: SeenObject, height: float, box: SeenObject) -> bool:
+    """Return True if the base of an object, so high [m], is within the walls of an open box."""
+    inside = box.model.inside
+    if inside is None or box.name == seen.name or box.attitude is not None:
+        return False
+    floor = face_in_world(inner_floor(inside), box)
+    return height < box.top_height and bool(
+        (floor.normals @ seen.pose.p_WB[:2] < floor.offsets).all()
+    )
 
 
 def stack_with(there: SeenObject, objects: Mapping[str, SeenObject]) -> list[SeenObject]:
@@ -106,7 +126,7 @@ def face_in_world(face: Polygon, seen: SeenObject) -> Polygon:
 def _stacked_body(seen: SeenObject, below: int | None, place_sd: float) -> StackedBody:
     model, R = seen.model, seen.pose.R_WB[:2, :2]
     base = face_in_world(Polygon.convex(model.base.corners), seen)
-    top = top_face(model)
+    top = standing_face(model)
     return StackedBody(
         model.mass,
         model.mass_sd,

@@ -27,7 +27,7 @@ from planner.grasping.grasp_plans import (
 )
 from planner.grasping.grasp_sampling import Candidate, body_candidates
 from planner.grasping.grasp_selection import GraspLoad, StableGrasp, held_already, stable_grasps
-from planner.grasping.standing_place import require_level_top, step_onto
+from planner.grasping.standing_place import require_level_top, require_room_inside, step_onto
 from planner.problem.goal_poses import GoalPoses, find_goal_poses, pose_as_aim
 from planner.problem.place_regions import object_at
 from planner.problem.planning_problem import GraspProblem, value_in_bound
@@ -92,7 +92,7 @@ def place(problem: GraspProblem) -> Plan:
     require_liftable(problem)
     lower = _object_below(problem)
     if lower is not None:
-        require_level_top(lower)
+        _require_place_on(problem, lower)
     found = find_goal_poses(problem)
     drafts, places = [], Alternatives()
     for aim in found.goal.aims:
@@ -174,12 +174,20 @@ def base_height(problem: GraspProblem) -> float:
 
 
 def _object_below(problem: GraspProblem) -> SeenObject | None:
-    """The object on which it is to be put; None for a place on the table."""
+    """The object on which or into which it is to be put; None for a place on the table."""
     goal = problem.frame.goal
-    if not isinstance(goal, g.Place) or goal.relation != "on":
+    if not isinstance(goal, g.Place) or goal.relation not in ("on", "in"):
         return None
     assert isinstance(goal.reference, tuple), "it is put on an object"
     return problem.state.objects[goal.reference[0].id or ""]
+
+
+def _require_place_on(problem: GraspProblem, lower: SeenObject) -> None:
+    goal = problem.frame.goal
+    if isinstance(goal, g.Place) and goal.relation == "in":
+        require_room_inside(problem, lower)
+    else:
+        require_level_top(lower)
 
 
 def require_room(problem: GraspProblem, there: SeenObject, near: dict[str, float]) -> None:
@@ -190,8 +198,8 @@ def require_room(problem: GraspProblem, there: SeenObject, near: dict[str, float
     """
     own, kept = footprint(there), dict(problem.motion.clear_of)
     for name, seen in problem.others.items():
-        if there.pose.z > seen.top_height - _BESIDE:
-            continue  # it stands on that one, or higher
+        if name == there.on or there.pose.z > seen.top_height - _BESIDE:
+            continue  # it stands on that one or in it, or higher
         apart = min(problem.clearance(seen), _CLOSER * near.get(name, np.inf))
         if gap(own, footprint(seen)) < max(apart, kept.get(name, 0.0)):
             raise no_plan("place_taken", what=f"the {problem.target.name}", other=name)

@@ -1,4 +1,4 @@
-"""Whether something stands where it is to be put on another object.
+"""Whether something stands where it is to be put on another object, or into it.
 
 Model: `objectmodels.mechanics.stack_stability`, with the place of what is put down known as well as
 hands put things down. Frame: W.
@@ -6,10 +6,13 @@ hands put things down. Frame: W.
 
 from __future__ import annotations
 
+from grammar.frames import command as g
 from objectmodels.geometry.base_shapes import Polygon
 from objectmodels.mechanics.stack_stability import stack_margins, standing_probability
 from objectmodels.models.top_face import top_face
 from planner.geometry.stacks import stack_with, stacked_bodies
+from planner.problem.place_regions import region
+from planner.problem.places_in_boxes import WALL_ROOM, InBox
 from planner.problem.planning_problem import GraspProblem
 from planner.refusals.refusal_builder import no_plan
 from planner.types.stack_actions import SetOn, StandPrediction
@@ -27,6 +30,27 @@ def require_level_top(lower: SeenObject) -> None:
     """
     if lower.attitude is not None or lower.model.lid is not None or top_face(lower.model) is None:
         raise no_plan("no_level_top", other=lower.name)
+    if lower.model.inside is not None:
+        raise no_plan("no_level_top", other=lower.name, instead=(f"into the {lower.name}",))
+
+
+def require_room_inside(problem: GraspProblem, box: SeenObject) -> None:
+    """Make sure that an object finds a place in another one.
+
+    Raises:
+        NoPlanError: that one is no open box, or too small, or full.
+    """
+    goal, own = problem.frame.goal, problem.target
+    assert isinstance(goal, g.Place), "it is put there"
+    place = region(goal, problem.state, problem.defaults, own)
+    if not isinstance(place, InBox) or box.attitude is not None:
+        raise no_plan("not_open", object=own.name, other=box.name)
+    if (excess := place.excess(own)) > 0.0:
+        numbers = {"excess": excess, "room": WALL_ROOM}
+        raise no_plan("too_long_for_box", numbers, object=own.name, other=box.name)
+    if not place.spots(own):
+        inside = [seen.name for seen in place.contents if seen.name != own.name]
+        raise no_plan("box_is_full", object=own.name, box=box.name, other=inside[0])
 
 
 def step_onto(problem: GraspProblem, there: SeenObject) -> SetOn:
@@ -54,7 +78,8 @@ def step_onto(problem: GraspProblem, there: SeenObject) -> SetOn:
         numbers = {"margin": margin, "probability": stands, "asked_probability": asked}
         raise no_plan("may_fall_off", numbers, object=name, other=lower.name)
     prediction = StandPrediction(margin=margin, stands=stands)
-    return SetOn(onto=lower.name, height=there.pose.z, prediction=prediction)
+    inside = lower.model.inside is not None
+    return SetOn(onto=lower.name, height=there.pose.z, inside=inside, prediction=prediction)
 
 
 def _covers_opening(there: SeenObject, lower: SeenObject) -> bool:

@@ -183,8 +183,7 @@ def _place_poses(problem: PlanningProblem[GoalT], goal: g.Place) -> GoalPoses:
     by_pushes = isinstance(problem.goal, PushGoal)
     if place is None or (by_pushes and goal.relation in _CAPABILITIES):
         over = "pushes move objects over the table only"
-        message = over if by_pushes else "this version of the robot puts nothing into others"
-        raise not_capable(_CAPABILITIES.get(goal.relation, "going there"), message, goal.spans)
+        raise not_capable(_CAPABILITIES.get(goal.relation, "going there"), over, goal.spans)
     if goal.fraction is not None:
         place = share_of_way(place, goal.fraction, target, defaults.place_tolerance)
     spots = place.spots(target)

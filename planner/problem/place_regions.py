@@ -22,7 +22,8 @@ from planner.geometry.directions import HEADINGS, heading_of, unit
 from planner.geometry.footprints import footprint, gap
 from planner.problem.cleared_places import Aside, Beyond, InHalf
 from planner.problem.place_measures import Measure, Region
-from planner.problem.places_on_objects import OffTop, OnTop
+from planner.problem.places_in_boxes import InBox
+from planner.problem.places_on_objects import OffObject, OnTop
 from planner.types.defaults import Defaults
 from planner.types.world_state import SeenObject, TableState, WorldState
 
@@ -68,7 +69,7 @@ _STEPS = 60  # advances until a gap is that accurate
 def region(
     goal: g.Place, state: WorldState, d: Defaults, start: SeenObject | None = None
 ) -> Region | None:
-    """The place that a goal asks for, without its share of the way; None for one in an object.
+    """The place that a goal asks for, without its share of the way; None for one in no open box.
 
     The objects of the goal are resolved, its length is in metres. What is moved aside stood at the
     start where `start` says.
@@ -89,8 +90,10 @@ def region(
             return Between(one, other, d.between_tolerance)
         case "on", (other,):
             return OnTop(other, d.no_lift)
-        case "off", (other,):
-            return OffTop(Beside(other, (), d.place_gap, d.place_gap_tolerance, 0.0), d.no_lift)
+        case "in", (other,) if other.model.inside is not None:
+            return InBox(other, state.carried_by(other.name), d.clearance, d.no_lift)
+        case (("off" | "out_of"), (other,)):
+            return OffObject(other, Beside(other, (), d.place_gap, d.place_gap_tolerance, 0.0))
         case "touching", (other,):
             return Beside(other, (), 0.0, d.touching_gap, d.place_aside)
         case relation, (other,) if relation in SIDES or relation in ("next_to", "at"):

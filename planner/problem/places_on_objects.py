@@ -11,6 +11,7 @@ import numpy as np
 
 from objectmodels.geometry.base_shapes import Array, Polygon
 from objectmodels.models.top_face import top_face
+from planner.geometry.footprints import footprint, gap
 from planner.geometry.stacks import face_in_world
 from planner.problem.place_measures import Measure, Region
 from planner.types.world_state import SeenObject
@@ -57,21 +58,22 @@ class OnTop(Region):
 
 
 @dataclass(frozen=True)
-class OffTop(Region):
-    """A place on the table, taken off an object.
+class OffObject(Region):
+    """A place on the table, taken off an object or out of it.
 
     Attributes:
-        beside: places next to that object.
-        tolerance: of the height [m].
+        lower: that object.
+        beside: places next to it.
     """
 
+    lower: SeenObject
     beside: Region
-    tolerance: float
 
     def spots(self, own: SeenObject) -> list[Array]:
         """Beside it, the nearest first."""
         return self.beside.spots(own)
 
     def measures(self, own: SeenObject) -> tuple[Measure, ...]:
-        """Height over the table."""
-        return (Measure("height over the table", "at_most", 0.0, own.pose.z, self.tolerance),)
+        """The gap to what it stood on; what is on it or in it has none."""
+        apart = gap(footprint(own), footprint(self.lower))
+        return (Measure(f"gap to the {self.lower.name}", "at_least", 0.0, apart, 0.0),)

@@ -77,6 +77,19 @@ _GRASPS = {
     "no_level_top": impossible(
         "the {other} has no level top to stand on", ("next to the {other}",)
     ),
+    "not_open": impossible(
+        "the {other} is no open box, so that the {object} cannot stand in it",
+        ("next to the {other}",),
+    ),
+    "too_long_for_box": impossible(
+        "the {object} is {excess:mm} too long or too wide for the {other}, with {room:mm} of room "
+        "on each side",
+        ("turn the {object} first", "next to the {other}"),
+    ),
+    "box_is_full": blocked(
+        "there is no free place for the {object} in the {box}: the {other} stands there",
+        ("take the {other} out of the {box} first",),
+    ),
     "falls_in": impossible(
         "the {object} does not cover the opening of the {other}", ("next to the {other}",)
     ),

@@ -1,6 +1,6 @@
 """The table and the objects on it, as the robot sees them: hand and arm must not touch them.
 
-Model: an object is an upright prism or cylinder, the robot is spheres
+Model: an object is an upright prism or cylinder, an open box five of them; the robot is spheres
 (`sim.collision.collision_spheres`). From every object a clearance is kept, more from a fragile one.
 The pushed object is meant to be touched: it never counts as fragile.
 
@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from objectmodels.models.open_box import open_box_parts
 from objectmodels.models.upright_solids import CylinderModel
 from planner.types.world_state import SeenObject, WorldState
 from sim.collision.collision_spheres import (
@@ -82,6 +83,23 @@ class Obstacle:
         return replace(
             made, name=seen.name, clearance=clearance, R_WB=R_WB, p_WB=p_WB, middle=middle
         )
+
+    @classmethod
+    def parts_of(cls, seen: SeenObject, clearance: float) -> tuple[Obstacle, ...]:
+        """An object that the robot sees; an open box is its floor and its walls."""
+        whole, inside = cls.from_seen(seen, clearance), seen.model.inside
+        if inside is None or seen.attitude is not None:
+            return (whole,)
+        parts = open_box_parts(seen.model.extents, inside)
+        return tuple(whole._cuboid(low, high) for low, high in parts)
+
+    def _cuboid(self, low: Array, high: Array) -> Obstacle:
+        """A part of it that stands on the height of its base, from corner to corner in B."""
+        (x, y), (u, v) = low[:2], high[:2]
+        made = self.at_origin(np.array([[x, y], [u, y], [u, v], [x, v]]), float(high[2]))
+        middle = self.p_WB[:2] + self.R_WB[:2, :2] @ made.middle
+        return replace(made, name=self.name, clearance=self.clearance, R_WB=self.R_WB,
+                       p_WB=self.p_WB, middle=middle)  # fmt: skip
 
     @classmethod
     def at_origin(cls, outline: Array, height: float, radius: float = 0.0) -> Obstacle:
@@ -193,7 +211,7 @@ class CollisionScene:
 
     Attributes:
         pushed: the object that is to be pushed.
-        others: that are not.
+        others: that are not, an open box as its parts.
     """
 
     pushed: Obstacle
@@ -216,9 +234,12 @@ class CollisionScene:
             clearance: from what is not fragile [m].
         """
         others = [
-            Obstacle.from_seen(seen, (FRAGILE_CLEARANCE if seen.fragile else clearance) - spare)
+            part
             for name, seen in state.objects.items()
             if name != pushed
+            for part in Obstacle.parts_of(
+                seen, (FRAGILE_CLEARANCE if seen.fragile else clearance) - spare
+            )
         ]
         return cls(Obstacle.from_seen(state.objects[pushed], OBJECT_CLEARANCE), tuple(others))
 

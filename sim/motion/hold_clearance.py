@@ -8,7 +8,7 @@ Frames: see `sim.paths.held_object_path`; P is the palm.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -19,14 +19,19 @@ from planner.types.actions import PourOut
 from planner.types.robot import ReachAnswer
 from planner.types.stack_actions import SetOn
 from planner.types.world_state import PlanarPose
-from sim.collision.collision_scene import TABLE_CLEARANCE, CollisionScene, Obstacle
+from sim.collision.collision_scene import (
+    LEAST_CLEARANCE,
+    TABLE_CLEARANCE,
+    CollisionScene,
+    Obstacle,
+)
 from sim.collision.collision_spheres import height_above_table, place_spheres, surface_spheres
 from sim.hands.hand_model import GraspPosture, Hand
 from sim.paths.held_object_path import HeldObject
 from sim.paths.held_segment import HeldSegment
 from sim.rotations import Array, yaw_of
 
-_HELD_CLEARANCE = 0.004  # of what is held from the object into which it is poured [m]
+_HELD_CLEARANCE = 0.004  # of what is held from what it is poured or put into [m]
 _OWNER_CLEARANCE = 0.0023  # of the hand from the object whose lid it holds [m]
 _LID_CLEARANCE = 0.0015  # of a hand that puts a lid aside from the table [m]
 _FACE_CLEARANCE = 0.002  # of the open hand from what it is about to hold [m]
@@ -107,16 +112,33 @@ class HoldClearance:
         )
 
     def _around_it(self, scenery: CollisionScene) -> CollisionScene:
-        """The scene for the hand, which may come near to the object of a lid."""
+        """The scene for the hand, which may come near to the object of a lid, and into a box."""
+        near = dict.fromkeys(self._open_boxes, LEAST_CLEARANCE - self._spare)
+        if self._owner is not None:
+            near[self._owner] = _OWNER_CLEARANCE - self._spare
         others = (
-            replace(each, clearance=_OWNER_CLEARANCE - self._spare)
-            if each.name == self._owner
-            else each
-            for each in scenery.others
+            replace(each, clearance=near.get(each.name, each.clearance)) for each in scenery.others
         )
         lifted = np.array([0.0, 0.0, self._handled.height if self._owner else 0.0])
         pushed = replace(scenery.pushed, p_WB=scenery.pushed.p_WB + lifted)
         return CollisionScene(pushed, tuple(others))
+
+    @property
+    def _lower(self) -> set[str]:
+        """Names of what the held object stood on at first, and is put on or into."""
+        found = {step.onto for step in self._plan.steps if isinstance(step, SetOn)}
+        on = self._handled.held.on
+        return found if on is None else found | {on}
+
+    @property
+    def _open_boxes(self) -> Iterator[str]:
+        """Names of the open boxes among these; a fragile one is kept away from."""
+        objects = self._handled.state.objects
+        return (
+            name
+            for name in self._lower
+            if objects[name].model.inside is not None and not objects[name].fragile
+        )
 
     def blocked_along(self, way: WaySamples, stood: Obstacle) -> ReachAnswer | None:
         """The answer if something is in the way of hand or held object along a way; else None.
@@ -200,14 +222,14 @@ class HoldClearance:
             return ReachAnswer(False, "table", f"{what} would hit the table while it is tilted")
         kept = dict(self._plan.limits.clear_of)
         into = {step.into for step in self._plan.steps if isinstance(step, PourOut)}
-        stood_on = {step.onto for step in self._plan.steps if isinstance(step, SetOn)}
         for each in self.scenery.others:
             if each.name == self._owner:
                 continue
             clearance = _HELD_CLEARANCE - self._spare if each.name in into else each.clearance
             clearance = max(clearance, kept.get(each.name, 0.0) - self._spare)
-            if each.name in stood_on or each.name == self._handled.held.on:
-                clearance = -_SINKS
+            if each.name in self._lower:
+                carries = np.abs(way.p_WB[[0, -1], 2] - each.top).min() < _SINKS
+                clearance = -_SINKS if carries else _HELD_CLEARANCE - self._spare
             # What stands close already is not hit by being lifted.
             near = each.distance_to(body[:1]).min(initial=np.inf)
             if not each.is_clear(body, min(clearance, max(0.0, 0.9 * near))).all():

@@ -18,7 +18,8 @@ from objectmodels.containers import lid_geometry
 from objectmodels.files.value_types import Deviation, Friction, Length, Mass, length_of
 from objectmodels.geometry.base_shapes import Array, Base, Disc, Polygon
 from objectmodels.geometry.support_points import hull_polygon
-from objectmodels.models.object_parts import Container, Lid
+from objectmodels.models.object_parts import Cavity, Container, Lid
+from objectmodels.models.open_box import open_box_parts, require_open_box
 from objectmodels.models.vessel import Vessel
 from sim.cell.strict_model import Fraction, Part, Point2, Point3
 
@@ -50,6 +51,7 @@ class Truth(Part):
         support_m: points of the base on which the object stands, in B's x, y; its corners (of a
             cylinder: points of its rim) if not given.
         container: what it really holds; `mass_kg` includes the contents.
+        inside: of a box that is open above, where other objects may stand.
         lid: what really covers it; `mass_kg` includes the lid.
         colour: red, green, blue in 0…1, for the camera and for pictures.
     """
@@ -67,6 +69,7 @@ class Truth(Part):
     contents_shift_m: Deviation = 0.0
     support_m: Annotated[tuple[Point2, ...], length_of("support")] | None = None
     container: Container | None = None
+    inside: Cavity | None = None
     lid: Lid | None = None
     colour: tuple[Fraction, Fraction, Fraction] = (0.8, 0.7, 0.4)
 
@@ -80,6 +83,12 @@ class Truth(Part):
             raise ValueError("height_m belongs to a radius_m or corners_m, and to nothing else")
         if self.vertices_m is not None and (self.container is not None or self.lid is not None):
             raise ValueError("a hull of vertices_m has neither container nor lid")
+        if self.inside is not None and (
+            self.size_m is None or self.container is not None or self.lid is not None
+        ):
+            raise ValueError("inside belongs to a size_m that has neither container nor lid")
+        if self.inside is not None and self.size_m is not None:
+            require_open_box(self.size_m, self.inside)
         if self.base_radius_m is not None and self.radius_m is None:
             raise ValueError("base_radius_m belongs to a radius_m")
         if self.corners_m is not None:
@@ -134,6 +143,15 @@ class Truth(Part):
             if self._contains((x, y, z)) and _is_surrounded((x, y), self.support):
                 return self.model_copy(update={"centre_of_mass_m": (x, y, z)})
         return self
+
+    @property
+    def cuboids(self) -> tuple[tuple[Array, Array], ...]:
+        """Opposite corners in B of the cuboids of which a box consists, shape (3,) each [m]."""
+        assert self.size_m is not None, "only a box consists of cuboids"
+        if self.inside is not None:
+            return open_box_parts(self.size_m, self.inside)
+        x, y, z = self.size_m
+        return ((np.array([-x / 2, -y / 2, 0.0]), np.array([x / 2, y / 2, z])),)
 
     @property
     def height(self) -> float:

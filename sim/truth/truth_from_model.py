@@ -28,7 +28,7 @@ def whole_truth(model: ObjectModel) -> Truth:
 def _shape(model: ObjectModel) -> dict[str, object]:
     match model:
         case BoxModel():
-            return {"size_m": model.size}
+            return {"size_m": model.size, "inside": model.inside}
         case CylinderModel():
             return {
                 "radius_m": model.radius,

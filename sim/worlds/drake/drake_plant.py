@@ -3,8 +3,9 @@
 Model: point contact, but for slabs, lagged approximation; with "sap" a sliding fingertip chatters
 (2.3 N of standard deviation in a push of 3.6 N, against 0.07 N). Objects are boxes, cylinders and
 prisms that touch the table with small spheres at their support points (a solid yields one contact
-point only); the solid itself touches everything but the table. What stands on another object stands
-on that one's slab (`sim.worlds.drake.stack_contacts`).
+point only); the solid itself touches everything but the table. An open box has five solids, its
+floor and walls. What stands on another object stands on that one's slab
+(`sim.worlds.drake.stack_contacts`).
 Lids are bodies of their own (`sim.worlds.drake.lid_bodies`), what a holder keeps is welded to the
 table. How bodies touch is in `sim.worlds.drake.body_contacts`.
 """
@@ -39,6 +40,7 @@ _CORNER_RADIUS = 1e-4
 _HOLDER = (0.008, 0.03)  # thickness and height of what is drawn of a holder [m]
 _HOLDER_COLOUR = np.array([0.35, 0.37, 0.40, 1.0])
 _SHELL = 0.35  # opacity of a container, so that one sees what is inside
+_SOLIDS = ("solid", *(f"wall_{k}" for k in range(4)))
 _OFF_TABLE = 5e-4  # of the lower side of a shell as it is drawn [m]
 
 
@@ -104,10 +106,10 @@ def add_plant(
     lids = {}
     for item in scene.objects:
         bare = item.model_copy(update={"truth": item.truth.without_lid})
-        body, solid, feet[item.name] = add_object(plant, bare)
+        body, own, feet[item.name] = add_object(plant, bare)
         bodies[item.name] = body
-        solids.append(solid)
-        lid = add_lid(plant, item, body, solid)
+        solids += own
+        lid = add_lid(plant, item, body, own[0])
         if lid is not None:
             lids[item.name] = lid
         if item.fixed:
@@ -168,22 +170,24 @@ def add_table(plant: MultibodyPlant, scene: Scene) -> GeometryId:
     return plant.RegisterCollisionGeometry(world, X_WT, shape, "table", surface(ROUGH))
 
 
-def add_object(plant: MultibodyPlant, item: SceneObject) -> tuple[RigidBody, GeometryId, Feet]:
-    """Adds an object; returns its body, its solid and the spheres on which it stands or lies."""
+def add_object(
+    plant: MultibodyPlant, item: SceneObject
+) -> tuple[RigidBody, list[GeometryId], Feet]:
+    """Adds an object; returns its body, its solids and the spheres on which it stands or lies."""
     from pydrake.geometry import Sphere
     from pydrake.math import RigidTransform
 
     truth = item.truth
-    shape, X_BG = _shape(truth)
     body = plant.AddRigidBody(item.name, plant.AddModelInstance(item.name), inertia(truth))
     opacity = 1.0 if truth.container is None else _SHELL
     # The floor that is seen through a shell must not lie in the plane of the table top.
     X_BV = RigidTransform(np.array([0.0, 0.0, 0.0 if truth.container is None else _OFF_TABLE]))
     colour = np.array([*truth.colour, opacity])
-    plant.RegisterVisualGeometry(body, X_BV @ X_BG, shape, "solid", colour)
-    solid = plant.RegisterCollisionGeometry(
-        body, X_BG, shape, "solid", surface(truth.friction_finger / 2)
-    )
+    skin = surface(truth.friction_finger / 2)
+    solids = []
+    for name, (shape, X_BG) in zip(_SOLIDS, _shapes(truth), strict=False):
+        plant.RegisterVisualGeometry(body, X_BV @ X_BG, shape, name, colour)
+        solids.append(plant.RegisterCollisionGeometry(body, X_BG, shape, name, skin))
     r = _CORNER_RADIUS
     base = [(*_drawn_in(point, r), r) for point in truth.support]
     top = [(*_drawn_in(point, r), truth.height - r) for point in truth.upper_points]
@@ -197,7 +201,7 @@ def add_object(plant: MultibodyPlant, item: SceneObject) -> tuple[RigidBody, Geo
         )
         for i, p in enumerate(base + top)
     ]
-    return body, solid, Feet(feet, np.array(base + top))
+    return body, solids, Feet(feet, np.array(base + top))
 
 
 def _hold(plant: MultibodyPlant, item: SceneObject, body: RigidBody) -> None:
@@ -221,27 +225,33 @@ def _drawn_in(point: tuple[float, float], r: float) -> tuple[float, float]:
     return x - r * float(np.sign(x)), y - r * float(np.sign(y))
 
 
-def _shape(truth: Truth) -> tuple[Shape, RigidTransform]:
-    """The solid, and where it is in B."""
+def _shapes(truth: Truth) -> list[tuple[Shape, RigidTransform]]:
+    """The solids, and where they are in B; of an open box the floor first."""
     from pydrake.geometry import Box, Convex, Cylinder
     from pydrake.math import RigidTransform
 
     middle = RigidTransform(np.array([0.0, 0.0, truth.height / 2]))
     if truth.size_m is not None:
-        return Box(*truth.size_m), middle
+        return [
+            (Box(*(high - low)), RigidTransform((low + high) / 2.0)) for low, high in truth.cuboids
+        ]
     if truth.radius_m is not None:
-        return Cylinder(truth.radius_m, truth.height), middle
+        return [(Cylinder(truth.radius_m, truth.height), middle)]
     if truth.vertices_m is not None:
-        return Convex(np.array(truth.vertices_m).T, "hull"), RigidTransform()
+        return [(Convex(np.array(truth.vertices_m).T, "hull"), RigidTransform())]
     ends = [[(x, y, z) for x, y in truth.outline] for z in (0.0, truth.height)]
-    return Convex(np.array(ends[0] + ends[1]).T, "prism"), RigidTransform()
+    return [(Convex(np.array(ends[0] + ends[1]).T, "prism"), RigidTransform())]
 
 
 def inertia(truth: Truth) -> SpatialInertia:
-    """Mass spread as in the solid, about the true centre of mass."""
+    """Mass spread evenly over the solids, about the true centre of mass."""
     from pydrake.multibody.tree import CalcSpatialInertia, SpatialInertia
 
-    solid = CalcSpatialInertia(_shape(truth)[0], 1.0)
+    (first, X_BG), *others = _shapes(truth)
+    solid = CalcSpatialInertia(first, 1.0)
+    for shape, X_BH in others:
+        p_HG = X_BG.translation() - X_BH.translation()
+        solid += CalcSpatialInertia(shape, 1.0).Shift(p_HG)
     G_GGcm = solid.get_unit_inertia().ShiftToCenterOfMass(solid.get_com())
     p_BBcm = np.array(truth.centre_of_mass)
     return SpatialInertia(truth.mass_kg, p_BBcm, G_GGcm.ShiftFromCenterOfMass(p_BBcm))

@@ -3,8 +3,8 @@
 Model: two flat faces press on each other wherever they overlap, and Drake's point contact has one
 point of two solids only. So each object has a slab besides, its solid a little drawn in at the
 sides, which meets nothing but other slabs, in Drake's compliant hydroelastic contact. It stands out
-at top and bottom, so that solids which are stacked do not meet. Things that stand side by side
-touch with their solids, as if there were no slabs.
+at top and bottom, so that solids which are stacked do not meet. That of an open box is its floor.
+Things that stand side by side touch with their solids, as if there were no slabs.
 
 Drake combines the friction coefficients a and b of two slabs as 2ab/(a+b).
 """
@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from objectmodels.models.open_box import inner_floor
 from sim.cell.strict_model import Point3
 from sim.truth.object_truth import Truth
 
@@ -55,13 +56,17 @@ def add_slab(plant: MultibodyPlant, truth: Truth, body: RigidBody) -> GeometryId
     friction = CoulombFriction(truth.friction_table, truth.friction_table)
     AddContactMaterial(dissipation=_DISSIPATION, friction=friction, properties=properties)
     # The pressure grows from the faces to the middle of the slab.
-    AddCompliantHydroelasticProperties(1.0, 0.5 * _STIFFNESS * truth.height, properties)
+    AddCompliantHydroelasticProperties(1.0, 0.5 * _STIFFNESS * np.ptp(corners[:, 2]), properties)
     return plant.RegisterCollisionGeometry(body, RigidTransform(), slab, "slab", properties)
 
 
 def _hull_points(truth: Truth) -> Iterator[Point3]:
-    """Corners in B of the hull of what it stands on, and of its top [m]."""
+    """Corners in B of the hull of what it stands on, and of what others stand on [m]."""
     yield from ((x, y, 0.0) for x, y in truth.support)
+    if truth.inside is not None:
+        floor = inner_floor(truth.inside)
+        yield from ((x, y, truth.inside.floor) for x, y in floor.vertices.tolist())
+        return
     yield from truth.vertices_m or ((x, y, truth.height) for x, y in truth.upper_points)
 
 

@@ -36,3 +36,19 @@ def test_a_stack_has_all_that_its_lowest_object_carries() -> None:
     there = put_on(state.objects["mug"], book)
     assert [seen.name for seen in stack_with(there, objects)] == ["book", "tea tin", "mug"]
     assert [seen.name for seen in stack_with(objects["mug"], objects)] == ["mug"]
+
+
+def test_what_is_within_the_walls_of_an_open_box_stands_in_it() -> None:
+    state = world(
+        storage_bin=PlanarPose(0.4, 0.0),
+        mug=PlanarPose(0.42, 0.03),
+        tea_tin=PlanarPose(0.4, 0.25),
+        book=PlanarPose(0.4, 0.0),
+    )
+    # A camera that is off by 3 mm sees what stands in it lower than its floor.
+    heights = {"storage bin": 0.002, "mug": 0.001, "tea tin": 0.004, "book": 0.061}
+    found = with_supports(state.objects, heights)
+    assert {name: seen.on for name, seen in found.items()} == {
+        "storage bin": None, "mug": "storage bin", "tea tin": None, "book": None,
+    }  # fmt: skip
+    assert found["mug"].pose.z == 0.004

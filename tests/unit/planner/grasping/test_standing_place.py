@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from planner import plan
+from planner.geometry.footprints import footprint, gap
 from planner.geometry.stacks import put_on
 from planner.predicted_states import state_after
 from planner.types.actions import Carry, LiftUp, SetDown
@@ -118,3 +121,68 @@ def test_a_stack_that_would_not_stand_is_refused_with_its_margin(
     assert found.code == "may_fall_off"
     assert found.numbers["margin"] == pytest.approx(0.03, abs=0.001)
     assert found.numbers["probability"] < DEFAULTS.probability
+
+
+@pytest.fixture
+def table() -> WorldState:
+    """An open box, and things that may stand in it."""
+    return world(
+        storage_bin=PlanarPose(0.45, 0.0),
+        mug=PlanarPose(0.30, -0.35),
+        sugar_box=PlanarPose(0.25, 0.35),
+        book=PlanarPose(0.70, -0.40, 1.5707963),
+        jar=PlanarPose(0.70, 0.40),
+    )
+
+
+def test_it_is_put_into_an_open_box_over_its_rim(table: WorldState, hand: RuledHand) -> None:
+    made = planned("put the mug into the storage bin", table, hand)
+    lift, carry, down = made.steps
+    assert isinstance(lift, LiftUp)
+    assert isinstance(carry, Carry)
+    assert isinstance(down, SetOn)
+    assert lift.height == pytest.approx(0.06 + DEFAULTS.carry_clearance)
+    assert (carry.to.x, carry.to.y) == pytest.approx((0.45, 0.0), abs=LENGTHS)
+    assert (down.onto, down.height, down.inside) == ("storage bin", 0.004, True)
+    after = state_after(made, table)
+    assert after is not None
+    assert (after.objects["mug"].on, after.objects["mug"].pose.z) == ("storage bin", 0.004)
+    assert plan(frame_of("put the mug into the storage bin"), after, hand) == Reached()
+
+
+def test_it_is_taken_out_of_a_box_and_stands_beside_it(table: WorldState, hand: RuledHand) -> None:
+    full = stacked(table, "mug", "storage bin")
+    made = planned("take the mug out of the storage bin", full, hand)
+    lift = made.steps[0]
+    assert isinstance(lift, LiftUp)
+    # Its base is 4 mm up already.
+    assert lift.height == pytest.approx(0.06 + DEFAULTS.carry_clearance - 0.004)
+    assert isinstance(made.steps[-1], SetDown)
+    after = state_after(made, full)
+    assert after is not None
+    assert (after.objects["mug"].on, after.objects["mug"].pose.z) == (None, 0.0)
+    mug, box = (footprint(after.objects[name]) for name in ("mug", "storage bin"))
+    # Straight gaps are right to 10 µm.
+    assert gap(mug, box) == pytest.approx(DEFAULTS.place_gap, abs=1e-5)
+    assert plan(frame_of("take the mug out of the storage bin"), after, hand) == Reached()
+
+
+@pytest.mark.parametrize(
+    ("said", "code"),
+    [
+        ("put the mug into the jar", "not_open"),
+        ("put the mug on the storage bin", "no_level_top"),
+        ("put the book into the storage bin", "too_long_for_box"),
+    ],
+)
+def test_where_nothing_is_put_in(said: str, code: str, table: WorldState, hand: RuledHand) -> None:
+    assert refused(said, table, hand).code == code
+
+
+def test_a_full_box_takes_nothing_and_is_not_pushed(table: WorldState, hand: RuledHand) -> None:
+    full = stacked(table, "mug", "storage bin")
+    straight = replace(full.objects["book"], pose=PlanarPose(0.70, -0.40))
+    full = WorldState({**full.objects, "book": straight}, full.table)
+    refusal = refused("put the book into the storage bin", full, hand)
+    assert (refusal.code, refusal.reason) == ("box_is_full", "blocked")
+    assert refused("push the storage bin away by 5 cm", full, hand).code == "carries"

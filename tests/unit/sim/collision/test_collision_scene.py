@@ -134,3 +134,23 @@ def test_the_robot_is_told_what_is_fragile() -> None:
     setup = simulation(controller.executor).setup
     execution = PushExecution(push, setup, controller.models)
     assert {name: seen.fragile for name, seen in execution.look().objects.items()} == told
+
+
+def test_an_open_box_is_hollow() -> None:
+    bin_ = SeenObject("bin", PlanarPose(0.5, 0.1, 0.5), REGISTRY.get("storage bin"))
+    can = SeenObject("can", PlanarPose(0.0, 0.0), CAN)
+    scenery = CollisionScene.from_state(WorldState({"bin": bin_, "can": can}), "can")
+    aside = np.array([np.cos(0.5), np.sin(0.5)])
+    # Half the inside is 106 mm, the wall 4 mm, the rim 60 mm high.
+    reach = OBJECT_CLEARANCE + 0.01
+    for off, height, hit in (
+        (0.0, 0.04, False),
+        (0.0, 0.004 + reach - 1e-3, True),
+        (0.106 - reach + 1e-3, 0.04, True),
+        (0.106 - reach - 1e-3, 0.04, False),
+        (0.108, 0.06 + reach - 1e-3, True),
+        (0.108, 0.06 + reach + 1e-3, False),
+    ):
+        x, y = (np.array([0.5, 0.1]) + off * aside).tolist()
+        sphere = _sphere(x, y, height)
+        assert (scenery.hit_by(sphere) == "bin") == hit, (off, height)
