@@ -129,13 +129,13 @@ class Obstacle:
     def distance_to(self, robot: Array) -> Array:
         """Signed distance of spheres in W, shape (..., 4), from it, shape (...) [m]."""
         in_B = np.empty((4, *robot.shape[:-1]))
-        in_B[:3] = np.moveaxis((robot[..., :3] - self.p_WB) @ self.R_WB, -1, 0)
+        in_B[:3] = ((robot[..., :3] - self.p_WB) @ self.R_WB).transpose(-1, *range(robot.ndim - 1))
         in_B[3] = robot[..., 3]
         return self._distance_in_B(in_B)
 
     def _distance_in_B(self, in_B: Array) -> Array:
         """The same of spheres in B, shape (4, ...): numpy is faster along a row."""
-        spheres = np.moveaxis(in_B, 0, -1)
+        spheres = in_B.transpose(*range(1, in_B.ndim), 0)
         if self.radius > 0.0:
             return distance_to_cylinder(spheres, self.radius, self.height)
         if self._box is not None:
@@ -166,42 +166,43 @@ class Obstacle:
             hit[hit] = self.distance_to(spheres[hit]) <= clearance
         return hit
 
-    def is_clear_along(self, robot: Array, offsets: Array, clearance: float) -> NDArray[np.bool_]:
-        """Which poses of the robot keep a clearance wherever they are moved.
+    def is_clear_along(
+        self, robot: Array, R_WD: Array, points: Array, clearance: float
+    ) -> NDArray[np.bool_]:
+        """Which poses of the robot keep a clearance wherever D is.
 
         Args:
-            robot: spheres in W before they are moved, shape (n, k, 4).
-            offsets: by which they are, shape (w, 3) [m].
+            robot: spheres in D, shape (n, k, 4).
+            R_WD: how D is turned about the vertical, shape (w, 3, 3).
+            points: where its origin is, shape (w, 3) [m].
             clearance: to be kept [m].
 
         Returns:
             Shape (n,).
         """
-        hit = self.hits_along(robot.reshape(-1, 4), offsets, clearance)
+        hit = self.hits_along(robot.reshape(-1, 4), R_WD, points, clearance)
         return np.asarray(~hit.reshape(robot.shape[:2]).any(axis=1))
 
-    def hits_along(self, spheres: Array, offsets: Array, clearance: float) -> NDArray[np.bool_]:
-        """Which spheres do not keep a clearance somewhere where they are moved, shape (n,).
-
-        Args:
-            spheres: in W before they are moved, shape (n, 4).
-            offsets: by which they are, shape (w, 3) [m].
-            clearance: to be kept [m].
-        """
-        low, high = offsets.min(axis=0), offsets.max(axis=0)
-        near = np.flatnonzero(spheres[:, 2] - spheres[:, 3] < clearance + self.top - low[2])
-        x, y = self.middle[0] - spheres[near, 0], self.middle[1] - spheres[near, 1]
-        # As near as any offset brings it, or nearer.
-        x -= np.minimum(np.maximum(x, low[0]), high[0])
-        y -= np.minimum(np.maximum(y, low[1]), high[1])
-        near = near[x * x + y * y < (spheres[near, 3] + (clearance + self.around)) ** 2]
+    def hits_along(
+        self, spheres: Array, R_WD: Array, points: Array, clearance: float
+    ) -> NDArray[np.bool_]:
+        """Which spheres in D, shape (n, 4), do not keep it somewhere, shape (n,); see above."""
+        low = clearance + self.top - points[:, 2].min()
+        (near,) = np.nonzero(spheres[:, 2] - spheres[:, 3] < low)
+        x, y, z, r = spheres[near].T
+        # Seen from D the object moves: nothing but the spheres that it comes near to is looked at.
+        middle_x, middle_y = ((self.middle - points[:, :2])[:, None] @ R_WD[:, :2, :2])[:, 0].T
+        x_off, y_off = middle_x[:, None] - x, middle_y[:, None] - y
+        at, k = np.nonzero(x_off * x_off + y_off * y_off < (r + (clearance + self.around)) ** 2)
         hit = np.zeros(len(spheres), dtype=bool)
-        if near.size:
-            moved = np.empty((4, near.size, len(offsets)))
-            moved[:3] = ((spheres[near, :3] - self.p_WB) @ self.R_WB).T[..., None]
-            moved[:3] += (offsets @ self.R_WB).T[:, None]
-            moved[3] = spheres[near, 3:]
-            hit[near] = (self._distance_in_B(moved) <= clearance).any(axis=1)
+        if len(k):
+            x, y, z, r = x[k], y[k], z[k], r[k]
+            R_BD, p_BD = self.R_WB.T @ R_WD, ((points - self.p_WB) @ self.R_WB)[at].T
+            cos, sin = R_BD[at, 0, 0], R_BD[at, 1, 0]
+            in_B = np.array(
+                [cos * x - sin * y + p_BD[0], sin * x + cos * y + p_BD[1], z + p_BD[2], r]
+            )
+            hit[near[k[self._distance_in_B(in_B) <= clearance]]] = True
         return hit
 
 

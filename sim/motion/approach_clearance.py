@@ -91,9 +91,9 @@ class Approach:
 
     def _are_clear(self, hands: PostureSet, part: NDArray[np.intp]) -> NDArray[np.bool_]:
         """Which of some hands do not hit the object with a part of their spheres, shape (n,)."""
-        robot = hands.spheres_along(rot_z([self.heading]), np.zeros((1, 3)), part)[:, 0]
-        points = np.reshape(self.points, (2, 3))
-        return self._object.is_clear_along(robot, points, FACE_CLEARANCE)
+        robot = hands.spheres_along(np.eye(3)[None], np.zeros((1, 3)), part)[:, 0]
+        points, R_BD = np.reshape(self.points, (2, 3)), rot_z([self.heading, self.heading])
+        return self._object.is_clear_along(robot, R_BD, points, FACE_CLEARANCE)
 
     @property
     def _room_ahead(self) -> float:

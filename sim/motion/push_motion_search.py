@@ -41,7 +41,7 @@ from sim.motion.roadmap import (
     interpolate_joints,
     sample_configurations,
 )
-from sim.motion.sweep_clearance import first_obstacles, sweeps_along
+from sim.motion.sweep_clearance import Sweep, first_obstacles
 from sim.motion.transit_clearance import TransitClearance
 from sim.paths.fingertip_path import BACK, FingertipPath
 from sim.rotations import Array, rot_z
@@ -205,14 +205,14 @@ class PushMotionSearch:
     def _clear_hands(self, hands: PostureSet) -> Iterator[PostureSet]:
         """The hands that stay clear of everything during the push, a few at a time."""
         near = self._scenery.obstacles_near(self._points, hands.horizontal_size)
-        sweeps = sweeps_along(self._points, self._R_WD, turned=bool(self._way.turn))
+        sweep = Sweep.along(self._points, self._R_WD)
         first, together = 0, _AT_ONCE
         while first < len(hands):
             some = hands[first : first + together]
             self.postures += len(some)
             clear = self._approach.clear_hands(some)
             stopped_by = np.full(len(some), -1)
-            stopped_by[clear] = first_obstacles(some[clear], near, sweeps)
+            stopped_by[clear] = first_obstacles(some[clear], near, sweep)
             block, before = np.arange(len(some)) // _AT_ONCE, self._work
             free = clear & (stopped_by < 0)
             for each in sorted(set(block[free].tolist())):

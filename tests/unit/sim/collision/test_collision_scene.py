@@ -18,9 +18,9 @@ from sim.collision.collision_scene import (
     CollisionScene,
     Obstacle,
 )
-from sim.collision.collision_spheres import distance_to_cylinder, distance_to_prism
+from sim.collision.collision_spheres import distance_to_cylinder, distance_to_prism, place_spheres
 from sim.execution.push_execution import PushExecution
-from sim.rotations import rot_y
+from sim.rotations import rot_y, rot_z
 from sim.simulated_executor import simulation
 
 REGISTRY = Registry.built_in()
@@ -74,12 +74,11 @@ def test_clear_all_along_is_clear_at_each_place(model: ObjectModel) -> None:
     obstacle = Obstacle.from_seen(SeenObject("it", PlanarPose(0.5, 0.1, 0.4), model), 0.01)
     low, high = (0.3, -0.1, 0.0, 0.005), (0.7, 0.3, 0.3, 0.03)
     robot = rng.uniform(low, high, (400, 3, 4))
-    offsets = rng.uniform(-0.1, 0.1, (5, 3))
-    moved = np.repeat(robot[:, None], 5, axis=1)
-    moved[..., :3] += offsets[:, None]
+    points, R_WD = rng.uniform(-0.1, 0.1, (5, 3)), rot_z(rng.uniform(-0.3, 0.3, 5))
+    moved = place_spheres(robot[:, None], R_WD, points)
     each = obstacle.is_clear(moved, 0.004).all(axis=1)
     assert 0.1 < each.mean() < 0.9
-    np.testing.assert_array_equal(obstacle.is_clear_along(robot, offsets, 0.004), each)
+    np.testing.assert_array_equal(obstacle.is_clear_along(robot, R_WD, points, 0.004), each)
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.7])

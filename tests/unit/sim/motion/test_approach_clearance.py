@@ -50,9 +50,9 @@ def test_hands_are_looked_at_once_in_whatever_order(monkeypatch: pytest.MonkeyPa
     looked = []
     along: Any = Obstacle.is_clear_along
 
-    def counted(self: Obstacle, robot: Array, places: Array, least: float) -> Array:
+    def counted(self: Obstacle, robot: Array, *rest: Any) -> Array:
         looked.append(len(robot))
-        found: Array = along(self, robot, places, least)
+        found: Array = along(self, robot, *rest)
         return found
 
     monkeypatch.setattr(Obstacle, "is_clear_along", counted)

@@ -9,7 +9,7 @@ import pytest
 
 from sim.collision.collision_scene import OBJECT_CLEARANCE, Obstacle
 from sim.collision.collision_spheres import place_spheres
-from sim.motion.sweep_clearance import first_obstacles, sweeps_along
+from sim.motion.sweep_clearance import Sweep, first_obstacles
 from sim.rotations import rot_z
 from sim.standard_robot import HAND
 
@@ -33,19 +33,18 @@ def test_the_first_obstacle_is_the_one_that_the_spheres_hit(turned: bool) -> Non
     points = np.array([[-0.03, 0.0, 0.05], [0.0, 0.0, 0.05], [0.06, 0.0, 0.05], [0.12, 0.0, 0.05]])
     R_WD = rot_z(np.linspace(0.0, TURN, 4)) if turned else np.broadcast_to(np.eye(3), (4, 3, 3))
     every = HAND.pushing_postures(1, 0.0)
-    hands = every[np.linspace(0, len(every) - 1, 60).astype(int)]
-    sweeps = sweeps_along(points, R_WD, turned=turned)
+    hands = every[np.linspace(0, len(every) - 1, 150).astype(int)]
+    sweep = Sweep.along(points, R_WD)
     at_T = hands.spheres_along(np.eye(3)[None], np.zeros((1, 3)))[:, 0]
     found = set()
     for seed in range(6):
         others = _obstacles(seed)
         expected = np.full(len(hands), -1)
         for number, each in reversed(list(enumerate(others))):
-            for R, along in sweeps:
-                for point in along:
-                    robot = place_spheres(at_T, R, point)
-                    near = (each.distance_to(robot) <= each.clearance).any(axis=1)
-                    expected[near] = number
-        np.testing.assert_array_equal(first_obstacles(hands, others, sweeps), expected)
+            for R, point in zip(*sweep, strict=True):
+                robot = place_spheres(at_T, R, point)
+                near = (each.distance_to(robot) <= each.clearance).any(axis=1)
+                expected[near] = number
+        np.testing.assert_array_equal(first_obstacles(hands, others, sweep), expected)
         found |= set(expected.tolist())
     assert found >= {-1, 0, 1}, "some hands are free, and not all are stopped by the same"
