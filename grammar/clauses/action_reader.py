@@ -69,6 +69,7 @@ class ActionReader:
             constraints, event, asked = _without_stops(constraints)
         if verb.goal == "place":
             self._require_no_touch(constraints, any(isinstance(p, _TOLD_WHERE) for p in rest))
+        self._require_clear_side(constraints, rest)
         goal = self._goal_of_parts(verb, name, result, rest, thing, spans[0])
         goal, thing = self._of_a_part(goal, thing)
         if verb.action == "push" and is_still(constraints) and not _says_more(goal):
@@ -103,6 +104,24 @@ class ActionReader:
                 raise self._sentence.error_at(
                     clause.spans[0], "does_not_apply", message, "left of the mug", "on the left"
                 )
+
+    def _require_clear_side(self, constraints: Sequence[g.Constraint], rest: Parts) -> None:
+        """Refuse a side behind the thing next to which it goes: "next to the jar on the left side".
+
+        It may be where to touch, or the side of that thing.
+        """
+        ends = [p.span[1] for p in rest if isinstance(p, ph.Place) and p.relation == "next_to"]
+        for clause in constraints:
+            if not isinstance(clause, g.ContactRegion) or clause.face in (None, "top"):
+                continue
+            start, end = clause.spans[0]
+            side = self._sentence.original[start:end].casefold().startswith("on ")
+            if side and any(
+                not self._sentence.original[e:start].strip(" ,") for e in ends if e < start
+            ):
+                message = "may be where to touch it, or a side of what it goes to"
+                hints = f"{clause.face} of the mug", f"from the {clause.face}"
+                raise self._sentence.error_at((start, end), "does_not_apply", message, *hints)
 
     def _goal_of_parts(
         self,

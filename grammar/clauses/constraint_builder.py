@@ -155,8 +155,10 @@ def _avoidance_constraints(
     if not part.kind:
         message = f'"{part.word}" alone says nothing to avoid'
         raise ParseError("unexpected_words", message, part.span, (f"{part.word} it over",))
-    if part.word.startswith("knock") and part.thing and not can_be_same(part.thing, thing.ref):
-        # What is not touched is not knocked over.
+    other = part.thing and not can_be_same(part.thing, thing.ref)
+    disturbs = part.kind == _NO_MOVE and not thing.ref.pronoun
+    if part.thing and other and (disturbs or part.word.startswith("knock")):
+        # What is not touched is neither moved nor knocked over.
         return [g.NoTouch(object=part.thing.ref, spans=(part.span,))]
     require_same(part.thing, thing, part, sentence)
     kinds = STILL if part.kind == _NO_MOVE else (part.kind,)

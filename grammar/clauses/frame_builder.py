@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 from grammar.clauses.action_reader import ActionReader
 from grammar.clauses.clause_boundaries import clauses_of
@@ -37,6 +37,9 @@ from grammar.phrases import phrase_parts as ph
 from grammar.words.lexicon import Lexicon, Verb
 from grammar.words.normalisation import Normalised
 
+_ON_THE_TABLE = ("push", "pull", "slide", "move", "turn", "tilt", "topple", "lift")
+"""Actions for which a thing need not be held before."""
+
 _RESTORING = ("upright", "set_down", "close")
 """Goals of which "again" says that it was so before."""
 
@@ -62,11 +65,25 @@ def frames_of(
             opened = frames.pop()  # as it does anyway
             spans = tuple(sorted((*opened.spans, *read[0].spans, *read[0].goal.spans)))
             read = [opened.model_copy(update={"spans": spans})]
+        if frames and _only_takes(frames[-1], read[0], sentence):
+            taken = frames.pop()
+            update = {"object": taken.object, "spans": (*taken.spans, *read[0].spans)}
+            read[0] = read[0].model_copy(update=update)
         require_no_other_meant(said, [*frames, *read], sentence)
         frames += read
         previous = said
     require_countable(frames, sentence)
     return _with_ways_back(frames, sentence)
+
+
+def _only_takes(frame: g.Frame, then: g.Frame, sentence: Normalised) -> bool:
+    """Check for "take" of "take the tin and push it", which lifts nothing by itself."""
+    plain = frame.model_copy(update={"object": None, "spans": ()}) == g.Frame(
+        action="lift", goal=g.Lift()
+    )
+    verb = sentence.words_as_written(frame.spans[0]).casefold() if frame.spans else ""
+    it = then.object is not None and then.object.pronoun
+    return plain and verb in ("take", "grab") and it and then.action in _ON_THE_TABLE
 
 
 def _with_ways_back(frames: Sequence[g.Frame], sentence: Normalised) -> tuple[g.Frame, ...]:
@@ -132,9 +149,8 @@ def _with_meant_verb(parts: Sequence[ph.Part], lexicon: Lexicon, sentence: Norma
     verb = next((part for part in rest if isinstance(part, ph.Verb)), None)
     given = verb is not None and lexicon.verbs.get(verb.word) == lexicon.verbs["give"]
     if verb is not None and given and len(strokes) == 1:
-        word = strokes[0].verb
-        meant = replace(verb, word=word, completed=strokes[0].span)
-        return [meant if part is verb else part for part in rest]
+        meant = replace(verb, word=strokes[0].verb, completed=strokes[0].span)
+        return [meant if part is verb else part for part in _with_receiver(rest)]
     if verb is not None and (told := [wish for wish in wishes if wish.state]):
         raise unexpected_part(told[0], sentence)  # "push the box is supposed to be"
     if strokes or not wishes or verb is not None:
@@ -146,6 +162,15 @@ def _with_meant_verb(parts: Sequence[ph.Part], lexicon: Lexicon, sentence: Norma
     if wishes[0].state:
         raise no_verb(sentence, rest)
     return [ph.Remark(wishes[0].span, "correct"), *rest]
+
+
+def _with_receiver(parts: Parts) -> Parts:
+    """Takes the thing in "give a push to the tin" for what is pushed."""
+    place = next((part for part in parts if isinstance(part, ph.Place)), None)
+    if place is None or place.relation != "to" or any(isinstance(p, ph.Thing) for p in parts):
+        return parts
+    (ref,) = cast("tuple[g.ObjectRef]", place.reference)
+    return [ph.Thing(place.span, ref) if part is place else part for part in parts]
 
 
 class _ClauseReader:
@@ -210,7 +235,8 @@ class _ClauseReader:
         if dialogue == "do":
             self._require_emphasis(frames[0], remarks[-1])
         restored = dialogue == "repeat" and frames[0].goal.kind in _RESTORING
-        if restored or dialogue == "do":  # "stand it up again"; "go ahead, push it"
+        anew = dialogue == "correct" and self._says_all(frames[0], remarks)
+        if restored or anew or dialogue == "do":  # "stand it up again"; "go ahead, push it"
             dialogue = None
         spans = tuple(part.span for part in (*remarks, *excluded))
         if not spans:
@@ -219,6 +245,12 @@ class _ClauseReader:
             frame.model_copy(update={"dialogue": dialogue, "spans": spans + frame.spans})
             for frame in frames
         ]
+
+    def _says_all(self, frame: g.Frame, remarks: Sequence[ph.Remark]) -> bool:
+        """Check for "actually" beside a whole command, which corrects nothing that is left open."""
+        words = {self._sentence.words_as_written(part.span).casefold() for part in remarks}
+        named = frame.object is not None and not frame.object.pronoun
+        return words == {"actually"} and named and bool(frame.goal.spans)
 
     def _require_emphasis(self, frame: g.Frame, remark: ph.Remark) -> None:
         """Takes "do it" beside a command as said of that command; before it, of another one.
@@ -240,11 +272,22 @@ class _ClauseReader:
 
     def _require_there_is_clear(self, ask: Sequence[ph.Ask]) -> None:
         for part in self._take_parts(ph.There):
-            if not any(each.query == "why" for each in ask):
+            if not any(each.query == "why" for each in ask) and not self._points(part):
                 raise self._sentence.error_at(
                     part.span, "unexpected_words", "does not say where",
                     "next to the mug", "to the middle of the table", "10 cm to the left",
                 )  # fmt: skip
+
+    def _points(self, there: ph.There) -> bool:
+        """Check for "here" of "this box here", if it is told elsewhere where that goes."""
+        said = self._sentence.original
+        told = any(
+            said[: thing.span[0]].rstrip().casefold().endswith(("this", "that"))
+            and not said[thing.span[1] : there.span[0]].strip()
+            for thing in self._parts
+            if isinstance(thing, ph.Thing)
+        )
+        return told and any(isinstance(part, GOES_ON) for part in self._parts)
 
     def _require_no_condition(self) -> None:
         """Lets "when you push it" follow a restriction; else a condition belongs to a question."""

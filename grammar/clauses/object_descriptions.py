@@ -68,12 +68,15 @@ def attach_descriptions(parts: Sequence[ph.Part], lexicon: Lexicon, sentence: No
     out: Parts = []
     parts = _with_touching_as_place(_with_touched_parts(parts, lexicon, sentence))
     parts = _with_sides(_with_ordinals(parts, lexicon, sentence), lexicon, sentence)
+    parts = _with_beside_it(parts, sentence)
     for i, part in enumerate(parts):
         telling = isinstance(part, ph.Side)
+        if telling and out and isinstance(out[-1], ph.Result):
+            raise unexpected_part(part, sentence)  # "so that it stands on the left"
         if isinstance(part, ph.Place):
             after_that_is = bool(out) and isinstance(out[-1], ph.ThatIs)
             told = after_that_is and part.relation in _TELLING
-            moved = sentence.words_as_written(part.span).casefold().startswith("over ")
+            moved = _is_way_to(part, out, sentence)
             rest = _of_same_sentence(parts, i, sentence)
             telling = not moved and _is_description(part, rest, i, out, lexicon)
             telling = told or telling or _tells_reference(part, out, sentence)
@@ -174,6 +177,13 @@ def _with_touching_as_place(parts: Sequence[ph.Part]) -> Parts:
                 continue
         out.append(part)
     return out
+
+
+def _is_way_to(part: ph.Place, before: Parts, sentence: Normalised) -> bool:
+    """Check for words of going: "over to the left of it"; "take the mug to the left of it"."""
+    words = sentence.words_as_written(part.span).casefold()
+    verb = next((p.word for p in before if isinstance(p, ph.Verb)), "")
+    return words.startswith("over ") or (verb == "take" and words.startswith("to "))
 
 
 def _of_same_sentence(parts: Parts, i: int, sentence: Normalised) -> Parts:
@@ -291,7 +301,10 @@ def _with_sides(parts: Parts, lexicon: Lexicon, sentence: Normalised) -> Parts:
     out: Parts = []
     for part in parts:
         side, before = _side_of_table(part, sentence), out[-1] if out else None
-        if side is None or not isinstance(before, ph.Thing) or goal in _TOUCHING_ONLY:
+        ends = isinstance(before, ph.Result) and before.event == "ends_up"
+        if side is not None and ends:
+            out.append(ph.Place(part.span, "at", _REGIONS[side]))
+        elif side is None or not isinstance(before, ph.Thing) or goal in _TOUCHING_ONLY:
             out.append(part)
         elif goal == "place" and not placed:
             out.append(ph.Place(part.span, "at", _REGIONS[side]))
@@ -300,6 +313,27 @@ def _with_sides(parts: Parts, lexicon: Lexicon, sentence: Normalised) -> Parts:
             told = goal not in _TOUCHING or elsewhere or _is_nobody(before, lexicon)
             told = told and not before.ref.pronoun
             out.append(ph.Side(part.span, side) if told else part)
+    return out
+
+
+def _with_beside_it(parts: Parts, sentence: Normalised) -> Parts:
+    """Takes "next to the tin, on its left" for left of the tin.
+
+    Raises:
+        ParseError: `unexpected_words` at "next to the tin, on the left", which may be of the table.
+    """
+    out: Parts = []
+    for part in parts:
+        before = out[-1] if out else None
+        place = before if isinstance(before, ph.Place) and before.relation == "next_to" else None
+        paused = place and "," in sentence.original[place.span[1] : part.span[0]]
+        if place and isinstance(part, ph.Place) and part.beside:
+            span = place.span[0], part.span[1]
+            out[-1] = replace(place, relation=part.relation, span=span)
+        elif paused and isinstance(part, ph.Side):
+            raise unexpected_part(part, sentence)
+        else:
+            out.append(part)
     return out
 
 

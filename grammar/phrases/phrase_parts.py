@@ -159,10 +159,14 @@ class AwayFrom(Part):
 
 
 class Place(Part):
-    """A place; the relation is one of the contract's, or `from`, `away_from`, `to`."""
+    """A place; the relation is one of the contract's, or `from`, `away_from`, `to`.
+
+    `beside` tells "on its left", which may be said of what was named last.
+    """
 
     relation: str
     reference: tuple[g.ObjectRef, ...] | g.Point | g.TableRegion
+    beside: bool = False
 
 
 class Into(Part):

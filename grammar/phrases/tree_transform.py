@@ -226,7 +226,7 @@ class Parts(Names, Manners, Outcomes, Questions):
         if beside := self.value_of(children, "BESIDE_IT"):
             span = self.span_of(children)
             it = g.ObjectRef(text="it", spans=(span,), pronoun=True)
-            return ph.Place(span, beside, (it,))
+            return ph.Place(span, beside, (it,), beside=True)
         if children[0].type == "BETWEEN":
             relation, (_, first, *joint) = "between", children
             two = len(things) > 1 or first.ref.quantifier in ("both", "all")

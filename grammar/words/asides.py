@@ -52,7 +52,7 @@ _TOPIC = re.compile(
 )
 """A reason about a thing, which "it" means then: "since the mug is dirty, push it away"."""
 
-_NO_REASON_BEHIND = re.compile(r"(?<![^ ])(?:as [a-z]+|is|are) $")
+_NO_REASON_BEHIND = re.compile(r"(?<![^ ])(?:as [a-z]+|is|are|back) $")
 """Words with which what looks like a reason is none: "as soon as it is", "what is for dinner"."""
 
 _STRAY = re.compile(
@@ -206,15 +206,15 @@ class Asides:
     def _says_too_little(self, kind: str, match: re.Match[str], left: Normalised) -> bool:
         """Check for a rest that needs what is left out: "to the right now", "no, right"."""
         after = match.string[match.end() :].lstrip(" .")
-        if match[0].strip(" .,") in ("over", "right") and match.start():
+        if match[0].strip(" .,") in ("over", "right", "straight away") and match.start():
             if not self._reasons.goes_somewhere(left.text):
-                return True  # "push it 5 cm, right"; "push it, over"
+                return True  # "push it 5 cm, right"; "push it, over"; "push it straight away"
             if match.string[match.start()] == "." and after:
                 return not self._courtesy.begins_command(after)  # "left. Right. Slowly"
         if kind == "restarts":
             return self._courtesy.is_closing(left)  # "hold on, thanks"
         if kind != "after" or not left.text:
-            return kind == "after" and left.question  # "can you?"
+            return kind == "after" and (left.question or match[0].startswith("and"))  # "can you?"
         marks = {*self._lexicon.terminals["NO"], *self._lexicon.terminals["I_MEANT"], ",", "not"}
         words = left.text.split()
         return self._repeats.ends_open(left.text) or marks.issuperset(words)

@@ -292,7 +292,9 @@ class Lookahead:
         return not (phrase.endswith(" to") and purpose)
 
     def _before_what_it_fills(self, phrase: str, text: str, end: int, _last: str) -> bool:
-        """So how heavy is it; go push it; why did you push it that way."""
+        """So how heavy is it; go push it; why not push it; why did you push it that way."""
+        if phrase.startswith("why not"):
+            return self._any("VERB", text, end + 1)
         if phrase == "so":
             return any(self._any(kind, text, end + 1) for kind in _ASKED)
         if phrase.endswith((" way", " that", " this")) and phrase.count(" ") == 1:

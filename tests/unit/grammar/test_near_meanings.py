@@ -1,0 +1,64 @@
+"""Words near two meanings: each is read as the one that people mean, or refused where it stands."""
+
+from __future__ import annotations
+
+import pytest
+
+from grammar import ParseError, parse
+
+
+@pytest.mark.parametrize(
+    ("text", "meant"),
+    [
+        ("push the tin to the left straight away", "push the tin to the left"),
+        ("straight away, push the tin to the left", "push the tin to the left"),
+        ("push the tin straight away", "push the tin away"),
+        ("push the tin straight away from me", "push the tin away"),
+        ("back to work: push the tin to the right", "push the tin to the right"),
+        ("no rush, but push the tin away", "push the tin away"),
+        ("push the tin away. No hurry.", "push the tin away"),
+        ("push the tin away with no hurry", "slowly push the tin away"),
+        ("push the tin left, then stop", "push the tin to the left"),
+        ("then stop", "stop"),
+        ("why not push the tin away?", "push the tin away"),
+        ("why not?", "why?"),
+        ("actually, push the tin away", "push the tin away"),
+        ("actually, push it away", "no, push it away"),
+        ("move the tin, that is, behind the jar", "move the tin behind the jar"),
+        ("slide the tin that is behind the jar", "slide the tin that is behind the jar"),
+        ("haul up the tin", "lift the tin"),
+        ("it would be best if the tin was lifted", "lift the tin"),
+        ("take the tin and push it left", "push the tin to the left"),
+        ("take the tin and put it behind the jar", "lift the tin, then put it behind the jar"),
+        ("lift the tin and push it left", "lift the tin, then push it to the left"),
+        ("slide the tin so it is in the middle", "slide the tin to the middle"),
+        ("push the tin beside the jar, on its left", "push the tin left of the jar"),
+        ("turn the tin without moving the jar", "turn the tin without touching the jar"),
+        ("give a gentle push to the tin", "gently push the tin"),
+        ("push this tin here to the left", "push the tin to the left"),
+        ("put them both together", "put them both together"),
+    ],
+)  # fmt: skip
+def test_words_near_two_meanings_are_read_as_meant(text: str, meant: str) -> None:
+    assert parse(text).paraphrase == meant
+
+
+@pytest.mark.parametrize(
+    ("text", "words", "code"),
+    [
+        ("take the tin to the right of the jar", "to the right of the jar", "does_not_apply"),
+        ("heave the tin toward me", "heave", "unknown_verb"),
+        ("pull the tin next to the jar on the left side", "on the left side", "does_not_apply"),
+        ("move the tin next to the jar, on the left", "on the left", "unexpected_words"),
+        ("slide the tin so that it stands on the left", "on the left", "unexpected_words"),
+        ("push the tin one sec 3 cm to the right", "sec", "missing_unit"),
+        ("push this tin here", "here", "unexpected_words"),
+    ],
+)
+def test_words_of_no_clear_meaning_are_refused_where_they_stand(
+    text: str, words: str, code: str
+) -> None:
+    with pytest.raises(ParseError) as raised:
+        parse(text)
+    assert raised.value.code == code
+    assert raised.value.span == (text.index(words), text.index(words) + len(words))
