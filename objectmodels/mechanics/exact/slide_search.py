@@ -188,6 +188,8 @@ class SlideSearch:
         It holds at the upper end too if it never slides; that is learned there, at the last ratio.
         Where `precise`, limits are found from nothing near by, however large the excess.
         """
+        if not i.size:
+            return
         lo, hi, at = lo.copy(), hi.copy(), at.copy()
         open_ = np.arange(i.size)
         near = None
