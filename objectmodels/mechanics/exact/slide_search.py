@@ -35,6 +35,7 @@ _STEPS = 100
 _MORE = 1e-8  # share by which more friction is used, beyond the precision of its limit
 _NEWTON = 12  # steps after which every other one halves the bracket
 _PRECISE = 1e-12  # of the load ratio
+_LAST_STEP = 1e-8  # an excess from which a step of Newton's ends at the root
 _LOOKS = 16  # even steps in which slides before the one found are looked for
 _FEW = 24  # points up to which all changes of the loaded ones are looked at instead
 _LOOKS_USED, _FEW_USED = 4, 12  # the same for the largest friction used, which is flat there
@@ -206,13 +207,15 @@ class SlideSearch:
             low, high = lo[open_], hi[open_]
             with np.errstate(divide="ignore", invalid="ignore"):
                 step = x - value / look.slope
-            inside = (step > low) & (step < high) & (number < _NEWTON or number % 2 == 0)
+            inside = (step > low) & (step < high)
+            last = inside & ~done & (np.abs(value) <= _LAST_STEP * self.h[pushes] * x)
+            inside &= number < _NEWTON or number % 2 == 0
             met = high - low <= _PRECISE * high
             far = ~slides & ((step >= high) | met) & (high >= self.last[pushes])
             at[open_] = np.where(far, high, np.where(inside, step, 0.5 * (low + high)))
-            done |= ~never & ~far & met
+            done |= last | (~never & ~far & met)
             if done.any():
-                answer.ratio[pushes[done]] = x[done]
+                answer.ratio[pushes[done]] = np.where(last, step, x)[done]
                 answer.residual[pushes[done]] = self._residual(x[done], pushes[done], look, done)
                 answer.motion[:, pushes[done]] = limit.across[done], limit.turn[done]
             # Toppling comes first: it would slide later, if its loads stayed those at tipping.
