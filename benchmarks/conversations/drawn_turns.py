@@ -207,7 +207,7 @@ def _command(
 def _kinds(job: Job, target: SeenObject) -> Sequence[Kind]:
     upright = target.lies_on == "bottom"
     kinds: dict[Kind, None] = dict.fromkeys(HARD[job.setting])
-    if upright and target.model.lid is not None:
+    if upright and target.model.name in LIDDED:
         return ("displace", "lift", "open")
     kinds.pop("open", None)
     if not upright:

@@ -19,6 +19,7 @@ from nlcontrol.checks import trace_measures as measures
 from nlcontrol.learning.learning_reports import Change, Lesson
 from objectmodels.errors import ModelError
 from objectmodels.geometry.pushed_body import UNCERTAIN
+from objectmodels.identification.lying_belief import standing_belief
 from objectmodels.identification.parameter_coordinates import (
     container_with_mass,
     container_with_volume,
@@ -60,21 +61,24 @@ def lesson_from_push(
 ) -> tuple[ObjectModel, Lesson] | None:
     """The model believed after a push of a plan, and the lesson; None if it taught nothing.
 
-    The target is the object as it was seen and believed before.
+    The target is the object as it was seen and believed before. The model is that of it on its
+    bottom, on whichever face it lay.
     """
-    if target.lies_on != "bottom":
-        return None  # what holds of another face does not of the base
+    if target.attitude is not None:
+        return None  # what leans on something is pushed by that, too
     if trace.end == "turned":
-        return _from_turn(made, target, trace)
+        # The friction radius of another face is not that of the base.
+        return _from_turn(made, target, trace) if target.rest is None else None
     why = CONTRADICTIONS.get(trace.end)
     trial = trial_from_push(made.push, target, trace)
     if trial is None:
         return None
     try:
         update = apply_lesson(target.model, trial)
+        after = update.model if target.rest is None else standing_belief(target.rest, update.model)
     except ModelError:
         return None  # no parameters of this object explain it
-    return update.model, Lesson(
+    return after, Lesson(
         object=target.name,
         moved=trial.moved,
         # What is drawn from above is pressed besides.
@@ -82,7 +86,7 @@ def lesson_from_push(
         surprise=update.surprise,
         contradicts=why is not None,
         why=why,
-        changes=parameter_changes(target.model, update.model),
+        changes=parameter_changes(target.standing_model, after),
     )
 
 

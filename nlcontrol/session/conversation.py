@@ -49,7 +49,6 @@ if TYPE_CHECKING:
 REMEMBERED = 50
 """Pushes that can be undone."""
 
-
 _BESIDE = ("than ", "from ", "to ", "of ", "behind ", "beside ", "near ", "touches ")
 """Words before the name of something that a sentence is not about: "how far is it from the mug"."""
 
@@ -86,6 +85,7 @@ class Conversation:
         self._last: Result | None = None  # what "why" is about
         self._said: Result | None = None  # what "no, …" is about; None if it was not understood
         self._done: Result | None = None  # the last command, what "a bit more" is about
+        self._exchange: g.Command | None = None  # what that was, if things changed places
         self._asked_in_vain = False  # whether a question was not understood since
         self._lost = False  # whether what was not understood since was about another object
 
@@ -231,8 +231,9 @@ class Conversation:
         asks_on = self._asked_in_vain and follow_up.asks_further(command)
         if asks_on or (self._lost and follow_up.leaves_object_open(command)):
             nothing_before("what was said last was not understood, so this may be about that")
-        meant = follow_up.meant_command(command, self._said, self._done)
-        return Intention(meant, self._notes(command), joins=follow_up.joins_last(command))
+        meant = follow_up.meant_command(command, self._said, self._done, self._exchange)
+        joins, exchange = follow_up.joins_last(command), follow_up.exchange_of(meant)
+        return Intention(meant, self._notes(command), joins=joins, exchange=exchange)
 
     def _do(
         self,
@@ -257,7 +258,7 @@ class Conversation:
         if meant.back is not None:
             return self._remember_undoing(meant.undone, meant.back, result)
         result = result_with(result, notes=meant.notes + result.notes)
-        self._remember(result, proposed=proposed, joins=meant.joins)
+        self._remember(meant, result, proposed=proposed)
         return result
 
     def _plain_result(
@@ -268,13 +269,14 @@ class Conversation:
 
     # --- memory ------------------------------------------------------------------------------
 
-    def _remember(self, result: Result, *, proposed: bool, joins: bool) -> None:
+    def _remember(self, meant: Intention, result: Result, *, proposed: bool) -> None:
         # Remarks are about what was said and what came of it; a trace is megabytes.
         self._last = self._said = kept = result_with(result, trace=None)
         self._lost = self._asked_in_vain = False
         if not proposed and any(frame.query is None for frame in kept.frames):
             self._done = kept
-        self._speak_of(kept.frames, joins=joins)
+            self._exchange = meant.exchange
+        self._speak_of(kept.frames, joins=meant.joins)
         for step in kept.steps:
             if step.execution and step.plan and step.before:
                 done, rest = step.plan, step.basis.target.rest if step.basis else None
@@ -368,11 +370,9 @@ class Conversation:
             return named[-1:] or nothing_before(
                 f"the {name} was not pushed yet, so there is nothing to undo"
             )
-        last = (
-            self.past[-1].of
-            if self.past
-            else nothing_before("nothing was pushed that could be undone")
-        )
+        if not self.past:
+            nothing_before("nothing was pushed that could be undone")
+        last = self.past[-1].of
         return [push for push in self.past if push.of is last]
 
     def _forget(self, undone: Sequence[PastPush]) -> None:

@@ -5,8 +5,8 @@ what it sees, until the aim is reached or the budget of pushes is used up (`Defa
 What the pushing fingers felt updates the model of the object: an outcome that contradicts the
 prediction (nothing moved where it should, it tilted where it should slide, it slid where it should
 tilt) stops the push, and the next plan knows better. Where a push fails otherwise (nothing was
-touched, the contact was lost), another contact is tried. Clauses are checked over everything that
-happened for the frame.
+touched, the contact was lost), or no belief explains it, another contact is tried. Clauses are
+checked over everything that happened for the frame.
 
 What a whole hand does is one plan: all its steps are made. Where that fails, the hand has put back
 what it held, and another plan is made, up to `Defaults.most_tries` of them
@@ -313,8 +313,8 @@ class FrameRun:
         self.supervisor.stop.check()
         if not made.pushes:
             return self._learn_by_hand(made, trace)
-        self._learn(made, state, trace)
-        if trace.end in FAILURES:
+        explained = self._learn(made, state, trace)
+        if trace.end in FAILURES or not explained:
             self.failed.append(FailedPush(made.push, trace.detail))
             return False
         if trace.end == "event":
@@ -329,19 +329,24 @@ class FrameRun:
     def _note(self, **changes: object) -> None:
         self.step = self.step.model_copy(update=changes)
 
-    def _learn(self, made: Plan, state: WorldState, trace: Trace) -> None:
-        """Learn from a push; the controller believes it from now on."""
-        from nlcontrol.learning.lessons import lesson_from_push  # planning alone teaches nothing
+    def _learn(self, made: Plan, state: WorldState, trace: Trace) -> bool:
+        """Learn from a push; the controller believes it from now on.
+
+        Returns False if it went otherwise than predicted, and nothing believed of it explains that.
+        """
+        # Planning alone teaches nothing.
+        from nlcontrol.learning.lessons import CONTRADICTIONS, lesson_from_push
 
         name = made.push.object
         found = lesson_from_push(made, state.objects[name], trace)
         if found is None:
-            return
+            return trace.end not in CONTRADICTIONS
         model, lesson = found
         self.controller.models[name] = model
         self._keep_lesson(lesson)
         if lesson.contradicts:
             self.supervisor("learn", float(trace.time[-1]), lesson.text)
+        return True
 
     def _learn_by_hand(self, made: Plan, trace: Trace) -> bool:
         """Learn what the hand found out; return True if all was done."""

@@ -32,17 +32,25 @@ _ABOUT_DEEDS = ("why", "did", "seen")
 """Questions with which nothing else can be asked the same."""
 
 
-def meant_command(command: g.Command, said: Result | None, done: Result | None) -> g.Command:
+def meant_command(
+    command: g.Command,
+    said: Result | None,
+    done: Result | None,
+    exchange: g.Command | None = None,
+) -> g.Command:
     """The command with each remark replaced by the frames that it means.
 
     Args:
         command: what is said now.
         said: what came of what was said last; None if it was not understood.
         done: what came of the last command.
+        exchange: that command, if things changed places; see `exchange_of`.
 
     Raises:
         ControlError: `nothing_before`.
     """
+    if exchange is not None and _repeats_plainly(command):
+        return exchange.model_copy(update={"text": command.text})
     frames: list[g.Frame] = []
     for frame in command.frames:
         match frame.dialogue:
@@ -116,6 +124,21 @@ def repeat_frames(before: Sequence[g.Frame], said: g.Frame) -> tuple[g.Frame, ..
 def says_something(said: g.Frame) -> bool:
     """Check for a remark that names an object, a goal, a way of doing it, or an action."""
     return bool(said.object or said.constraints or said.action) or said.goal.kind != "none"
+
+
+def _repeats_plainly(command: g.Command) -> bool:
+    """Check for "again" and nothing besides."""
+    frame = command.frames[0]
+    alone = len(command.frames) == 1 and frame.dialogue == "repeat" and frame.query is None
+    return alone and not says_something(frame)
+
+
+def exchange_of(command: g.Command) -> g.Command | None:
+    """The command by itself if things change places, so that each time other places are meant."""
+    goals = [frame.goal for frame in command.frames if frame.query is None]
+    if not any(isinstance(goal, g.Place) and goal.relation == "place_of" for goal in goals):
+        return None
+    return command.model_copy(update={"frames": tuple(map(without_spans, command.frames))})
 
 
 def followed_frames(

@@ -23,7 +23,7 @@ from objectmodels.identification.belief_update import SURPRISING
 from objectmodels.mechanics.turning_push import turning_motion
 from planner.types.plan import Plan
 from planner.types.world_state import SeenObject
-from sim.traces.trace import EndReason, Trace
+from sim.traces.trace import EndReason
 from tests.unit.nlcontrol.pushes import TraceMaker, stuck
 
 BELIEF = BoxModel(
@@ -172,13 +172,25 @@ def test_a_push_that_went_as_predicted_teaches_too(
     assert model.friction < target.model.friction
 
 
-def test_what_lies_on_another_face_teaches_nothing_about_its_base(
+def test_what_lies_on_another_face_teaches_of_the_whole_object(
     planned: tuple[Plan, SeenObject], make_trace: TraceMaker
 ) -> None:
     plan, target = planned
-    lying = replace(target, rest=target.model.rests[-1])
-    trace: Trace = make_trace(force=3.2)
-    assert lesson_from_push(plan, lying, trace) is None
+    rest = next(each for each in target.model.rests if each.face == "right")
+    lying = replace(target, model=rest.model, rest=rest)
+    found = lesson_from_push(plan, lying, make_trace(force=3.2))
+    assert found is not None
+    model, lesson = found
+    assert model.friction < target.model.friction
+    assert model.friction_radius == target.model.friction_radius
+    assert lesson.changes == parameter_changes(target.model, model)
+    # As it lies it is pushed with the force that was felt, but for what one push does not tell.
+    after = next(each.model for each in model.rests if each.face == "right")
+    slides = [m.friction * m.weight for m in (rest.model, after)]
+    assert abs(slides[1] - 3.2) < 0.5 * abs(slides[0] - 3.2)
+    assert lesson_from_push(plan, lying, make_trace(force=3.2, end="turned")) is None
+    leaning = replace(target, attitude=(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0))
+    assert lesson_from_push(plan, leaning, make_trace(force=3.2)) is None
 
 
 def test_a_turn_shows_the_friction_radius(make_trace: TraceMaker) -> None:

@@ -7,12 +7,14 @@ from typing import Any
 import pytest
 
 from grammar.frames import command as g
+from nlcontrol import Conversation
 from nlcontrol.session.remarks.follow_up_frames import (
     continue_frame,
     correct_frame,
     repeat_frames,
 )
 from nlcontrol.session.remarks.merged_frames import merge_frames
+from tests.fakes.played_executor import PlayedExecutor
 
 IT = g.ObjectRef(text="it", pronoun=True)
 COFFEE = g.ObjectRef(text="coffee box")
@@ -116,3 +118,29 @@ def test_again_takes_the_frame_with_the_same_action() -> None:
     (again,) = repeat_frames(both, said("repeat", action="push", object=IT))
     assert again.goal == g.Displace(direction="left")
     assert [f.action for f in repeat_frames(both, said("repeat"))] == ["push", "topple"]
+
+
+def test_a_swap_said_again_swaps_back(conversation: Conversation, stage: PlayedExecutor) -> None:
+    def places(text: str) -> dict[str, tuple[float, float]]:
+        frames = conversation.say(text, plan_only=True).frames
+        goals = {f.object.id: f.goal for f in frames if f.object is not None}
+        points = {
+            name: goal.reference
+            for name, goal in goals.items()
+            if isinstance(goal, g.Place) and isinstance(goal.reference, g.Point)
+        }
+        return {name or "": (point.x, point.y) for name, point in points.items()}
+
+    tea, tin = "ice tea box", "coffee box"
+    here = {name: (stage.poses[name].x, stage.poses[name].y) for name in (tea, tin)}
+    moved = places(f"swap the {tea} and the {tin}")
+    # To a tenth of a millimetre, as places are said.
+    other = {tea: tin, tin: tea}
+    assert moved == {name: pytest.approx(here[other[name]], abs=1e-4) for name in here}
+    stage.poses[tea], stage.poses[tin] = stage.poses[tin], stage.poses[tea]
+    for _ in range(2):
+        back = places("again")
+        assert back == {name: pytest.approx(here[name], abs=1e-4) for name in here}
+    # What is asked in between counts instead.
+    conversation.say(f"push the {tea} 3 cm away", plan_only=True)
+    assert places("again") == {}

@@ -109,6 +109,22 @@ def test_an_undo_that_fails_can_be_said_again(
     assert "push the ice tea box by 70 mm toward the robot" in again.paraphrase
 
 
+def test_what_was_left_halfway_is_brought_back(
+    conversation: Conversation,
+    goes: Callable[..., Happens],
+    stands: Callable[..., Happens],
+) -> None:
+    stage = played(conversation.controller, goes(share=0.5), stands("no_touch"))
+    result = conversation.say(PUSH)
+    assert result.status == "failed"
+    assert [BOX in note and "undo that" in note for note in result.notes] == [True]
+    assert math.hypot(*stage.moved) == pytest.approx(0.05, abs=1e-6)
+    stage.happens = [goes()]
+    assert conversation.say("undo that").status == "done"
+    assert math.hypot(*stage.moved) < DEFAULTS.aim_position
+    assert conversation.past == []
+
+
 def test_what_fell_over_would_be_stood_up(
     conversation: Conversation, stage: PlayedExecutor
 ) -> None:
