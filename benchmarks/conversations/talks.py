@@ -9,8 +9,9 @@
 | false | said to be done, and truly it is not |
 | crashed | an exception |
 
-*Stranded* is what fell, or was moved to where no push and no lift of it is planned from there, and
-was not asked to fall. It is *told* if the answer names it as failed, or says where it is.
+*Stranded* is what fell without being asked to, or was moved to where neither a push nor a lift of
+it is planned, even if others are moved aside. It is *told* if the answer names it as failed, or
+says where it is.
 """
 
 from __future__ import annotations
@@ -31,9 +32,7 @@ from benchmarks.goals.worlds import believed
 from benchmarks.record import Kept
 from grammar.frames import command as g
 from nlcontrol import Conversation
-from nlcontrol.errors import ControlError
 from planner.types.defaults import DEFAULTS as D
-from planner.types.plan import Plan, Reached
 
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result
@@ -206,11 +205,5 @@ def _out_of_reach(robot: Watched, before: Places, after: Places) -> list[str]:
 
 def _is_reached(robot: Watched, name: str) -> bool:
     sentences = [f"push the {name} 5 cm {side}" for side in SIDES]
-    for text in (*sentences, f"lift the {name} by 5 cm"):
-        try:
-            (frame,) = robot.resolve(robot.parse(text)).frames
-            if isinstance(robot.plan(frame), Plan | Reached):
-                return True
-        except ControlError:
-            continue
-    return False
+    said = (*sentences, f"lift the {name} by 5 cm")
+    return any(robot.say(text, plan_only=True).status in ("planned", "done") for text in said)

@@ -330,12 +330,8 @@ class FrameRun:
         self.step = self.step.model_copy(update=changes)
 
     def _learn(self, made: Plan, state: WorldState, trace: Trace) -> bool:
-        """Learn from a push; the controller believes it from now on.
-
-        Returns False if it went otherwise than predicted, and nothing believed of it explains that.
-        """
-        # Planning alone teaches nothing.
-        from nlcontrol.learning.lessons import CONTRADICTIONS, lesson_from_push
+        """Learn from a push; return False if no belief explains what came of it."""
+        from nlcontrol.learning.lessons import CONTRADICTIONS, lesson_from_push  # not to plan
 
         name = made.push.object
         found = lesson_from_push(made, state.objects[name], trace)

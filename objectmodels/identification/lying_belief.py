@@ -23,7 +23,7 @@ from objectmodels.models.resting_face import Resting
 
 
 def standing_belief(rest: Resting, lying: ObjectModel) -> ObjectModel:
-    """What is believed of an object on its bottom.
+    """Belief of an object on its bottom.
 
     Args:
         rest: how it lies, as it was believed before.
