@@ -67,6 +67,7 @@ class Lookahead:
                 end == len(text) or not (phrase.endswith("not") or phrase.startswith("leave"))
             ),
             "LETTING": lambda _phrase, text, end, _last: not _CONTACT.match(text, end),
+            "WHAT_DID": lambda _phrase, text, end, _last: not stands_at("first", text, end + 1),
             "WHICH_IS": lambda _phrase, text, end, _last: (
                 self._any("COMPARATIVE", text, end + 1) or self._any("SUPERLATIVE", text, end + 1)
             ),

@@ -295,11 +295,13 @@ def has_verb(text: str) -> bool:
     return not lexicon.verb_words["VERB"].keys().isdisjoint(text.casefold().split())
 
 
-def asks_further(command: g.Command) -> bool:
-    """Check for a question that goes on with one before: "and the mug?"."""
+def goes_on_asking(command: g.Command) -> bool:
+    """Check for what depends on a question before: "and the mug?"; "push that one"."""
     first = command.frames[0]
     asked = command.text.rstrip().endswith("?")
-    return asked and first.dialogue == "repeat" and first.query is None
+    if asked and first.dialogue == "repeat" and first.query is None:
+        return True
+    return first.object is not None and first.object.text.casefold() == "that one"
 
 
 def joins_last(command: g.Command) -> bool:
