@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.fingertips import Fingertip
 from objectmodels import BoxModel, CylinderModel, ObjectModel, PrismModel
 from objectmodels.geometry.base_shapes import Array, Polygon
 from objectmodels.geometry.support_points import hull_polygon, is_within
@@ -27,7 +28,6 @@ from objectmodels.mechanics.push_thresholds import GRAVITY
 from sim.standard_robot import HAND
 from sim.truth.scene_file import Pose, Scene, SceneObject, parse_scene
 from sim.truth.truth_from_model import truth_as_believed
-from sim.worlds.drake.body_contacts import ROUGH, surface
 from sim.worlds.drake.drake_plant import (
     add_empty_plant,
     add_object,
@@ -44,8 +44,6 @@ _SLIPS = 0.05  # share of its way
 # Feet sink in by 0.05 mm, which may lift those on the other side by some times as much.
 _LIFTED = 3e-4  # height of a foot over the table [m]
 _STICTION, _STEP = 1e-5, 1e-3  # slip speed that counts as none [m/s], and the time step [s]
-# Of the fingertip and its springs. On a light one Drake's friction creeps by a tenth of the way.
-_TIP_MASS, _STIFFNESS, _DAMPING = 1.0, 2e4, 280.0
 
 
 @dataclass(frozen=True)
@@ -136,7 +134,7 @@ def outcome_in_drake(case: Case, scene: Scene) -> tuple[str, float]:
     pose = Pose(x_m=0.5, y_m=0.0, z_m=0.0, yaw_deg=0.0)
     item = SceneObject(name="thing", model="box", pose=pose, truth=truth)
     body, solids, feet = add_object(plant, item)
-    tip = _Fingertip(plant)
+    tip = Fingertip(plant, "tip")
     plant.Finalize()
     plant.SetDefaultFloatingBaseBodyPose(body, initial_pose(item))
     filter_collisions(
@@ -146,6 +144,7 @@ def outcome_in_drake(case: Case, scene: Scene) -> tuple[str, float]:
     context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
     start = item.p_WB + case.point + [0.0, 0.0, HAND.tip_radius + 1e-4]
     tip.put(context, start)
+    port = plant.get_applied_spatial_force_input_port()
     standing = np.column_stack((truth.support, np.zeros(len(truth.support)))).T
     elapsed = led = 0.0
     first: tuple[Array, Any] | None = None
@@ -156,7 +155,7 @@ def outcome_in_drake(case: Case, scene: Scene) -> tuple[str, float]:
         speed = _SPEED * float(np.clip(since / _SPEEDING, 0.0, 1.0))
         led += speed * _STEP
         tip.command(context, start + led * case.direction, speed * case.direction)
-        tip.press(context, float(pressed) * case.press)
+        port.FixValue(context, [tip.pressing(float(pressed) * case.press)])
         simulator.AdvanceTo(elapsed, interruptible=False)
         X_WB = plant.EvalBodyPoseInWorld(context, body)
         if (X_WB.multiply(standing)[2] > _LIFTED).any():
@@ -170,61 +169,6 @@ def outcome_in_drake(case: Case, scene: Scene) -> tuple[str, float]:
     travel = float(np.hypot(*way[:2]))
     slips = np.hypot(*slip[:2]) > _SLIPS * travel
     return "slips" if slips else "drags", float(np.arctan2(R[1, 0], R[0, 0])) / travel
-
-
-class _Fingertip:
-    """A sphere that springs lead over the table, and that a force presses down."""
-
-    def __init__(self, plant: Any) -> None:
-        from pydrake.geometry import Sphere
-        from pydrake.math import RigidTransform
-        from pydrake.multibody.tree import (
-            PdControllerGains,
-            PrismaticJoint,
-            SpatialInertia,
-            UnitInertia,
-        )
-
-        self._plant, self._instance = plant, plant.AddModelInstance("tip")
-        share = SpatialInertia(
-            _TIP_MASS / 3.0, np.zeros(3), UnitInertia.SolidSphere(HAND.tip_radius)
-        )
-        frame = plant.world_frame()
-        for axis, name in zip(np.eye(3), "xyz", strict=True):
-            body = plant.AddRigidBody(f"tip {name}", self._instance, share)
-            joint = plant.AddJoint(PrismaticJoint(f"tip {name}", frame, body.body_frame(), axis))
-            if name != "z":
-                actuator = plant.AddJointActuator(f"tip {name}", joint, np.inf)
-                actuator.set_controller_gains(PdControllerGains(p=_STIFFNESS, d=_DAMPING))
-            frame = body.body_frame()
-        self._body = body
-        self.solid = plant.RegisterCollisionGeometry(
-            body, RigidTransform(), Sphere(HAND.tip_radius), "tip", surface(ROUGH)
-        )
-        plant.set_gravity_enabled(self._instance, False)
-
-    def put(self, context: Any, place: Array) -> None:
-        """Puts it somewhere at rest."""
-        self._plant.SetPositions(context, self._instance, place)
-
-    def command(self, context: Any, place: Array, velocity: Array) -> None:
-        """Leads it to a place over the table."""
-        port = self._plant.get_desired_state_input_port(self._instance)
-        port.FixValue(context, np.concatenate([place[:2], velocity[:2]]))
-
-    def press(self, context: Any, force: float) -> None:
-        """Presses it down [N]."""
-        from pydrake.multibody.math import SpatialForce
-        from pydrake.multibody.plant import ExternallyAppliedSpatialForce
-
-        push = ExternallyAppliedSpatialForce()
-        push.body_index = self._body.index()
-        push.F_Bq_W = SpatialForce(np.zeros(3), np.array([0.0, 0.0, -force]))
-        self._plant.get_applied_spatial_force_input_port().FixValue(context, [push])
-
-    def place(self, context: Any) -> Array:
-        """Its centre in W, shape (3,) [m]."""
-        return np.array(self._plant.GetPositions(context, self._instance))
 
 
 def main() -> None:

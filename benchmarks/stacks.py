@@ -18,7 +18,7 @@ import numpy as np
 
 from objectmodels.geometry.base_shapes import Array, Polygon
 from objectmodels.geometry.support_points import hull_polygon
-from objectmodels.mechanics.stack_stability import StackedBody, stack_margins
+from objectmodels.mechanics.balance.stack_stability import StackedBody, stack_margins
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Pose, Scene, SceneObject, parse_scene
 from sim.worlds.drake.drake_plant import (

@@ -2,7 +2,7 @@
 
 Model: what is seen as high above the table as another object's top, its middle over that, stands on
 it; what is seen within the walls of an open box, below its rim, stands on its floor. Stability is
-that of `objectmodels.mechanics.stack_stability`. Frames: W is the world, B an object.
+that of `objectmodels.mechanics.balance.stack_stability`. Frames: W is the world, B an object.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from objectmodels.geometry.base_shapes import Polygon
-from objectmodels.mechanics.stack_stability import StackedBody
+from objectmodels.mechanics.balance.stack_stability import StackedBody
 from objectmodels.models.open_box import inner_floor
 from objectmodels.models.top_face import standing_face, standing_height
 from planner.types.world_state import SeenObject

@@ -1,14 +1,14 @@
 """Whether something stands where it is to be put on another object, or into it.
 
-Model: `objectmodels.mechanics.stack_stability`, with the place of what is put down known as well as
-hands put things down. Frame: W.
+Model: `objectmodels.mechanics.balance.stack_stability`, with the place of what is put down known
+as well as hands put things down. Frame: W.
 """
 
 from __future__ import annotations
 
 from grammar.frames import command as g
 from objectmodels.geometry.base_shapes import Polygon
-from objectmodels.mechanics.stack_stability import stack_margins, standing_probability
+from objectmodels.mechanics.balance.stack_stability import stack_margins, standing_probability
 from objectmodels.models.top_face import top_face
 from planner.geometry.stacks import stack_with, stacked_bodies
 from planner.problem.place_regions import region
