@@ -9,7 +9,7 @@ from grammar.clauses.clause_parts import Clause, Parts, unexpected_part
 from grammar.clauses.consistency import is_still, require_consistent
 from grammar.clauses.constraint_builder import constraints_of, require_same
 from grammar.clauses.goal_builder import goal_builder_for
-from grammar.clauses.object_descriptions import part_and_owner
+from grammar.clauses.owned_parts import part_and_owner
 from grammar.errors import ParseError
 from grammar.frames import command as g
 from grammar.frames.command import Span

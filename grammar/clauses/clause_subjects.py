@@ -12,7 +12,7 @@ from itertools import pairwise
 
 from grammar.clauses.clause_parts import Parts, several_objects, unexpected_part
 from grammar.clauses.constraint_builder import require_same
-from grammar.clauses.object_descriptions import QUOTES, part_and_owner
+from grammar.clauses.owned_parts import QUOTES, part_and_owner
 from grammar.errors import ParseError
 from grammar.frames import command as g
 from grammar.phrases import phrase_parts as ph

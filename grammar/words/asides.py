@@ -27,7 +27,7 @@ _HESITATING = frozenset({",", "ah", "eh", "ehm", "er", "erm", "err", "oh", "uh",
 
 _SHAPES = {
     "corrections": r"(?:(?<= )[.,;] )??(?<![^ ])(?:{0})(?:(?: ,)? (?:{0}))*(?: ,)?(?= )",
-    "fillers": r"(?<![^ ])(?!(?<=you )like ,|(?<=do )you know|(?<=not )see ,)"
+    "fillers": r"(?<![^ ])(?!(?<=you )like ,|(?<=do )you know|(?:, )?you know why|(?<=not )see ,)"
     r"(?:{0})(?:(?: ,)? (?:{0}))*(?= |$)",
     "reasons": r"(?:^(?!so (?!that ))|(?<= ))(?:{0})(?= |$)",
     "statements": r"(?<=[^ ] )(?:{0})(?: [^,.;]+)?(?= [,.;] )",

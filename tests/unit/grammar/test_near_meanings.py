@@ -37,6 +37,12 @@ from grammar import ParseError, parse
         ("give a gentle push to the tin", "gently push the tin"),
         ("push this tin here to the left", "push the tin to the left"),
         ("put them both together", "put them both together"),
+        ("push the tin left sorry right", "push the tin to the right"),
+        ("push the tin left, you know why", "push the tin to the left"),
+        ("push the object called tin left", "push the tin to the left"),
+        ("lift the tin, whatever happens", "lift the tin"),
+        ("slide the tin left with no toppling", "slide the tin to the left without toppling it"),
+        ("ignore the others and lift the tin", "lift the tin"),
     ],
 )  # fmt: skip
 def test_words_near_two_meanings_are_read_as_meant(text: str, meant: str) -> None:

@@ -233,6 +233,8 @@ FORMS = {
     "scoot": ("scooted", "scooting"), "scooch": ("scooched", "scooching"),
     "budge": ("budged", "budging"), "shuffle": ("shuffled", "shuffling"),
     "guide": ("guided", "guiding"),
+    "skim": ("skimmed", "skimming"), "whirl": ("whirled", "whirling"),
+    "scoop": ("scooped", "scooping"), "jack": ("jacked", "jacking"),
 }  # fmt: skip
 """Participle and gerund of every verb, from the dictionary."""
 
