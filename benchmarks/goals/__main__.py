@@ -4,7 +4,7 @@
     python -m benchmarks.goals --cases 200 --record goals.jsonl --confirm 30
     python -m benchmarks.goals --cases 20 --kinds rotate,tilt --no-run
     python -m benchmarks.goals --alone --cases 10 --record alone.jsonl
-    python -m benchmarks.goals --hard --cases 40 --plan-only --record hard.jsonl
+    python -m benchmarks.goals --hard --cases 40 --plan-only --record hard.jsonl --confirm 10
 
 A case depends on its seed and number alone: the options choose among them. With `--record` results
 are kept as they come, and a broken run goes on where it was.
@@ -128,6 +128,7 @@ def main(executor: Executor | None = None) -> int:
             workers=workers,
             record=record,
             tries=options.tries,
+            plan_only=options.plan_only,
         )
         print("\n" + found)
     return 0

@@ -12,6 +12,9 @@ The robot was right to refuse them, but not for the reason that it gave.
 
 Strokes keep what every push of the robot keeps: they touch nothing else. The search is that of `benchmarks.goals.search`, postures are those of `benchmarks.goals.postures`.
 It may miss what there is: a confirmed refusal is one for which nothing was found.
+
+What no strokes do (a whole hand's work, what lies, a step that comes after others) is planned once
+more instead, with ten times the work: confirmed is what is refused then, too.
 """  # noqa: E501
 
 from __future__ import annotations
@@ -28,7 +31,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from benchmarks.goals.cases import Done, Watched
+from benchmarks.goals.cases import Done, Watch, Watched
 from benchmarks.goals.postures import reachable
 from benchmarks.goals.search import Asked, Found, repeated, search, seen
 from benchmarks.goals.sentences import beliefs_of, said
@@ -39,6 +42,8 @@ from nlcontrol.batches.drawn_scenes import Generator
 from nlcontrol.checks.frame_checks import require_checkable
 from nlcontrol.errors import ControlError
 from objectmodels import ObjectModel
+from planner.problem.planning_problem import is_handled
+from planner.types.defaults import DEFAULTS
 from planner.types.world_state import WorldState
 from sim.simulated_executor import simulation
 from sim.truth.scene_file import Pose, Scene
@@ -53,6 +58,16 @@ BEST = 3
 POSTURED = 4
 """Ways of doing it for which postures are looked for."""
 
+PATIENT = replace(
+    DEFAULTS,
+    most_work=10 * DEFAULTS.most_work,
+    most_contacts_last=10 * DEFAULTS.most_contacts_last,
+    most_looks=1000,
+    most_looks_last=1000,
+    most_grasps=1000,
+)
+"""With which a second search may work ten times as long; a thousand is the most that is counted."""
+
 _NEAR = 0.45  # what is farther away from the object meets neither it nor the hand [m]
 _LEAST = 0.05  # of what is believed; parameters are drawn no smaller
 
@@ -64,11 +79,13 @@ class Doubt(NamedTuple):
         case: which case was refused.
         reason: its class.
         tries: roll-outs in each round of the search.
+        plan_only: whether nothing was carried out before.
     """
 
     case: Job
     reason: str
     tries: int
+    plan_only: bool = False
 
 
 class Confirmation(Kept[Doubt]):
@@ -95,6 +112,7 @@ def confirmed(
     workers: int | None,
     record: Path | None,
     tries: int,
+    plan_only: bool = False,
 ) -> str:
     """Looks into refusals, spread over the classes, and tells about them.
 
@@ -105,8 +123,9 @@ def confirmed(
         workers: how many.
         record: of the results; what is found is kept beside it.
         tries: roll-outs in each round of a search.
+        plan_only: whether the sentences were only planned.
     """
-    doubts = [Doubt(done.job, reason, tries) for done, reason in _sample(results, most)]
+    doubts = [Doubt(done.job, why, tries, plan_only) for done, why in _sample(results, most)]
     beside = record and record.with_name(f"{record.stem}.confirmed{record.suffix}")
     found = carried_out(
         confirm,
@@ -165,7 +184,7 @@ def confirm(doubt: Doubt) -> Confirmation:
     """Looks into one refusal."""
     scene, sentence = said(doubt.case)
     robot = Watched(scene, registry=beliefs_of(doubt.case), seed=doubt.case.seed)
-    result = robot.say(sentence.text)
+    result = robot.say(sentence.text, plan_only=doubt.plan_only)
     made = partial(
         Confirmation,
         job=doubt,
@@ -173,7 +192,8 @@ def confirm(doubt: Doubt) -> Confirmation:
         refusal=result.error.message if result.error else "",
     )
     rng = np.random.default_rng((doubt.case.seed, doubt.case.number, doubt.tries))
-    frame = robot.watches[-1].frame
+    watch = robot.watches[-1]
+    frame = watch.frame
     fragile = frozenset(item.name for item in scene.objects if item.fragile)
     asked = Asked(frame, sentence.target, robot.models, robot.table, fragile)
     world = simulation(robot.executor).world
@@ -182,6 +202,10 @@ def confirm(doubt: Doubt) -> Confirmation:
         require_checkable(frame)
     except ControlError as error:
         return made(verdict="not looked for", found=error.info.message)
+    nothing_done = all(each.trace is None for each in robot.watches)
+    if nothing_done and not _is_made_by_strokes(watch, poses[asked.name]):
+        verdict, found = _second_search(doubt)
+        return made(verdict=verdict, found=found)
     if not upright(poses[asked.name]):
         return made(verdict="not looked for", found=f"the {asked.name} does not stand any more")
     now = _as_it_stands(world.scene, asked, poses)
@@ -193,6 +217,23 @@ def confirm(doubt: Doubt) -> Confirmation:
     else:
         verdict, found = _impossible(now, asked, doubt.tries, rng)
     return made(verdict=verdict, found=found)
+
+
+def _is_made_by_strokes(watch: Watch, pose: Array) -> bool:
+    """Whether strokes may do what was refused: it is the first step, and about what stands."""
+    return watch.plan is None and not is_handled(watch.frame) and upright(pose)
+
+
+def _second_search(doubt: Doubt) -> tuple[Verdict, str]:
+    """What the robot finds if it may work longer."""
+    scene, sentence = said(doubt.case)
+    registry, seed = beliefs_of(doubt.case), doubt.case.seed
+    robot = Watched(scene, registry=registry, seed=seed, defaults=PATIENT)
+    planned = robot.say(sentence.text, plan_only=True).status == "planned"
+    many = f"{PATIENT.most_work} units of work"
+    if planned:
+        return "unconfirmed", f"a plan, with up to {many}"
+    return "confirmed", f"no plan with up to {many} either"
 
 
 def _as_it_stands(scene: Scene, asked: Asked, poses: Mapping[str, Array]) -> Scene:

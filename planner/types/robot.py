@@ -43,6 +43,9 @@ class ReachAnswer:
         postures: of the hand that were looked at for it.
         crowded: whether what stands about leaves no posture of the hand any room, so that none has
             room any lower there.
+        stopped_by: if not ok, names of the other objects that took part in that: as long as these
+            stand where they do, it stays so, wherever the rest is; None of a robot that does not
+            know them.
     """
 
     ok: bool
@@ -55,6 +58,7 @@ class ReachAnswer:
     work: int = 1
     postures: int = 0
     crowded: bool = False
+    stopped_by: frozenset[str] | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -94,7 +94,12 @@ class _Found:
 
 
 class PushMotionSearch:
-    """The search for one push among what stands on a table; `postures` of the hand it looked at."""
+    """The search for one push among what stands on a table.
+
+    Attributes:
+        postures: of the hand that were looked at.
+        stopped_by: names of the other objects that stopped a hand or an arm, or may have.
+    """
 
     def __init__(
         self,
@@ -107,6 +112,7 @@ class PushMotionSearch:
     ) -> None:
         self._work = _BEGUN
         self.postures = 0
+        self.stopped_by: set[str] = set()
         self._effort = effort
         self._mount = mount
         self._push = push
@@ -213,6 +219,7 @@ class PushMotionSearch:
             clear = self._approach.clear_hands(some)
             stopped_by = np.full(len(some), -1)
             stopped_by[clear] = first_obstacles(some[clear], near, sweep)
+            self.stopped_by |= {near[k].name for k in set(stopped_by.tolist()) if k >= 0}
             block, before = np.arange(len(some)) // _AT_ONCE, self._work
             free = clear & (stopped_by < 0)
             for each in sorted(set(block[free].tolist())):
@@ -255,6 +262,7 @@ class PushMotionSearch:
 
     def _free_stances(self, hands: PostureSet, solved: IkSolutions) -> Iterator[_Found]:
         """Those of some solutions that are free at the object."""
+        self.stopped_by |= {each.name for each in self._scenery.others}
         unhindered = solved[self._are_unhindered(hands, solved)]
         free = unhindered[self._come_off(hands, unhindered)]
         for k, hand in enumerate(free.hand.tolist()):

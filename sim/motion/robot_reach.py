@@ -247,7 +247,12 @@ class ArmHandReach:
         search = PushMotionSearch(self.mount, push, way, state.table, scenery, self._effort)
         found = self._best_configuration(push, search)
         if isinstance(found, ReachAnswer):
-            found = replace(found, work=search.work, postures=search.postures)
+            found = replace(
+                found,
+                work=search.work,
+                postures=search.postures,
+                stopped_by=frozenset(search.stopped_by),
+            )
         else:
             answer = replace(found[1], work=search.work, postures=search.postures)
             found = found[0], answer

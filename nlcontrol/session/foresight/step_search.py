@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from grammar import paraphrase
 from nlcontrol.errors import ControlError, refusal_error
-from nlcontrol.session.stoppable_robot import StoppableRobot
+from nlcontrol.session.foresight.kept_denials import RecallingRobot
 from planner import planning
 from planner.clearing import clearing_frames, may_be_cleared, obstacles
 from planner.predicted_states import state_after
@@ -125,7 +125,7 @@ class StepSearch:
     ) -> None:
         self._frames, self._moved = frames, moved
         self._defaults = controller.defaults
-        self._robot = StoppableRobot(controller.robot, stop, controller.time_limit)
+        self._robot = RecallingRobot(controller.robot, stop, controller.time_limit)
         self._planner = controller.planner
         self._left = MOST_WORK
         self._kept = kept

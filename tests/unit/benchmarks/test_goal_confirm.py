@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from benchmarks.drake_strokes import DrakeBench
-from benchmarks.goals.confirm import Confirmation, Doubt, Verdict, likeliest, table
+from benchmarks.goals import confirm as confirm_module
+from benchmarks.goals.confirm import Confirmation, Doubt, Verdict, confirm, likeliest, table
 from benchmarks.goals.search import Asked, Found
 from benchmarks.goals.worlds import Job
 from benchmarks.rollouts import OBJECT, world
 from benchmarks.strokes import at
 from nlcontrol import Controller, Registry
+from sim import load_scene
 
 DRAWS = 8  # objects; each takes a fifth of a second
 
@@ -40,6 +44,20 @@ def test_what_works_for_some_of_what_is_believed_is_told_from_what_works_for_all
     assert 0.0 < some < 1.0
     every, way = likeliest(world(), asked, [at_the_edge, low], rng, DRAWS)
     assert (every, way) == (1.0, low)
+
+
+@pytest.mark.slow
+def test_what_a_whole_hand_is_refused_is_planned_again_with_more_work(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    case, kitchen = Job(7, 0, False, 45.0, False), load_scene("kitchen")
+    found = {}
+    for text in ("lift the mug 10 cm", "lift the mug 150 cm"):
+        sentence = SimpleNamespace(text=text, target="mug")
+        monkeypatch.setattr(confirm_module, "said", lambda _, it=sentence: (kitchen, it))
+        monkeypatch.setattr(confirm_module, "beliefs_of", lambda _: Registry.built_in())
+        found[text] = confirm(Doubt(case, "out_of_reach", 1, plan_only=True)).verdict
+    assert list(found.values()) == ["unconfirmed", "confirmed"]
 
 
 def test_without_ways_nothing_works() -> None:

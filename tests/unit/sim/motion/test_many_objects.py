@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import math
 import time
@@ -11,6 +12,7 @@ import pytest
 
 from objectmodels import Registry
 from planner import plan
+from planner.types.actions import Push
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim import load_scene
 from sim.collision.collision_scene import CollisionScene
@@ -65,3 +67,30 @@ def test_a_push_among_two_hundred_objects(sentence: str, status: str) -> None:
     start = time.process_time()
     assert plan(frame_of(sentence), crowded(200), robot).status == status
     assert time.process_time() - start < 10.0
+
+
+def test_a_no_stays_one_wherever_what_had_no_part_in_it_is() -> None:
+    robot, objects = ArmHandReach(load_scene("kitchen").cell, ARM, HAND), dict(crowded(40).objects)
+    box, mug = objects["ice tea box"], objects["mug 1"]
+    for x, y in ((0.33, 0.0), (0.57, 0.0), (0.45, -0.12), (0.45, 0.12)):
+        objects[f"at {x}, {y}"] = dataclasses.replace(
+            mug, name=f"at {x}, {y}", pose=PlanarPose(x, y)
+        )
+    state = WorldState(objects, TABLE)
+    apart = 0
+    for face, height in itertools.product(box.model.faces(), (0.03, 0.15)):
+        point = tuple(face.points_at(0.0, height)[0].tolist())
+        inward = tuple((-box.pose.R_WB @ np.array(face.normal)).tolist())
+        push = Push(
+            object=box.name, face="front", p_BC=point, normal_W=face.normal,
+            direction_W=inward, force_limit=1.0, speed=0.05, stroke=0.1, fingers=1, spread=0.0,
+            ends_on="stroke",
+        )  # fmt: skip
+        answer = robot.reach(push, state)
+        if answer.ok:
+            continue
+        assert answer.stopped_by is not None
+        left = {n: s for n, s in state.objects.items() if n in {box.name, *answer.stopped_by}}
+        apart += len(state.objects) - len(left)
+        assert not robot.reach(push, WorldState(left, TABLE)).ok
+    assert apart > 0, "some had no part in it"
