@@ -17,7 +17,7 @@ from grammar.frames import command as g
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.support_points import hull_polygon
 from planner.geometry.directions import bisector, unit
-from planner.geometry.footprints import footprint, gap, room_to_edge
+from planner.geometry.footprints import footprint, gap, kept_gap, room_to_edge
 from planner.problem.frame_interpretation import interpret_frame
 from planner.problem.place_regions import object_at
 from planner.pushing.push_paths import Obstructions, PathSegment
@@ -130,7 +130,7 @@ def _leaves_way(before: float, after: float) -> bool:
 def _kept_apart(seen: SeenObject, other: SeenObject, defaults: Defaults) -> float:
     """Distance that what is cleared keeps from another object; less where it stands closer [m]."""
     usual = defaults.clearance_fragile if other.fragile else defaults.clearance
-    return min(usual, max(gap(footprint(seen), footprint(other)), 0.0))
+    return kept_gap(footprint(seen), footprint(other), usual)
 
 
 def _lanes(frame: g.Frame, state: WorldState, defaults: Defaults) -> list[Array]:

@@ -19,6 +19,10 @@ from numpy.typing import NDArray
 from objectmodels.geometry.base_shapes import Array
 from planner.types.world_state import SeenObject, TableState
 
+CLOSER = 0.7
+"""Share of a gap that is asked for, or that there is, that is kept on a way."""
+
+_SEEN = 0.0005  # things are seen so much nearer than they stand, and may even seem to overlap [m]
 _TOUCHING = 1e-9  # that much nearer than a clearance still counts as apart [m]
 _NONE = np.empty(0)
 
@@ -159,6 +163,22 @@ def gap(a: Array, b: Array) -> float:
     """
     apart = _apart(a, b)
     return apart if apart <= 0.0 else min(_to_edges(a, b), _to_edges(b, a))
+
+
+def kept_gap(moving: Array, standing: Array, usual: float) -> float:
+    """Clearance that one polygon can keep from another on its way [m].
+
+    Args:
+        moving: corners of a convex polygon, shape (n, 2) [m].
+        standing: those of another, shape (k, 2) [m].
+        usual: the clearance that is to be kept [m].
+
+    Returns:
+        Less than the usual one where they are closer already, and less than 0 where they seem to
+        overlap: what touches another thing must still get away from it, and along it.
+    """
+    here = gap(moving, standing)
+    return usual if here >= usual else min(CLOSER * here, here - _SEEN)
 
 
 def _apart(a: Array, b: Array) -> float:

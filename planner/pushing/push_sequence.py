@@ -15,7 +15,7 @@ from itertools import islice
 import numpy as np
 
 from planner.geometry.directions import heading_of, unit
-from planner.geometry.footprints import footprint, gap, room_to_edge
+from planner.geometry.footprints import CLOSER, footprint, gap, kept_gap, room_to_edge
 from planner.geometry.visibility_graph import shortest_detour
 from planner.problem.place_regions import object_at
 from planner.problem.planning_problem import PushProblem, PushStep
@@ -36,7 +36,6 @@ _PATHS = 5  # free ways for which the hand's reach is asked
 _ASIDE = 0.15  # way to a place where it may be turned instead [m]
 _ROOM = 0.05  # room that such a place has around [m]
 _SPOTS = 2  # such places that are looked at
-_CLOSER = 0.7  # share of a gap that is asked for, or that there is, that is kept on the way
 _NEAR = 0.02  # what is nearer to its aim is not led around anything [m]
 _PARTED = 0.12  # a leg longer than this may be made by several pushes [m]
 _TURNS = 12  # ways to part a turn for which it is asked
@@ -367,10 +366,9 @@ def path_clearances(problem: PushProblem) -> dict[str, float]:
     if meets is not None:
         near[meets] = gap(footprint(problem.target), footprint(problem.state.objects[meets]))
     for name, other in problem.others.items():
-        usual = problem.clearance(other)
-        here = gap(footprint(problem.target), footprint(other))
         # What it is to stand close to it may come as close to on the way, and what it stands close
         # to it must get away from.
-        close = min(near.get(name, math.inf), here if here < usual else math.inf)
-        kept[name] = max(min(usual, _CLOSER * close), said.get(name, 0.0))
+        close = kept_gap(footprint(problem.target), footprint(other), problem.clearance(other))
+        close = min(close, CLOSER * near.get(name, math.inf))
+        kept[name] = max(close, said.get(name, -math.inf))
     return kept
