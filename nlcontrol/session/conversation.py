@@ -209,9 +209,8 @@ class Conversation:
         except ControlError as raised:
             begun = self.controller.empty_result(text, command)
             self._last = result_with(begun, status=status_of(raised.info), error=raised.info)
-            named = self._recall_names(text)
             if command is None:
-                self._note_lost(text, raised.info.code, named)
+                self._note_lost(text, raised.info.code)
             return self._last, None
 
     def _intention(self, command: g.Command) -> Intention | Result:
@@ -229,7 +228,7 @@ class Conversation:
             return self._plain_result(command, self._explain_last(command), "answered")
         if remark == "undo":
             return self._way_back(command)
-        asks_on = self._asked_in_vain and follow_up.goes_on_asking(command)
+        asks_on = self._asked_in_vain and follow_up.asks_further(command)
         if asks_on or (self._lost and follow_up.leaves_object_open(command)):
             nothing_before("what was said last was not understood, so this may be about that")
         meant = follow_up.meant_command(command, self._said, self._done, self._exchange)
@@ -296,14 +295,15 @@ class Conversation:
             group = self.context.group
         self.context = replace(self.context, last=last, latest=tuple(names), group=group)
 
-    def _note_lost(self, text: str, code: str, named: Sequence[str]) -> None:
+    def _note_lost(self, text: str, code: str) -> None:
         """Remembers what was named where nothing else was understood.
 
         A correction would be about that, if it may have been a command: it has a verb, or names
         another object; then so would any remark that names none.
         """
+        spoken, named = self.context.latest, self._recall_names(text)
         self._asked_in_vain = text.rstrip().endswith("?")
-        other = not self._asked_in_vain and not set(named) <= set(self.context.latest)
+        other = not self._asked_in_vain and not set(named) <= set(spoken)
         self._lost = self._lost or other
         if other or code == "unknown_verb" or follow_up.has_verb(text):
             self._said = None

@@ -295,13 +295,11 @@ def has_verb(text: str) -> bool:
     return not lexicon.verb_words["VERB"].keys().isdisjoint(text.casefold().split())
 
 
-def goes_on_asking(command: g.Command) -> bool:
-    """Check for what depends on a question before: "and the mug?"; "push that one"."""
+def asks_further(command: g.Command) -> bool:
+    """Check for a question that goes on with one before: "and the mug?"."""
     first = command.frames[0]
     asked = command.text.rstrip().endswith("?")
-    if asked and first.dialogue == "repeat" and first.query is None:
-        return True
-    return first.object is not None and first.object.text.casefold() == "that one"
+    return asked and first.dialogue == "repeat" and first.query is None
 
 
 def joins_last(command: g.Command) -> bool:

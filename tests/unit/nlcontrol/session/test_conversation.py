@@ -308,17 +308,6 @@ def test_behind_a_question_in_vain_a_further_question_does_nothing(
     assert result.error.code == "nothing_before"
 
 
-def test_behind_a_question_in_vain_that_one_is_nothing_older(conversation: Conversation) -> None:
-    result = plan(conversation, AWAY, "which of the two is bluer?", "push that one away")
-    assert result.error is not None
-    assert result.error.code == "nothing_before"
-
-
-def test_what_a_remark_in_vain_names_is_meant_by_it(conversation: Conversation) -> None:
-    result = plan(conversation, AWAY, "what colour has it?", "and the mug?", "push it to the left")
-    assert goal(result)[0] == "mug"
-
-
 def test_a_remark_that_a_kept_clause_forbids_does_nothing(conversation: Conversation) -> None:
     said = "push the mug to the left without touching the coffee box"
     result = plan(conversation, said, "do the same with the coffee box")
