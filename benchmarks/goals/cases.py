@@ -212,7 +212,7 @@ def run(job: Job, *, plan_only: bool = False) -> Done:
         result = controller.say(sentence.text, plan_only=plan_only)
         turns = scene.object(sentence.target).truth.radius_m is None
         stages = tuple(
-            _stage(step, watch, turns, controller.models)
+            stage_of(step, watch, turns, controller.models)
             for step, watch in zip(result.steps, controller.watches, strict=False)
         )
     except Exception:  # one case that breaks must not end a run of hundreds
@@ -230,8 +230,10 @@ def run(job: Job, *, plan_only: bool = False) -> Done:
     )
 
 
-def _stage(step: Step, watch: Watch, turns: bool, models: Mapping[str, ObjectModel]) -> Stage:
-    plan, frame = watch.plan, watch.frame
+def stage_of(step: Step, watch: Watch, turns: bool, models: Mapping[str, ObjectModel]) -> Stage:
+    """What came of one step that was watched; `turns` tells whether its object has a heading."""
+    # What is done once something was moved aside was planned by the search for that.
+    plan, frame = watch.plan or step.plan, watch.frame
     truly = judged(frame, watch.trace, models) if watch.trace and plan else Verdict(None)
     until = any(clause.kind == "until" for clause in frame.constraints)
     return Stage(

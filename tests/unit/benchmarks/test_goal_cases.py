@@ -7,9 +7,10 @@ from concurrent.futures import ProcessPoolExecutor
 import numpy as np
 import pytest
 
-from benchmarks.goals.cases import Done, run
+from benchmarks.goals.cases import Done, Watch, run, stage_of
 from benchmarks.goals.sentences import EXACT, KINDS, kind_of, pairs, said, target_of
 from benchmarks.goals.worlds import Job, standing
+from benchmarks.rollouts import world
 from grammar.frames import command as g
 from nlcontrol import Controller, Registry
 from nlcontrol.batches.drawn_scenes import (
@@ -23,7 +24,10 @@ from nlcontrol.batches.drawn_scenes import (
     STANDING,
     pushable_models,
 )
+from nlcontrol.results.result import Step
 from planner.geometry.footprints import footprint, overlaps
+from planner.types.plan import Plan
+from planner.types.refusal import Refusal
 
 CASES = 3 * len(KINDS)
 
@@ -162,3 +166,16 @@ def test_what_contradicts_itself_is_drawn_again() -> None:
     _, sentence = said(Job(101, 225))
     assert sentence.sensible
     assert "near the top" not in sentence.text
+
+
+def test_what_is_planned_once_something_is_moved_aside_counts_as_planned() -> None:
+    robot = Controller(world(), registry=Registry.built_in())
+    command = robot.resolve(robot.parse("push the ice tea box 5 cm"))
+    made = robot.plan(command.frames[0])
+    assert isinstance(made, Plan)
+    refusal = Refusal(code="in_the_way", reason="blocked", message="something is in the way")
+    watch = Watch(command.frames[0], plans=[refusal], planning=[0.1])
+    stage = stage_of(Step(frame=0, status="planned", plan=made), watch, True, robot.models)
+    assert stage.planned
+    assert stage.probability == made.probability
+    assert not stage_of(Step(frame=0, status="refused"), watch, True, robot.models).planned
