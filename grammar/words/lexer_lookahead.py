@@ -16,6 +16,7 @@ _PERCENT = re.compile(r"[^ %]+ ?(?:%|percent|per cent)(?= |$)")
 _NAMED = re.compile(r" (?:the|my|your|our|its|it|this|that|\")")
 _CONTACT = re.compile(r" (?:any )?contact with ")
 _ARTICLE = re.compile(r"an? ")
+_BEFORE_QUESTIONS = ("", "FILLER", "TELL", "SEPARATOR")  # what is in it may be asked behind these
 _BEFORE_QUANTITIES = ("in", "under", "above", "below")
 _ASKED = ("CAN_YOU", "HOW", "HOW_HARD", "HOW_MUCH_DOES", "SEEN", "WHAT_CAN", "WHAT_DID", "WHAT_IF",
           "WHAT_IS", "WHERE", "WHERE_IS", "WHERE_WILL", "WHICH_CAN", "WHICH_IS",
@@ -141,6 +142,9 @@ class Lookahead:
         return {
             **dict.fromkeys(BEFORE_NUMBERS, self._before_a_number),
             "AMOUNT": self._no_little_box,
+            "CONTENTS": lambda phrase, _text, _end, last: (
+                not phrase.startswith("what is") or last not in _BEFORE_QUESTIONS
+            ),
             "CUPS": self._no_cup,
             "THE": lambda phrase, text, end, _last: (
                 phrase != "its" or not self._any("SIDE_OF_OBJECT", text, end + 1)

@@ -40,8 +40,10 @@ def property_answer(frame: g.Frame, state: WorldState, position_sd: float) -> An
     for name in which or EVERYTHING:
         if name == "position":
             text, figures = _position(target, position_sd)
-        elif name == "load":
+        elif name == "load" or (name == "fill" and target.model.inside is not None):
             text, figures = _load(target, state)
+        elif name == "support":
+            text, figures = f"stands {standing_text(target, state)}", {"height": target.pose.z}
         elif name == "fill" and target.model.vessel is not None:
             text, figures = _fill(target)
         elif name in _TOLD:
@@ -50,7 +52,8 @@ def property_answer(frame: g.Frame, state: WorldState, position_sd: float) -> An
             raise _unknown(name, target, goal.spans or frame.spans)
         parts.append(text)
         numbers |= figures
-    source = "" if which and set(which) <= _SEEN else f" ({_source(target, which or EVERYTHING)})"
+    seen = _SEEN if target.model.inside is None else _SEEN | {"fill"}
+    source = "" if which and set(which) <= seen else f" ({_source(target, which or EVERYTHING)})"
     text = f"The {target.name} {enumeration(parts)}{source}."
     return Answer(query="value", text=text, numbers=numbers)
 
@@ -138,11 +141,14 @@ def _centre_of_mass(target: SeenObject) -> Told:
 def _load(target: SeenObject, state: WorldState) -> Told:
     carried = state.carried_by(target.name)
     names = enumeration([f"the {each.name}" for each in carried]) or "nothing"
-    return f"carries {names}", {"objects": float(len(carried))}
+    does = "carries" if target.model.inside is None else "contains"
+    return f"{does} {names}", {"objects": float(len(carried))}
 
 
-def _support(target: SeenObject) -> Told:
-    return f"stands on the {target.on or 'table'}", {"height": target.pose.z}
+def standing_text(seen: SeenObject, state: WorldState) -> str:
+    """On or in what an object stands, in words."""
+    where = "in" if state.stands_inside(seen) else "on"
+    return f"{where} the {seen.on or 'table'}"
 
 
 def _position(target: SeenObject, sd: float) -> Told:
@@ -163,5 +169,4 @@ _TOLD: dict[str, Callable[[SeenObject], Told]] = {
     "length": _side("length", "deep"),
     "size": _size,
     "centre_of_mass": _centre_of_mass,
-    "support": _support,
 }

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from grammar.frames import command as g
 from nlcontrol.questions.answer import Answer
 from nlcontrol.questions.asked_push import target_of
-from nlcontrol.questions.property_values import property_answer
+from nlcontrol.questions.property_values import property_answer, standing_text
 from nlcontrol.references.object_names import name_words
 from nlcontrol.text_format import enumeration, place_text, quantity
 from planner import plan
@@ -38,7 +38,8 @@ def scene_answer(state: WorldState) -> Answer:
     """The objects on the table, and where each of them stands."""
     seen = sorted(state.objects.values(), key=lambda each: each.pose.x)
     lines = tuple(
-        f"the {s.name} at {place_text(s.pose.x, s.pose.y)}" + (f", on the {s.on}" if s.on else "")
+        f"the {s.name} at {place_text(s.pose.x, s.pose.y)}"
+        + (f", {standing_text(s, state)}" if s.on else "")
         for s in seen
     )
     names = enumeration([f"the {each.name}" for each in seen]) or "nothing"

@@ -279,8 +279,7 @@ class Conversation:
         self._speak_of(kept.frames, joins=meant.joins)
         for step in kept.steps:
             if step.execution and step.plan and step.before:
-                done, rest = step.plan, step.basis.target.rest if step.basis else None
-                self.past.append(PastPush(kept, done.object, step.before, done.task, rest))
+                self.past.append(PastPush.from_step(kept, step.plan, step.before, step.basis))
         del self.past[:-REMEMBERED]
         self.context = replace(self.context, moved=tuple(push.object for push in self.past))
 

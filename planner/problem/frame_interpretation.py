@@ -197,7 +197,8 @@ def require_no_load(target: SeenObject, state: WorldState) -> None:
         NoPlanError: something does.
     """
     for seen in state.carried_by(target.name):
-        raise no_plan("carries", object=target.name, other=seen.name)
+        code = "contains" if state.stands_inside(seen) else "carries"
+        raise no_plan(code, object=target.name, other=seen.name)
 
 
 def require_on_table(target: SeenObject, state: WorldState) -> None:
@@ -208,7 +209,8 @@ def require_on_table(target: SeenObject, state: WorldState) -> None:
     """
     require_no_load(target, state)
     if target.on is not None:
-        raise no_plan("stands_on", object=target.name, other=target.on)
+        code = "stands_in" if state.stands_inside(target) else "stands_on"
+        raise no_plan(code, object=target.name, other=target.on)
 
 
 def require_other_objects(frame: g.Frame) -> None:

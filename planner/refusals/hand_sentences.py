@@ -109,6 +109,12 @@ _GRASPS = {
     "stands_on": blocked(
         "the {object} stands on the {other}", ("take the {object} off the {other} first",)
     ),
+    "contains": blocked(
+        "the {other} stands in the {object}", ("take the {other} out of the {object} first",)
+    ),
+    "stands_in": blocked(
+        "the {object} stands in the {other}", ("take the {object} out of the {other} first",)
+    ),
     "place_taken": blocked(
         "{what} cannot be put there: the {other} stands there", ("move the {other} first",)
     ),

@@ -75,7 +75,7 @@ class SeenObject:
             one.
         lid_at: where the middle of a lid that is off lies in W, its lower side [m]; None if it is
             on, or does not lie level.
-        on: name of the object on which it stands; None on the table.
+        on: name of the object on which, or in which, it stands; None on the table.
     """
 
     name: str
@@ -216,6 +216,10 @@ class WorldState:
     table: TableState = TableState(-0.2, 1.2, -0.8, 0.8)
     held: Held | None = None
 
+    def stands_inside(self, seen: SeenObject) -> bool:
+        """Return True if an object stands in an open box."""
+        return seen.on is not None and self.objects[seen.on].model.inside is not None
+
     def carried_by(self, name: str) -> tuple[SeenObject, ...]:
-        """Objects that stand on one."""
+        """Objects that stand on one, or in it."""
         return tuple(seen for seen in self.objects.values() if seen.on == name)

@@ -1,10 +1,10 @@
 """The way back: frames that bring objects to where they were before something was done to them.
 
 A held object is set down where it was taken; a lid that was opened is closed, and the other way
-round; what was poured stays where it is, with a note. Otherwise the way back is pushed: an object
-that turned is turned back, and pushed from where the robot sees it now to where it saw it before,
-the last sentence first. A round object is turned back only if it was to be turned; else a note
-names its turn.
+round; what was poured stays where it is, with a note. What was put on another object or into it, or
+taken from there, is put back. Otherwise the way back is pushed: an object that turned is turned
+back, and pushed from where the robot sees it now to where it saw it before, the last sentence
+first. A round object is turned back only if it was to be turned; else a note names its turn.
 """
 
 from __future__ import annotations
@@ -23,8 +23,9 @@ from planner.geometry.directions import angle_between, heading_of, phrase
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result
     from objectmodels.models.resting_face import Resting
+    from planner.explanation.push_explanation import Basis
     from planner.types.defaults import Defaults
-    from planner.types.plan import PlanTask
+    from planner.types.plan import Plan, PlanTask
     from planner.types.world_state import PlanarPose, SeenObject, WorldState
 
 
@@ -38,6 +39,7 @@ class PastPush:
         before: where the robot saw it before.
         task: what the plan amounted to.
         rest: how it lay then, if not on its bottom.
+        on: on or in what it stood then; None on the table.
     """
 
     of: Result
@@ -45,11 +47,21 @@ class PastPush:
     before: PlanarPose
     task: PlanTask = "push"
     rest: Resting | None = None
+    on: str | None = None
+
+    @classmethod
+    def from_step(cls, of: Result, plan: Plan, before: PlanarPose, basis: Basis | None) -> PastPush:
+        """What a step did, whose plan had a basis."""
+        if basis is None:
+            return cls(of, plan.object, before, plan.task)
+        return cls(of, plan.object, before, plan.task, basis.target.rest, basis.target.on)
 
     def object_before(self, now: SeenObject) -> SeenObject:
         """The object as it was before."""
         model = now.standing_model if self.rest is None else self.rest.model
-        return replace(now, pose=self.before, model=model, rest=self.rest, attitude=None)
+        return replace(
+            now, pose=self.before, model=model, rest=self.rest, attitude=None, on=self.on
+        )
 
 
 @dataclass(frozen=True)
@@ -91,7 +103,10 @@ def undo_frames(pushed: Sequence[PastPush], state: WorldState, defaults: Default
         turns = not isinstance(now.model.base, Disc) or _was_to_turn(push)
         if not turns and turn > defaults.no_turn:
             notes.append(f"that the {push.object} turned by {quantity(turn, 'rad')} is not undone")
-        found += [(frame, push) for frame in _back(now, before, turns, defaults)]
+        if now.on != before.on:
+            found.append((_put_back(now, before, state), push))
+        else:
+            found += [(frame, push) for frame in _back(now, before, turns, defaults)]
         # The push before it is undone from where this one will leave the object.
         here[push.object] = before
     return WayBack(tuple(f for f, _ in found), tuple(p for _, p in found), tuple(notes))
@@ -111,6 +126,16 @@ def _set_down(now: SeenObject, there: PlanarPose, defaults: Defaults) -> g.Frame
         return _frame("place", now, g.SetDown())
     place = g.Place(relation="at", reference=g.Point(x=there.x, y=there.y))
     return _frame("place", now, place)
+
+
+def _put_back(now: SeenObject, before: SeenObject, state: WorldState) -> g.Frame:
+    """Puts an object on the table, on another one or into it, where it stood."""
+    goal = g.Place(relation="at", reference=g.Point(x=before.pose.x, y=before.pose.y))
+    if before.on is not None:
+        lower = g.ObjectRef(text=before.on, noun=before.on)
+        relation = "in" if state.stands_inside(before) else "on"
+        goal = g.Place(relation=relation, reference=(lower,))
+    return _frame("place", now, goal)
 
 
 def _was_to_turn(push: PastPush) -> bool:

@@ -81,3 +81,16 @@ def test_what_stands_to_each_other_is_said_at_once(text: str, understood: str) -
         f.object and f.object.text for f in said.frames
     ]
     assert [f.goal.kind for f in again] == [f.goal.kind for f in said.frames]
+
+
+@pytest.mark.parametrize("text", ["what is in the bin?", "tell me what is inside the bin"])
+def test_what_stands_in_it_is_asked(text: str) -> None:
+    frame = only_frame(text)
+    assert frame.query == "value"
+    assert isinstance(frame.goal, g.Parameters)
+    assert frame.goal.which == ("fill",)
+
+
+def test_what_is_in_it_is_poured() -> None:
+    goal = only_frame("pour what is in the jar into the mug").goal
+    assert isinstance(goal, g.Pour)

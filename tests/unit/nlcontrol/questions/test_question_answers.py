@@ -561,3 +561,24 @@ def test_what_stands_on_what_is_told_by_the_camera() -> None:
     refused = high.say("push the book to the left", plan_only=True).error
     assert refused is not None
     assert refused.code == "blocked"
+
+
+def test_what_stands_in_an_open_box_is_told() -> None:
+    bins = Controller(
+        parse_scene(
+            """
+            version: 1
+            name: bins
+            objects:
+              - {name: bin, model: storage bin, pose: {x_m: 0.45, y_m: 0.1}}
+              - {name: mug, model: mug, pose: {x_m: 0.46, y_m: 0.12, z_m: 0.004}}
+            """
+        )
+    )
+    said = ("what is in the bin?", "what is under the mug?", "what is in the mug?")
+    answers = [answer.text for answer in (bins.say(each).answer for each in said) if answer]
+    assert answers[:2] == ["The bin contains the mug.", "The mug stands in the bin."]
+    assert answers[2].startswith("The mug holds 0 ml")
+    seen = bins.say("what do you see?").answer
+    assert seen is not None
+    assert any(line.endswith(", in the bin") for line in seen.lines)

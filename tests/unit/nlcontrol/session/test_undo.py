@@ -242,3 +242,21 @@ def test_what_stands_there_is_left(conversation: Conversation, stage: PlayedExec
     assert (result.status, result.plan) == ("done", None)
     assert result.answer is not None
     assert result.answer.text == f"The ice tea box is where it was before “{PUSH}”."
+
+
+@pytest.mark.parametrize(("before", "after"), [("storage bin", None), (None, "storage bin")])
+def test_what_went_in_or_out_of_a_box_goes_back(before: str | None, after: str | None) -> None:
+    of = Result(ok=True, status="done", text="", scene="counter", seed=0)
+    known = Registry.built_in()
+    bin_ = SeenObject("storage bin", PlanarPose(0.5, 0.0), known.get("storage bin"))
+    mug = SeenObject("mug", PlanarPose(0.5, 0.3), known.get("mug"), on=after)
+    state = WorldState({"storage bin": bin_, "mug": mug})
+    there = PlanarPose(0.45, 0.02, z=0.0 if before is None else 0.004)
+    (frame,) = undo_frames([PastPush(of, "mug", there, "place", on=before)], state, DEFAULTS).frames
+    assert isinstance(frame.goal, g.Place)
+    if before is None:
+        assert frame.goal.reference == g.Point(x=0.45, y=0.02)
+    else:
+        assert frame.goal.relation == "in"
+        assert isinstance(frame.goal.reference, tuple)
+        assert [ref.text for ref in frame.goal.reference] == [before]

@@ -185,4 +185,5 @@ def test_a_full_box_takes_nothing_and_is_not_pushed(table: WorldState, hand: Rul
     full = WorldState({**full.objects, "book": straight}, full.table)
     refusal = refused("put the book into the storage bin", full, hand)
     assert (refusal.code, refusal.reason) == ("box_is_full", "blocked")
-    assert refused("push the storage bin away by 5 cm", full, hand).code == "carries"
+    assert refused("push the storage bin away by 5 cm", full, hand).code == "contains"
+    assert refused("push the mug to the left", full, hand).code == "stands_in"
