@@ -49,6 +49,9 @@ PICTURES: dict[str, tuple[View, ...]] = {
         View("stand the sugar box up", 11.5, scene="examples/fallen_sugar_box.yaml"),
     ),
     "replay_swap.png": (View("swap the sugar box and the tea tin", 75.0, scene="workbench"),),
+    "replay_into.png": (
+        View("put the soup can into the bin", 15.5, scene="examples/storage_bin.yaml"),
+    ),
     "replay_phone.png": (
         View("open the jar", 8.4, size=PHONE, scene="pantry"),
         View("topple the ice tea box", 10.3, "dark", PHONE),

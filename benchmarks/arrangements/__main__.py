@@ -3,6 +3,7 @@
     python -m benchmarks.arrangements --cases 60 --plan-only
     python -m benchmarks.arrangements --cases 26 --record arrangements.jsonl
     python -m benchmarks.arrangements --kinds swap,row --cases 6 --no-run
+    python -m benchmarks.arrangements --boxes --cases 20
 
 A case depends on its seed and number alone. With `--record` results are kept as they come, and a
 broken run goes on where it was. Times are of the processor, so that they hold on a busy machine.
@@ -20,7 +21,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.arrangements.arranged_cases import Done, run
-from benchmarks.arrangements.arranged_worlds import KINDS, Job, draw_case
+from benchmarks.arrangements.arranged_worlds import BOX_KINDS, KINDS, Job, draw_case
 from benchmarks.record import carried_out
 
 
@@ -28,7 +29,7 @@ def report(results: Sequence[Done]) -> str:
     """Tables of what was accepted and satisfied, times, and everything that went amiss."""
     lines = [f"{'kind':9} {'cases':>5} {'sensible':>8} {'accepted':>8} {'executed':>8} "
              f"{'satisfied':>9} {'false':>5} {'harm':>4}"]  # fmt: skip
-    for kind in (*KINDS, None):
+    for kind in (*KINDS, *BOX_KINDS, None):
         some = [done for done in results if kind in (done.kind, None)]
         lines += [_row(kind or "all", some)] if some else []
     times = [done.planning for done in results]
@@ -75,6 +76,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--cases", type=int, default=len(KINDS))
     parser.add_argument("--first", type=int, default=0, help="number of the first case")
     parser.add_argument("--kinds", type=_kinds, default=list(KINDS), help="with commas")
+    parser.add_argument("--boxes", action="store_true", help="cases about open boxes")
     parser.add_argument("--plan-only", action="store_true", help="carry nothing out")
     parser.add_argument("--no-run", action="store_true", help="list the sentences only")
     parser.add_argument("--workers", type=int, default=2)
@@ -90,8 +92,9 @@ def _tell(done: Done) -> None:
 def main() -> int:
     """Runs what the options choose and prints the tables."""
     options = _options()
-    numbered = (Job(options.seed, number) for number in itertools.count(options.first))
-    chosen = (job for job in numbered if job.kind in options.kinds)
+    numbers = itertools.count(options.first)
+    numbered = (Job(options.seed, number, options.boxes) for number in numbers)
+    chosen = (job for job in numbered if options.boxes or job.kind in options.kinds)
     jobs = list(itertools.islice(chosen, options.cases))
     if options.no_run:
         for job in jobs:

@@ -211,6 +211,37 @@ def _off(wish: Wish, things: Standing) -> bool:
     return may_be_held(own, state) and _fits_beside(own, lower, rest)
 
 
+def _into(wish: Wish, things: Standing) -> bool:
+    """With some heading there is a free place for it between the walls."""
+    own, box = (things[name] for name in (*wish.moved, *wish.told))
+    inside = box.model.inside
+    assert inside is not None, "it is put into an open box"
+    contents = [seen for seen in things.values() if seen.on == box.name]
+    half, R_WB = 0.5 * np.array(inside.size), box.pose.R_WB[:2, :2]
+    grid = np.stack(np.meshgrid(*(np.arange(-h, h, _STEP) for h in half)), -1).reshape(-1, 2)
+    rest = _others(things, own.name, box.name, *(seen.name for seen in contents))
+    held = may_be_held(own, WorldState({seen.name: seen for seen in (own, *rest)}, _TABLE))
+    return held and any(
+        _is_within(there, box, half) and all(gap(footprint(there), footprint(o)) >= D.clearance
+                                             for o in contents)
+        for there in (
+            _turned_at(own, heading, R_WB @ spot + _here(box))
+            for heading in _HEADINGS
+            for spot in grid
+        )
+    )  # fmt: skip
+
+
+def _turned_at(seen: SeenObject, heading: float, xy: Array) -> SeenObject:
+    there = _at(seen, xy)
+    return replace(there, pose=replace(there.pose, yaw=heading))
+
+
+def _is_within(seen: SeenObject, box: SeenObject, half: Array) -> bool:
+    in_B = (footprint(seen) - _here(box)) @ box.pose.R_WB[:2, :2]
+    return bool((np.abs(in_B) <= half - D.clearance).all())
+
+
 _TABLE = TableState(-0.2, 1.2, -0.8, 0.8)
 
 _LABELS: dict[Kind, Callable[[Wish, Standing], bool]] = {
@@ -227,4 +258,6 @@ _LABELS: dict[Kind, Callable[[Wish, Standing], bool]] = {
     "stand": _stand,
     "on": _on,
     "off": _off,
+    "into": _into,
+    "out of": _off,
 }

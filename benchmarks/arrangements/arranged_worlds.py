@@ -28,6 +28,7 @@ from nlcontrol.batches.drawn_scenes import (
     scene_of,
 )
 from objectmodels import BoxModel, CylinderModel, ObjectModel, Registry
+from objectmodels.models.top_face import standing_height
 from planner.geometry.footprints import footprint, gap
 from planner.types.defaults import DEFAULTS as D
 from planner.types.world_state import PlanarPose, SeenObject
@@ -35,11 +36,14 @@ from sim.cell.cell_description import Vision
 from sim.rotations import rot_x, rot_y
 from sim.truth.scene_file import Pose, Scene, SceneObject
 
-KINDS: tuple[Kind, ...] = get_args(Kind)
+BOX_KINDS: tuple[Kind, ...] = ("into", "out of")
+"""Kinds about an open box; their cases are numbered by themselves."""
+KINDS: tuple[Kind, ...] = tuple(kind for kind in get_args(Kind) if kind not in BOX_KINDS)
 TRIES = 30
 """Worlds that are drawn until one makes sense."""
 BLIND = 0.1
 """Share of the sentences that need not make sense."""
+_TRIES_INSIDE = 200  # places in a box that are tried for a thing
 CLOSE = (0.05, 0.08)
 """Gap at which something stands that is to make room, or is in the way [m]."""
 
@@ -50,15 +54,17 @@ _PUSHED: dict[Way, str] = {
 
 
 class Job(NamedTuple):
-    """One case: which world and sentence."""
+    """One case: which world and sentence, and whether it is one of those about open boxes."""
 
     seed: int
     number: int
+    boxes: bool = False
 
     @property
     def kind(self) -> Kind:
         """Of its sentence."""
-        return KINDS[self.number % len(KINDS)]
+        kinds = BOX_KINDS if self.boxes else KINDS
+        return kinds[self.number % len(kinds)]
 
 
 class Asked(NamedTuple):
@@ -72,7 +78,7 @@ class Asked(NamedTuple):
 
 def draw_case(job: Job) -> Asked:
     """The case of a job."""
-    rng = np.random.default_rng((job.seed, job.number))
+    rng = np.random.default_rng((job.seed, job.number, *[1] * job.boxes))
     blind = bool(rng.random() < BLIND)
     for _ in range(1 if blind else TRIES):
         things = _DRAWN.get(job.kind, _stand_about)(job.kind, rng)
@@ -97,7 +103,7 @@ def _scene_object(seen: SeenObject, truth: object, things: Sequence[SeenObject])
     if seen.pose.attitude is not None:
         R = np.reshape(seen.pose.attitude, (3, 3))
         roll, pitch = (90.0 * round(float(sine)) for sine in (R[2, 1], R[0, 2]))
-    z = next((other.model.top for other in things if other.name == seen.on), 0.0)
+    z = next((standing_height(other.model) for other in things if other.name == seen.on), 0.0)
     yaw = math.degrees(seen.pose.yaw)
     pose = Pose(x_m=seen.pose.x, y_m=seen.pose.y, z_m=z, yaw_deg=yaw, roll_deg=roll,
                 pitch_deg=pitch)  # fmt: skip
@@ -118,7 +124,7 @@ def _maybe_fragile(item: SceneObject, rng: Generator) -> SceneObject:
 
 _NEEDED: dict[Kind, int] = {
     "swap": 2, "row": 3, "together": 2, "between": 3, "clear": 2, "room": 1, "aside": 1,
-    "blocked": 1, "facing": 2, "straight": 1, "stand": 1, "on": 2, "off": 1,
+    "blocked": 1, "facing": 2, "straight": 1, "stand": 1, "on": 2, "off": 1, "into": 1, "out of": 1,
 }  # fmt: skip
 
 
@@ -224,7 +230,11 @@ def _stacked(kind: Kind, rng: Generator) -> list[SeenObject]:
 def _lower(first: ObjectModel, rng: Generator) -> ObjectModel:
     """A book or a box on which something may stand."""
     boxes = [model for model in Registry.built_in() if isinstance(model, BoxModel)]
-    fitting = [model for model in boxes if model.name != first.name and model.top < 0.2]
+    fitting = [
+        model
+        for model in boxes
+        if model.name != first.name and model.top < 0.2 and model.inside is None
+    ]
     return fitting[int(rng.integers(len(fitting)))]
 
 
@@ -239,12 +249,54 @@ def _with_lower(kind: Kind, rng: Generator) -> list[SeenObject]:
     return things
 
 
+def _with_box(kind: Kind, rng: Generator) -> list[SeenObject]:
+    """Something beside an open box or in it, the box, and one thing more in or beside it."""
+    box = next(model for model in Registry.built_in() if model.inside is not None)
+    first, other = _models(kind, rng)[:2]
+    boxes: list[SeenObject] = []
+    _add(boxes, box, rng, ((0.45, 0.60), (-0.15, 0.15)))
+    inside = [first] if kind == "out of" else []
+    if rng.random() < 0.3:
+        inside.append(other)
+    in_box: list[SeenObject] = []
+    for model in inside:
+        _add_inside(in_box, boxes[0], model, rng)
+    beside = list(boxes)
+    for model in (first, other):
+        if model not in inside and (model is first or rng.random() < 0.5):
+            _add(beside, model, rng, STANDING, GAP + 0.02)
+    found = [*in_box, *beside[1:]]
+    return [*(s for s in found if s.name == first.name), boxes[0],
+            *(s for s in found if s.name != first.name)]  # fmt: skip
+
+
+def _add_inside(
+    things: list[SeenObject], box: SeenObject, model: ObjectModel, rng: Generator
+) -> None:
+    """Adds something that stands somewhere between the walls, if there is room for it."""
+    inside = box.model.inside
+    assert inside is not None, "the box is open"
+    R_WB, half = box.pose.R_WB[:2, :2], 0.5 * np.array(inside.size) - D.clearance
+    for _ in range(_TRIES_INSIDE):
+        x, y = (R_WB @ rng.uniform(-half, half) + box.pose.p_WB[:2]).tolist()
+        pose = PlanarPose(x, y, float(rng.uniform(-math.pi, math.pi)))
+        seen = SeenObject(model.name, pose, model, on=box.name)
+        off = np.abs((footprint(seen) - box.pose.p_WB[:2]) @ R_WB)
+        if (off <= half).all() and all(
+            _apart(seen, other) >= 2.0 * D.clearance for other in things
+        ):
+            things.append(seen)
+            return
+
+
 _DRAWN: dict[Kind, Callable[[Kind, Generator], list[SeenObject]]] = {
     "room": _close_by,
     "blocked": _in_the_way,
     "stand": _fallen,
     "on": _with_lower,
     "off": _stacked,
+    "into": _with_box,
+    "out of": _with_box,
 }
 
 
@@ -261,9 +313,11 @@ _SAID: dict[Kind, tuple[str, ...]] = {
     "stand": ("stand {a} up", "set {a} upright", "put {a} upright"),
     "on": ("put {a} on {b}",),
     "off": ("take {a} off {b}",),
+    "into": ("put {a} into {b}", "put {a} in {b}"),
+    "out of": ("take {a} out of {b}",),
 }
 _MOVED: dict[Kind, int] = {"swap": 2, "row": 3, "together": 2}
-_TOLD: dict[Kind, int] = {"between": 2, "facing": 1, "on": 1, "off": 1}
+_TOLD: dict[Kind, int] = {"between": 2, "facing": 1, "on": 1, "off": 1, "into": 1, "out of": 1}
 
 
 def _said(kind: Kind, things: Sequence[SeenObject], rng: Generator) -> tuple[str, Wish]:

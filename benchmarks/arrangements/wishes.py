@@ -26,7 +26,7 @@ from planner.types.defaults import DEFAULTS as D
 
 Kind = Literal[
     "swap", "row", "together", "between", "clear", "room", "aside", "blocked", "facing",
-    "straight", "stand", "on", "off",
+    "straight", "stand", "on", "off", "into", "out of",
 ]  # fmt: skip
 Way = Literal["left", "right", "away", "toward"]
 
@@ -256,6 +256,17 @@ def _is_off(wish: Wish, before: Things, after: Things) -> bool:
     return gap(own.outline, lower.outline) > 0.0 and _stand(wish, before, after)
 
 
+def _is_in(wish: Wish, before: Things, after: Things) -> bool:
+    """Return True if it stands on the floor of an open box, all of it between the walls."""
+    own, box = after[wish.moved[0]], after[wish.told[0]]
+    inside = box.model.inside
+    assert inside is not None, "it is put into an open box"
+    in_B = (own.corners - box.p_WB) @ box.R_WB
+    between = bool((np.abs(in_B[:, :2]) <= 0.5 * np.array(inside.size)).all())
+    low = abs(float(in_B[:, 2].min()) - inside.floor) <= TOUCHES
+    return between and low and max(own.tilt, box.tilt) <= SLACK * D.rest_tilt
+
+
 _CONDITIONS: dict[Kind, Callable[[Wish, Things, Things], bool]] = {
     "swap": _swapped,
     "row": _in_row,
@@ -270,4 +281,6 @@ _CONDITIONS: dict[Kind, Callable[[Wish, Things, Things], bool]] = {
     "stand": _stands,
     "on": _is_on,
     "off": _is_off,
+    "into": _is_in,
+    "out of": _is_off,
 }

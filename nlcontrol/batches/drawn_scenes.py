@@ -44,7 +44,7 @@ FRAGILE = 0.25
 
 _TRIES = 200  # places that are tried for an object before it is left out
 _GRIP = 0.01  # an object must be so much higher than the lowest contact [m]
-_HANDLED = frozenset({"ice tea", "ice tea cup", "jar"})
+_HANDLED = frozenset({"ice tea", "ice tea cup", "jar", "storage bin"})
 
 
 def draw_scene(recipe: DrawnScene) -> Scene:
@@ -104,8 +104,8 @@ def draw_scene_with(
 def pushable_models() -> tuple[ObjectModel, ...]:
     """Built-in models that are high enough for a fingertip.
 
-    Those that are there to be opened and poured are left out, so that figures of pushing stay
-    comparable.
+    Those that are there to be opened and poured, or to be put into, are left out, so that figures
+    of pushing stay comparable.
     """
     models = (model for model in Registry.built_in() if model.name not in _HANDLED)
     return tuple(model for model in models if model.top > lowest_contact(HAND) + _GRIP)

@@ -15,6 +15,8 @@ import numpy as np
 
 from objectmodels.models.convex_hull import HullModel
 from objectmodels.models.object_model import ObjectModel
+from objectmodels.models.object_parts import Cavity
+from objectmodels.models.open_box import open_box_parts
 from objectmodels.models.upright_solids import BoxModel, CylinderModel
 from objectmodels.models.vessel import Vessel
 from sim.rotations import quaternion, rot_z
@@ -67,6 +69,8 @@ def object_shapes(item: SceneObject, shapes: list[Shape]) -> list[Shape]:
 def believed_shapes(name: str, model: ObjectModel) -> list[Shape]:
     """The shapes of an object as it is believed to be, with its name on the sides of a box."""
     if isinstance(model, BoxModel):
+        if model.inside is not None:
+            return _open_box(name, model.extents, model.inside)
         return box_shapes(name, model.extents)
     if isinstance(model, CylinderModel):
         round_shapes = [_turned(model)]
@@ -101,6 +105,15 @@ def box_shapes(name: str, size: Sequence[float]) -> list[Shape]:
     """A box that stands on the table, with its name on it; its edges are along x, y and z [m]."""
     x, y, z = size
     return [_box("solid", (x, y, z), (0.0, 0.0, z / 2), _CARDBOARD), *_labels(name, (x, y, z))]
+
+
+def _open_box(name: str, size: tuple[float, float, float], inside: Cavity) -> list[Shape]:
+    """The floor and the walls of an open box, with its name on them."""
+    parts = [
+        _box("solid", (high - low).tolist(), ((low + high) / 2.0).tolist(), _CARDBOARD)
+        for low, high in open_box_parts(size, inside)
+    ]
+    return [*parts, *_labels(name, size)]
 
 
 def furniture(scene: Scene, shapes: list[Shape]) -> list[Shape]:

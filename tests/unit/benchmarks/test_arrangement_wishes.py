@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from benchmarks.arrangements.arranged_labels import is_sensible, slides
-from benchmarks.arrangements.arranged_worlds import KINDS, Job, draw_case
+from benchmarks.arrangements.arranged_worlds import BOX_KINDS, KINDS, Job, draw_case
 from benchmarks.arrangements.wishes import Placed, Wish, harm, is_met
 from benchmarks.goals.worlds import standing
 from objectmodels import Registry
@@ -20,6 +20,7 @@ def thing(model: str, x: float, y: float, z: float = 0.0, yaw: float = 0.0) -> P
 
 
 TIN, BOX, BOOK = thing("tea tin", 0.5, 0.2), thing("coffee box", 0.6, 0.0), thing("book", 0.5, -0.2)
+BIN = thing("storage bin", 0.5, -0.2)
 BEFORE = {"tin": TIN, "box": BOX, "book": BOOK}
 
 
@@ -71,6 +72,17 @@ def turned(placed: Placed, R: np.ndarray) -> Placed:
             {"tin": at(TIN, 0.5, -0.33, 0.03)},
         ),
         (Wish("stand", ("box",)), {}, {"box": turned(BOX, rot_x(0.1))}),
+        (
+            Wish("into", ("tin",), ("bin",)),
+            # Half the inside is 106 mm, the tin 45 mm along x from its middle to a corner.
+            {"bin": BIN, "tin": at(TIN, 0.56, -0.2, 0.004)},
+            {"bin": BIN, "tin": at(TIN, 0.562, -0.2, 0.004)},
+        ),
+        (
+            Wish("out of", ("tin",), ("bin",)),
+            {"bin": BIN, "tin": at(TIN, 0.66, -0.2)},
+            {"bin": BIN, "tin": at(TIN, 0.65, -0.2)},
+        ),
     ],
 )
 def test_the_judge_tells_from_where_things_are(
@@ -78,6 +90,16 @@ def test_the_judge_tells_from_where_things_are(
 ) -> None:
     assert is_met(wish, BEFORE, BEFORE | met)
     assert not is_met(wish, BEFORE, BEFORE | missed)
+
+
+@pytest.mark.parametrize("number", range(2))
+def test_a_case_about_an_open_box_has_one(number: int) -> None:
+    job = Job(5, number, boxes=True)
+    one, other = draw_case(job), draw_case(job)
+    assert (one.scene, one.text, one.wish) == (other.scene, other.text, other.wish)
+    assert (one.wish.kind, one.wish.told) == (BOX_KINDS[number], ("storage bin",))
+    inside = {item.name for item in one.scene.objects if item.pose.z_m > 0.0}
+    assert (one.wish.moved[0] in inside) == (one.wish.kind == "out of")
 
 
 def test_a_side_faces_what_it_is_square_to() -> None:
