@@ -143,7 +143,11 @@ def test_every_model_is_drawn_as_large_as_it_is_believed() -> None:
         model, solid = models[body["name"]], body["shapes"][0]
         match solid["kind"]:
             case "box":
-                size = tuple(solid["size"])
+                # An open box is drawn as its floor and its walls.
+                boxes = [each for each in body["shapes"] if each["kind"] == "box"]
+                middles = np.array([each["pose"][4:] for each in boxes])
+                halves = np.array([each["size"] for each in boxes]) / 2.0
+                size = tuple((middles + halves).max(axis=0) - (middles - halves).min(axis=0))
             case "lathe":
                 radius, height = np.max(solid["profile"], axis=0)
                 size = (2 * radius, 2 * radius, height)
