@@ -6,8 +6,7 @@ is a pattern of contacts about its middle (`planner.types.robot.Grip`); all of t
 sides, between the heights that the model's file prefers, or anywhere where that does not do or the
 file says none. Sides may lean a little, as those of a hull do: such a wedge takes a part of the
 friction. Along the sides the middle is where the centre of mass is, so that the weight does not
-turn the object about the line across. A knob or a cap is held from above, with the fingers around
-it.
+turn the object about the line across. A knob or a cap is held from above, by fingers around it.
 
 Frame: B of the object.
 """
@@ -40,6 +39,7 @@ _BORDER = 0.004  # distance of a contact from the border of its side [m]
 _OVER = 0.0015  # between fingertips and what a knob stands on [m]
 _SQUARE = np.array([0.0, math.pi / 2.0])  # pitches at which the fingers come: level, from above
 _ASKEW = np.radians([30.0, 45.0, 60.0])
+_LOW = 0.1  # what is lower is held up to its rim, too: the fingers stay over the table [m]
 _HEIGHTS = 3  # at which each side is tried
 _LEANING = math.sin(math.radians(10.0))  # a side leans no more if it is to be held
 _OPPOSITE = math.cos(math.radians(20.0))  # sides that look away from each other at least so
@@ -47,9 +47,8 @@ _UPRIGHT = 1e-6  # of normals that differ by rounding alone
 _WIDTH_CHANGE = 0.002  # half of what the width between leaning sides may change by [m]
 _OFF_BALANCE = (0.0, 0.01, 0.02)  # before the centre of mass, where it is too deep there [m]
 _DEPTHS = 0.005  # between those for which room is made [m]
-_UP = np.array([0.0, 0.0, 1.0])
+_UP, _LEVEL = np.array([0.0, 0.0, 1.0]), np.array([1.0, 1.0, 0.0])
 _DOWN = -_UP
-_LEVEL = np.array([1.0, 1.0, 0.0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,7 +141,7 @@ def body_candidates(problem: GraspProblem) -> Iterator[list[Candidate]]:
     """Ways to hold an object by its body, in groups: one is looked at if those before do not do.
 
     First come those where its file prefers it, then those anywhere on its sides; each square, then
-    askew; at last those by a hand that makes room for something deep.
+    askew; then those by a hand that makes room for something deep, at last those up to a low rim.
 
     Raises:
         NoPlanError: there is none.
@@ -155,8 +154,11 @@ def body_candidates(problem: GraspProblem) -> Iterator[list[Candidate]]:
     if stated is not None:
         ranges = [(max(stated.lowest, tip), min(stated.highest, anywhere[1])), anywhere]
     ways = [(limits, how, False) for limits, how in product(ranges, (_SQUARE, _ASKEW))]
+    ways.append((anywhere, _SQUARE, True))
+    if target.model.top < _LOW:
+        ways += [((tip, target.model.top - _BORDER), how, False) for how in (_SQUARE, _ASKEW)]
     none = True
-    for (low, high), pitches, deep in [*ways, (anywhere, _SQUARE, True)]:
+    for (low, high), pitches, deep in ways:
         limits = (max(low, asked.low), min(high, asked.high))
         about = (_candidates_about(problem, pair, limits, pitches, deep=deep) for pair in sides)
         found = [candidate for each in about for candidate in each]
@@ -319,8 +321,7 @@ def _candidates_about(
 ) -> Iterator[Candidate]:
     """All ways to hold a pair of sides between two heights.
 
-    A deep object is held where the hand makes room for it, nearer to the palm than where it is in
-    balance if it must.
+    A deep object is held where the hand makes room, nearer to the palm than in balance if it must.
     """
     target, robot = problem.target, problem.robot
     usual = robot.grasp(pair.width)

@@ -17,7 +17,7 @@ from planner.types.refusal import Refusal
 from planner.types.turning_actions import TurnOver
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from tests.unit.planner.conftest import TABLE, RuledReach, frame_of, planned
-from tests.unit.planner.grasping.conftest import RuledHand
+from tests.unit.planner.grasping.conftest import CONTACTS, HAND, RuledHand
 
 ROUNDING = 1e-9
 CUBE = BoxModel(name="cube", size=(0.08, 0.08, 0.08), mass=0.3, friction=1.0, finger_friction=0.4)
@@ -121,6 +121,21 @@ def test_a_hand_from_above_may_end_pointing_to_a_side() -> None:
     assert isinstance(made, Plan), made
     assert heading(made) > 60.0
     assert min(heading(each) for each in hand.plans) < 0.0
+
+
+def test_something_low_is_held_up_to_its_rim_where_lower_fingers_would_hit_the_table() -> None:
+    def highest_contact(made: Plan) -> float:
+        assert made.grasp is not None
+        up = np.cross(made.grasp.approach_W, made.grasp.closing_W)[2]
+        return float(made.grasp.p_BG[2] + np.abs(CONTACTS[:, 1] * up).max())
+
+    state, tip = lying("coffee box", "y", 90.0), HAND.fingertip_radius
+    top = state.objects["coffee box"].model.top
+    hand = RuledHand(holds=lambda made: highest_contact(made) > top - tip + ROUNDING)
+    made = plan(frame_of("stand the coffee box up"), state, hand)
+    assert isinstance(made, Plan), made
+    # 4 mm are left to the border of a side.
+    assert highest_contact(made) == pytest.approx(top - 0.004, abs=ROUNDING)
 
 
 def test_what_no_hand_turns_is_tipped_onto_its_bottom() -> None:
