@@ -31,7 +31,7 @@ def require_level_top(lower: SeenObject) -> None:
     if lower.attitude is not None or lower.model.lid is not None or top_face(lower.model) is None:
         raise no_plan("no_level_top", other=lower.name)
     if lower.model.inside is not None:
-        raise no_plan("no_level_top", other=lower.name, instead=(f"into the {lower.name}",))
+        raise no_plan("no_level_top", other=lower.name, instead=(f"put it into the {lower.name}",))
 
 
 def require_room_inside(problem: GraspProblem, box: SeenObject) -> None:

@@ -75,33 +75,33 @@ _GRASPS = {
         "{what} cannot be put there: the table ends there", ("say another place",)
     ),
     "no_level_top": impossible(
-        "the {other} has no level top to stand on", ("next to the {other}",)
+        "the {other} has no level top to stand on", ("put it next to the {other}",)
     ),
     "not_open": impossible(
         "the {other} is no open box, so that the {object} cannot stand in it",
-        ("next to the {other}",),
+        ("put it next to the {other}",),
     ),
     "too_long_for_box": impossible(
         "the {object} is {excess:mm} too long or too wide for the {other}, with {room:mm} of room "
         "on each side",
-        ("turn the {object} first", "next to the {other}"),
+        ("turn the {object} first", "put it next to the {other}"),
     ),
     "box_is_full": blocked(
         "there is no free place for the {object} in the {box}: the {other} stands there",
         ("take the {other} out of the {box} first",),
     ),
     "falls_in": impossible(
-        "the {object} does not cover the opening of the {other}", ("next to the {other}",)
+        "the {object} does not cover the opening of the {other}", ("put it next to the {other}",)
     ),
     "overhangs": impossible(
         "the {object} would not stand on the {other}: a centre of mass would be {beyond:mm} beyond "
         "the edge of what carries it",
-        ("next to the {other}",),
+        ("put it next to the {other}",),
     ),
     "may_fall_off": too_uncertain(
         "the {object} would stand on the {other} with a probability of {probability:share}, "
         "{margin:mm} from falling, and {asked_probability:share} is asked",
-        ("next to the {other}",),
+        ("put it next to the {other}",),
     ),
     "carries": blocked(
         "the {other} stands on the {object}", ("take the {other} off the {object} first",)

@@ -62,7 +62,7 @@ _PUSHES = {
     "moves_itself": impossible("the {object} cannot move {way} itself", (_ANOTHER_WAY,)),
     "place_at_itself": impossible("the place of the {object} is told by itself", (_ANOTHER_PLACE,)),
     "between_one": impossible(
-        "a place between takes two objects, not the {other} twice", ("next to the {other}",)
+        "a place between takes two objects, not the {other} twice", ("put it next to the {other}",)
     ),
     "no_sides": impossible(
         "the {other} has no sides along which something could lie", ("turn it by an angle",)

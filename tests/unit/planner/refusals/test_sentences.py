@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from grammar import parse
 from planner.refusals.refusal_builder import QUANTITIES, no_plan, refusal
 from planner.refusals.sentences import SENTENCES
 
@@ -50,6 +51,15 @@ def test_each_sentence_is_in_its_words(code: str) -> None:
 def test_each_refusal_says_what_would_do(code: str) -> None:
     assert all(SENTENCES[code].instead)
     assert len(SENTENCES[code].instead) >= 1
+
+
+PLACES = {text for one in SENTENCES.values() for text in one.instead if "{other}" in text}
+
+
+@pytest.mark.parametrize("text", sorted(text for text in PLACES if "next to" in text))
+def test_another_place_is_a_sentence(text: str) -> None:
+    (frame,) = parse(text.format(other="mug")).frames
+    assert frame.action == "place"
 
 
 def test_every_sentence_is_used() -> None:
