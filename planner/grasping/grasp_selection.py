@@ -21,12 +21,13 @@ from objectmodels.geometry.base_shapes import Array
 from objectmodels.mechanics.grasp_stability import Contacts, Lifted, least_squeezes
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.models.object_model import ObjectModel
+from planner.geometry.plain_vectors import plain_vector
 from planner.geometry.spatial_rotations import rotation_about
 from planner.grasping.grasp_lean import Lean
 from planner.grasping.grasp_sampling import Candidate
 from planner.problem.planning_problem import GraspProblem
 from planner.refusals.refusal_builder import no_plan
-from planner.types.actions import Grasp, Vector3
+from planner.types.actions import Grasp
 from planner.types.refusal import NoPlanError
 
 _PATCH = np.array([[0.0, 0.0], [0.0, 0.004], [0.0, -0.004]])  # contacts at a knob [m]
@@ -324,21 +325,15 @@ def _grasp_value(
     R_WB = problem.target.pose.R_WB
     return Grasp(
         part=candidate.part,
-        p_BG=_vector(candidate.middle),
-        closing_W=_vector(R_WB @ candidate.closing),
-        approach_W=_vector(R_WB @ candidate.approach),
+        p_BG=plain_vector(np.round(candidate.middle, 12)),
+        closing_W=plain_vector(np.round(R_WB @ candidate.closing, 12)),
+        approach_W=plain_vector(np.round(R_WB @ candidate.approach, 12)),
         width=candidate.width,
         squeeze=squeeze,
         needed=needed,
         strongest=candidate.grip.strongest,
         depth=candidate.depth,
     )
-
-
-def _vector(v: Array) -> Vector3:
-    # Adding zero turns −0.0 into 0.0 in what people read.
-    x, y, z = (np.round(v, 12) + 0.0).tolist()
-    return x, y, z
 
 
 def _best_experiment(

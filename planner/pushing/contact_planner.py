@@ -18,6 +18,7 @@ import numpy as np
 
 from objectmodels.geometry.base_shapes import Disc
 from planner.geometry.directions import face_name
+from planner.geometry.plain_vectors import plain_vector
 from planner.problem.planning_problem import PushProblem, PushStep, Side
 from planner.problem.tilt_goals import push_with_tilt
 from planner.pushing import outcome_prediction
@@ -220,8 +221,8 @@ def _push_at(problem: PushProblem, step: PushStep, contact: Contact) -> Push:
         object=target.name,
         face=face_name(outward)[0],
         p_BC=_touched_point(problem, contact),
-        normal_W=_vector(outward),
-        direction_W=_vector(push_direction(step, side)),
+        normal_W=plain_vector(outward),
+        direction_W=plain_vector(push_direction(step, side)),
         force_limit=min(
             max(limit, force.least_limit), _largest_force(problem, contact.among.fingers)
         ),
@@ -246,10 +247,10 @@ def _touched_point(problem: PushProblem, contact: Contact) -> Vector3:
     """The contact; that of two fingertips on a round side lies between them, inside of it [m]."""
     face = contact.among.side.face
     if contact.among.fingers == 1 or not face.curvature:
-        return _vector(contact.point)
+        return plain_vector(contact.point)
     tip, radius = problem.robot.limits.fingertip_radius, 1.0 / face.curvature
     inside = radius + tip - math.sqrt((radius + tip) ** 2 - (contact.among.spread / 2.0) ** 2)
-    return _vector(contact.point + inside * contact.among.side.inward)
+    return plain_vector(contact.point + inside * contact.among.side.inward)
 
 
 def _push_with_swing(problem: PushProblem, step: PushStep, contact: Contact, push: Push) -> Push:
@@ -258,7 +259,7 @@ def _push_with_swing(problem: PushProblem, step: PushStep, contact: Contact, pus
     assert found is not None, "its side was chosen for that"
     changes = {
         "p_BC": found.point,
-        "direction_W": _vector(problem.target.pose.R_WB @ np.array(found.direction)),
+        "direction_W": plain_vector(problem.target.pose.R_WB @ np.array(found.direction)),
         "stroke": found.stroke,
         "ends_on": "turned",
         "turn": step.swing,
@@ -309,15 +310,10 @@ def _predicted_displacement(
 ) -> Vector3 | None:
     """Predicted displacement of the object's origin in W [m]; None if the push tips the object."""
     if push.ends_on == "stroke":
-        return _vector(push.stroke * np.array(push.direction_W))
+        return plain_vector(push.stroke * np.array(push.direction_W))
     if push.ends_on != "turned":
         return None
     target = problem.target
     found = turning_push(target.model, contact.among.side.face, step.swing, float(contact.point[2]))
     assert found is not None, "its side was chosen for that"
-    return _vector(target.pose.R_WB @ np.array([*found.pose[:2], 0.0]))
-
-
-def _vector(v: np.ndarray) -> tuple[float, float, float]:
-    x, y, z = v.tolist()
-    return x, y, z
+    return plain_vector(target.pose.R_WB @ np.array([*found.pose[:2], 0.0]))

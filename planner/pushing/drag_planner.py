@@ -19,6 +19,7 @@ from objectmodels.geometry.support_points import is_within
 from objectmodels.mechanics.exact.top_drag import drag_probability, press_range, top_drag
 from objectmodels.models.top_face import top_face
 from planner.geometry.directions import unit
+from planner.geometry.plain_vectors import plain_vector
 from planner.problem.planning_problem import PushProblem
 from planner.pushing.contact_planner import PushCandidate
 from planner.pushing.push_paths import Obstructions, PathSegment, free_length_mark
@@ -26,7 +27,7 @@ from planner.pushing.push_sequence import path_clearances
 from planner.pushing.reach_search import ReachSearch
 from planner.refusals.reach_refusals import no_push_reached
 from planner.refusals.refusal_builder import no_plan
-from planner.types.actions import Aim, Margins, Prediction, Push, PushAction, Vector3
+from planner.types.actions import Aim, Margins, Prediction, Push, PushAction
 from planner.types.plan import Reached
 from planner.types.refusal import NoPlanError
 
@@ -112,9 +113,9 @@ def _drag_along(problem: PushProblem, segment: PathSegment) -> PushAction:
     push = Push(
         object=target.name,
         face="top",
-        p_BC=_vector(point),
+        p_BC=plain_vector(point),
         normal_W=(0.0, 0.0, 1.0),
-        direction_W=_vector(unit(segment.heading)),
+        direction_W=plain_vector(unit(segment.heading)),
         force_limit=min(grip, force.max),
         speed=motion.speed,
         stroke=segment.distance,
@@ -142,7 +143,7 @@ def _drag_along(problem: PushProblem, segment: PathSegment) -> PushAction:
     margins = Margins(
         force=grip - needed, height=0.0, lateral=lateral, sigmas=0.0, force_limit=grip - needed
     )
-    displacement = _vector(segment.displacement)
+    displacement = plain_vector(segment.displacement)
     return PushAction(
         **dict(push), prediction=prediction, margins=margins, displacement=displacement
     )
@@ -185,8 +186,3 @@ def _not_taken_along(
     numbers |= {"needed_force": nominal[0], "asked_probability": problem.effort.probability}
     code = "press_too_weak" if nominal[0] > most else "drag_slips"
     return no_plan(code, numbers, object=target.name)
-
-
-def _vector(v: Array) -> Vector3:
-    x, y, z = v.tolist()
-    return x, y, z

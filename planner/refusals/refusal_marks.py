@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.types.actions import Vector3
+from planner.geometry.plain_vectors import plain_vector
 from planner.types.marks import HeightMark, LengthMark, TiltMark
 
 _About = Literal["topples", "slides", "asked", "reach"]
@@ -44,7 +44,12 @@ def length_mark(
 ) -> LengthMark:
     """The mark of a length from a point along a unit direction, both in W, shape (3,) [m]."""
     end_W = start_W + max(length, 0.0) * direction_W
-    return LengthMark(start_W=_vector(start_W), end_W=_vector(end_W), asked=asked, text=text)
+    return LengthMark(
+        start_W=plain_vector(start_W.round(5)),
+        end_W=plain_vector(end_W.round(5)),
+        asked=asked,
+        text=text,
+    )
 
 
 def tilt_mark(
@@ -65,11 +70,9 @@ def tilt_mark(
     """
     axis_W = np.cross([0.0, 0.0, 1.0], direction_W)
     return TiltMark(
-        object=name, edge_W=_vector(edge_W), axis_W=_vector(axis_W), angle=angle, text=text
+        object=name,
+        edge_W=plain_vector(edge_W.round(5)),
+        axis_W=plain_vector(axis_W.round(5)),
+        angle=angle,
+        text=text,
     )
-
-
-def _vector(values: NDArray[np.float64]) -> Vector3:
-    """Three numbers of an array, to a hundredth of a millimetre."""
-    x, y, z = values.round(5).tolist()
-    return x, y, z

@@ -13,6 +13,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from planner.geometry.plain_vectors import plain_vector
 from planner.types.actions import FlipOver, Grasp, PourOut, PushAction, TurnCap, Vector3
 from planner.types.motion_guide import (
     FlipGuide,
@@ -73,18 +74,18 @@ def _push_guide(push: PushAction, state: WorldState, robot: Robot) -> PushGuide:
     asides = np.linspace(0.5, -0.5, push.fingers) * push.spread
     return PushGuide(
         object=push.object,
-        contact_W=_vector(way.touch - radius * np.array(push.normal_W)),
-        fingertips_W=tuple(_vector(way.touch + aside * left) for aside in asides),
+        contact_W=plain_vector(way.touch - radius * np.array(push.normal_W)),
+        fingertips_W=tuple(plain_vector(way.touch + aside * left) for aside in asides),
         tip_radius=radius,
-        start_W=_vector(way.start),
-        inward_W=_vector(way.inward),
+        start_W=plain_vector(way.start),
+        inward_W=plain_vector(way.inward),
         fingers_W=_fingers(push, state, robot),
         touch_speed=TOUCH_SPEED,
         touch_force=touch_force(push.prediction.onset),
         touch_travel=STANDOFF + TOUCH_BEYOND,
         direction_W=push.direction_W,
         stroke=push.stroke,
-        end_W=_vector(way.end),
+        end_W=plain_vector(way.end),
         hand_turn=way.turn,
         tilt=push.tilt,
         press=push.press,
@@ -127,7 +128,7 @@ def _fingers(push: PushAction, state: WorldState, robot: Robot) -> Vector3 | Non
         answer = reach.push_configuration(push, state)
         if not isinstance(answer, ReachAnswer):
             points = answer[0].R_WP @ answer[0].posture.tip_midpoint
-            return _vector(points / np.linalg.norm(points))
+            return plain_vector(points / np.linalg.norm(points))
     return None
 
 
@@ -147,10 +148,10 @@ def _grasp_guide(plan: Plan, state: WorldState, robot: Robot) -> GraspGuide:
         held=grasp.held,
         thumb_W=thumb,
         fingers_W=tuple(fingers),
-        middle_W=_vector(middle),
+        middle_W=plain_vector(middle),
         closing_W=grasp.closing_W,
         approach_W=grasp.approach_W,
-        start_W=_vector(middle if grasp.held else middle + off),
+        start_W=plain_vector(middle if grasp.held else middle + off),
         reach_speed=REACH_SPEED,
         close_speed=CLOSING_SPEED,
         contact_force=CONTACT,
@@ -176,17 +177,17 @@ def _contacts(handled: HeldObject, middle: Array, robot: Robot) -> tuple[Vector3
         + grip.contacts[:, :1] * approach
         + grip.contacts[:, 1:] * aside
     )
-    return tuple(_vector(point) for point in points)
+    return tuple(plain_vector(point) for point in points)
 
 
 def _leg(segment: HeldSegment) -> HandLeg:
     return HandLeg(
         phase=segment.phase,
         open=segment.free,
-        p_BC=_vector(segment.p_BC),
-        start_W=_vector(segment.start),
-        end_W=_vector(segment.end),
-        axis_W=_vector(segment.axis),
+        p_BC=plain_vector(segment.p_BC),
+        start_W=plain_vector(segment.start),
+        end_W=plain_vector(segment.end),
+        axis_W=plain_vector(segment.axis),
         turn=float(segment.turn),
         speed=float(segment.speed),
         rate=float(segment.rate),
@@ -232,8 +233,8 @@ def _flip_guide(step: FlipOver, seen: SeenObject, radius: float) -> FlipGuide:
     return FlipGuide(
         object=seen.name,
         tip_radius=radius,
-        hinge_W=_vector(p_WE),
-        path_W=tuple(map(_vector, arc)),
+        hinge_W=plain_vector(p_WE),
+        path_W=tuple(map(plain_vector, arc)),
         speed=step.speed,
         force_limit=force,
         force_limits=tuple(forces.tolist()),
@@ -258,8 +259,3 @@ def _flip_guide(step: FlipOver, seen: SeenObject, radius: float) -> FlipGuide:
             ),
         ),
     )
-
-
-def _vector(v: Array) -> Vector3:
-    x, y, z = (np.asarray(v) + 0.0).tolist()
-    return x, y, z

@@ -27,6 +27,8 @@ from sim.standard_robot import ARM, HAND
 
 MODELS = {model.name: model for model in Registry.built_in()}
 LOW = "book"
+BROAD = "storage bin"
+"""It slides before it tips, however high it is pushed; its upper half is out of bounds."""
 ROUND = {"ice tea cup", "jar", "mug", "soup can", "water bottle"}
 FACES = ("front", "left", "back", "right")
 YAWS = [0.0, 0.35, -2.0]
@@ -53,7 +55,8 @@ def test_what_is_proposed_for_the_built_in_objects(name: str, arm: RobotLimits) 
     if name == LOW:
         assert kinds == set()  # the fingertip does not get below 1 cm under its top
         return
-    assert kinds >= {"tilt", "slide", "rub"}
+    assert kinds >= {"slide", "rub"}
+    assert ("tilt" in kinds) == (name != BROAD)
     assert ("off-centre slide" in kinds) == (name not in ROUND)
     assert {experiment.push.face for experiment in found} == set(FACES)
     assert all(e.name == f"{e.kind} at the {e.push.face}" for e in found)
@@ -115,7 +118,7 @@ def test_off_centre_slides_are_low_at_one_end_and_as_high_as_is_sure_at_the_othe
         surely = model.likelihood([high.push.p_BC], [inward(high)]).slide[0]
         # The lowest one is made whether it is sure or not.
         assert surely > 0.99 or high.push.p_BC[2] == pytest.approx(arm.lowest_height)
-    assert any(e.push.p_BC[2] > 1.5 * arm.lowest_height for e in off)
+    assert name == BROAD or any(e.push.p_BC[2] > 1.5 * arm.lowest_height for e in off)
 
 
 def test_no_tilt_where_it_cannot_tilt(arm: RobotLimits) -> None:
