@@ -21,13 +21,13 @@ from objectmodels.geometry.base_shapes import Array
 from objectmodels.mechanics.grasp_stability import Contacts, Lifted, least_squeezes
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.models.object_model import ObjectModel
-from planner.geometry.plain_vectors import plain_vector
 from planner.geometry.spatial_rotations import rotation_about
 from planner.grasping.grasp_lean import Lean
 from planner.grasping.grasp_sampling import Candidate
 from planner.problem.planning_problem import GraspProblem
 from planner.refusals.refusal_builder import no_plan
 from planner.types.actions import Grasp
+from planner.types.plain_vectors import plain_vector
 from planner.types.refusal import NoPlanError
 
 _PATCH = np.array([[0.0, 0.0], [0.0, 0.004], [0.0, -0.004]])  # contacts at a knob [m]

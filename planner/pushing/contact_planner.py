@@ -18,7 +18,6 @@ import numpy as np
 
 from objectmodels.geometry.base_shapes import Disc
 from planner.geometry.directions import face_name
-from planner.geometry.plain_vectors import plain_vector
 from planner.problem.planning_problem import PushProblem, PushStep, Side
 from planner.problem.tilt_goals import push_with_tilt
 from planner.pushing import outcome_prediction
@@ -30,6 +29,7 @@ from planner.pushing.turn_planner import turning_push
 from planner.refusals.reach_refusals import no_push_reached
 from planner.refusals.refusal_builder import no_plan
 from planner.types.actions import FALLING, Push, PushAction, Vector3
+from planner.types.plain_vectors import plain_vector
 from planner.types.refusal import Alternatives, NoPlanError
 
 _OF_A_CASE = 0.6  # share of the contacts asked for that may be equally sure

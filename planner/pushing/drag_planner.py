@@ -19,7 +19,6 @@ from objectmodels.geometry.support_points import is_within
 from objectmodels.mechanics.exact.top_drag import drag_probability, press_range, top_drag
 from objectmodels.models.top_face import top_face
 from planner.geometry.directions import unit
-from planner.geometry.plain_vectors import plain_vector
 from planner.problem.planning_problem import PushProblem
 from planner.pushing.contact_planner import PushCandidate
 from planner.pushing.push_paths import Obstructions, PathSegment, free_length_mark
@@ -28,6 +27,7 @@ from planner.pushing.reach_search import ReachSearch
 from planner.refusals.reach_refusals import no_push_reached
 from planner.refusals.refusal_builder import no_plan
 from planner.types.actions import Aim, Margins, Prediction, Push, PushAction
+from planner.types.plain_vectors import plain_vector
 from planner.types.plan import Reached
 from planner.types.refusal import NoPlanError
 

@@ -8,8 +8,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.geometry.plain_vectors import plain_vector
 from planner.types.marks import HeightMark, LengthMark, TiltMark
+from planner.types.plain_vectors import plain_vector
 
 _About = Literal["topples", "slides", "asked", "reach"]
 _HEIGHTS: dict[str, tuple[_About, str]] = {

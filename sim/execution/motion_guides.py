@@ -13,7 +13,6 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from planner.geometry.plain_vectors import plain_vector
 from planner.types.actions import FlipOver, Grasp, PourOut, PushAction, TurnCap, Vector3
 from planner.types.motion_guide import (
     FlipGuide,
@@ -23,6 +22,7 @@ from planner.types.motion_guide import (
     PushGuide,
     StopCondition,
 )
+from planner.types.plain_vectors import plain_vector
 from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer, Robot
 from planner.types.world_state import SeenObject, WorldState
