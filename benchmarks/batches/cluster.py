@@ -20,6 +20,7 @@ SETTINGS = {
 look after themselves less often (docs/batch.md)."""
 
 _LONGEST_START = 60.0  # seconds; on a busy machine imports alone take ten
+_LONGEST_END = 20.0  # seconds; now and then a worker's guard waits for a worker that was killed
 
 
 @contextmanager
@@ -49,7 +50,11 @@ def local_cluster(folder: Path, workers: int = 2) -> Iterator[str]:
             for process in reversed(started):
                 process.terminate()
             for process in started:
-                process.wait()
+                try:
+                    process.wait(_LONGEST_END)
+                except subprocess.TimeoutExpired:
+                    process.kill()
+                    process.wait()
 
 
 def worker_pids(address: str) -> list[int]:
