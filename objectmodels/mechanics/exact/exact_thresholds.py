@@ -117,7 +117,7 @@ def exact_thresholds(model: PushedBody, p: Array, u: Array, friction: Friction) 
     closed, springs = closed_form_thresholds(model, p, u, friction), springs_of(model)
     slide, residual = np.full(len(p), np.inf), np.zeros(len(p))
     motion = np.full((2, len(p)), np.nan)
-    body = _standing(model, springs, friction)
+    body = _standing(model, friction)
     for b, tips, guess in _ratio_blocks(closed, springs):
         answer = SlideSearch(body, p[b], u[b], tips).first_slides(guess)
         r, residual[b], motion[:, b] = answer.ratio, answer.residual, answer.motion
@@ -134,7 +134,7 @@ def exact_thresholds(model: PushedBody, p: Array, u: Array, friction: Friction) 
         support=(springs.points, springs.weights, model.friction_radius / springs.radius),
         coefficient=model.friction_coefficient(friction),
         motion=motion,
-        fitted=not isclose(model.friction_radius, friction_radius(model.support, model.footprint)),
+        fitted=_has_fitted_radius(model),
     )
 
 
@@ -193,7 +193,7 @@ def exact_codes(model: PushedBody, p: Array, u: Array) -> NDArray[np.uint8]:
     closed = closed_form_thresholds(model, p, u)
     code = np.where(np.isfinite(closed.topple), 2, 0).astype(np.uint8)
     springs = springs_of(model)
-    body = _standing(model, springs, "static")
+    body = _standing(model, "static")
     for b, tips, guess in _ratio_blocks(closed, springs):
         code[b][SlideSearch(body, p[b], u[b], tips).slide_first(guess)] = 1
     return code
@@ -208,11 +208,18 @@ def springs_of(model: PushedBody) -> Springs:
     return Springs(*support_points(model.support, model.footprint))
 
 
-def _standing(model: PushedBody, springs: Springs, friction: Friction) -> Standing:
+@remember_answers(64)
+def _standing(model: PushedBody, friction: Friction) -> Standing:
+    springs = springs_of(model)
     scale, mu = model.friction_radius / springs.radius, model.friction_coefficient(friction)
     return Standing(
         model.base, springs, np.array([scale]), np.array([mu]), np.array([model.com[:2]])
     )
+
+
+@remember_answers(64)
+def _has_fitted_radius(model: PushedBody) -> bool:
+    return not isclose(model.friction_radius, friction_radius(model.support, model.footprint))
 
 
 def _ratio_blocks(closed: Thresholds, springs: Springs) -> Iterator[tuple[slice, Array, Array]]:

@@ -49,7 +49,8 @@ def push_blocks(n: int, springs: Springs) -> Iterator[slice]:
     return (slice(start, start + block) for start in range(0, n, block))
 
 
-class Standing(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Standing:
     """An object as it stands; the last three for all pushes, or one for each of n.
 
     Attributes:
@@ -65,6 +66,14 @@ class Standing(NamedTuple):
     scale: Array
     mu: Array
     com: Array
+
+    @cached_property
+    def loaded_at_rest(self) -> NDArray[np.bool_]:
+        """Which points are loaded before anybody pushes, shape (k, 1) or (k, n)."""
+        com = self.com.T
+        loaded = np.ones((len(self.springs.points), com.shape[1]), dtype=bool)
+        self.springs.loads(com, np.zeros_like(com), loaded)
+        return loaded
 
 
 @dataclass(frozen=True)
@@ -108,7 +117,7 @@ class SlideSearch:
     """The first load ratio at which each of n pushes slides."""
 
     def __init__(self, body: Standing, p: Array, u: Array, tips: Array) -> None:
-        n, self.springs = len(p), body.springs
+        n, self.body, self.springs = len(p), body, body.springs
         self.scale, self.mu = np.broadcast_to(body.scale, n), np.broadcast_to(body.mu, n)
         self.scaled = bool((body.scale != 1.0).any())
         # On a round base the points are a polygon; the centre of pressure is kept on that.
@@ -235,7 +244,7 @@ class SlideSearch:
         that holds at both ends of such a stretch holds on all of it. So the ends are looked at, or
         even steps where the points are many.
         """
-        rest = self._loaded_at_rest[:, i]
+        rest = np.broadcast_to(self.body.loaded_at_rest, self.loaded.shape)[:, i]
         changed = (self.loaded[:, i] != rest).any(axis=0) | (found > self.leaves[i])
         i, found = i[changed], found[changed]
         if not i.size:
@@ -262,13 +271,6 @@ class SlideSearch:
             lo = np.maximum(lo, np.where(holds & (r < first), r, 0.0).max(axis=0))
             hi, earlier = np.minimum(hi, first), earlier | slides.any(axis=0)
         return i[earlier], lo[earlier], hi[earlier]
-
-    @cached_property
-    def _loaded_at_rest(self) -> NDArray[np.bool_]:
-        """Which points are loaded before anybody pushes, shape (k, n)."""
-        loaded = np.ones((len(self.springs.points), self.com.shape[1]), dtype=bool)
-        self.springs.loads(self.com, np.zeros_like(self.com), loaded)
-        return np.broadcast_to(loaded, self.loaded.shape)
 
     def pressure_centres(self, r: Array, i: Index) -> tuple[Array, Array]:
         """Centres of pressure and how they move with r, each (2, n)."""
