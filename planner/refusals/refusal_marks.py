@@ -44,6 +44,7 @@ def length_mark(
 ) -> LengthMark:
     """The mark of a length from a point along a unit direction, both in W, shape (3,) [m]."""
     end_W = start_W + max(length, 0.0) * direction_W
+    # To a hundredth of a millimetre.
     return LengthMark(
         start_W=plain_vector(start_W.round(5)),
         end_W=plain_vector(end_W.round(5)),

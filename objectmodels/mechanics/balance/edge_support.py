@@ -30,7 +30,9 @@ import numpy as np
 
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.support_points import hull_polygon
+from objectmodels.geometry.vector_arrays import cross
 from objectmodels.mechanics.outcome_probability import normal_cdf
+from objectmodels.mechanics.push_thresholds import centre_of_pressure
 
 if TYPE_CHECKING:
     from objectmodels.geometry.pushed_body import PushedBody
@@ -70,10 +72,10 @@ class TopLoad:
 UNLOADED = TopLoad(_NONE, 0.0, _NONE)
 
 
-def centre_of_pressure(body: PushedBody, load: TopLoad = UNLOADED) -> Array:
-    """The point q at which the table carries an object, shape (2,) [m]."""
-    c, G, N = np.array(body.com[:2]), body.weight, load.press
-    return np.asarray((G * c + N * load.point + body.top * load.along) / (G + N))
+def loaded_centre(body: PushedBody, load: TopLoad = UNLOADED) -> Array:
+    """The point q at which the table carries an object under a load, shape (2,) [m]."""
+    p, force = np.append(load.point, body.top), np.append(load.along, -load.press)
+    return centre_of_pressure(p, force, np.array(body.com), body.weight)
 
 
 def edge_margins(body: PushedBody, edge: TableEdge, load: TopLoad = UNLOADED) -> Array:
@@ -82,7 +84,7 @@ def edge_margins(body: PushedBody, edge: TableEdge, load: TopLoad = UNLOADED) ->
     The table's edge comes last.
     """
     n, d = _support(body, edge)
-    return np.asarray(d - n @ centre_of_pressure(body, load))
+    return np.asarray(d - n @ loaded_centre(body, load))
 
 
 def lying_probability(
@@ -116,7 +118,7 @@ def largest_overhang(
         spare: margin that is left at the edge [m].
     """
     reach = float((body.base.corners @ normal).max())
-    return max(0.0, reach - float(normal @ centre_of_pressure(body, load)) - spare)
+    return max(0.0, reach - float(normal @ loaded_centre(body, load)) - spare)
 
 
 def touch_limits(body: PushedBody, edge: TableEdge, point: Array) -> tuple[float, float]:
@@ -145,11 +147,11 @@ def pinch_margin(body: PushedBody, thumb: Array, press: float, fingers: Array) -
         press: N with which it does [N].
         fingers: the two outer fingertips below, shape (2, 2) [m].
     """
-    q = centre_of_pressure(body, TopLoad(thumb, press, _NONE))
+    q = loaded_centre(body, TopLoad(thumb, press, _NONE))
     start, line = fingers[0], fingers[1] - fingers[0]
     length = float(np.hypot(*line))
     along = float((q - start) @ line) / length
-    off = np.hypot(max(0.0, -along, along - length), _cross(line, q - start) / length)
+    off = np.hypot(max(0.0, -along, along - length), float(cross(line, q - start)) / length)
     return float(_friction_reach(body, press) - off)
 
 
@@ -162,7 +164,3 @@ def _support(body: PushedBody, edge: TableEdge) -> tuple[Array, Array]:
     """Normals (k, 2) and offsets (k,) [m] of the edges of base and table, the table's last."""
     base = hull_polygon(body.base.corners)
     return np.vstack([base.normals, edge.normal]), np.append(base.offsets, edge.offset)
-
-
-def _cross(a: Array, b: Array) -> float:
-    return float(a[0] * b[1] - a[1] * b[0])
