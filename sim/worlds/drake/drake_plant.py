@@ -5,7 +5,8 @@ Model: point contact, but for slabs, lagged approximation; with "sap" a sliding 
 prisms that touch the table with small spheres at their support points (a solid yields one contact
 point only); the solid itself touches everything but the table. An open box has five solids, its
 floor and walls. What stands on another object stands on that one's slab
-(`sim.worlds.drake.stack_contacts`).
+(`sim.worlds.drake.stack_contacts`), what hangs over the table's edge on its rim
+(`sim.worlds.drake.table_edge`).
 Lids are bodies of their own (`sim.worlds.drake.lid_bodies`), what a holder keeps is welded to the
 table. How bodies touch is in `sim.worlds.drake.body_contacts`.
 """
@@ -27,6 +28,7 @@ from sim.truth.scene_file import Scene, SceneObject
 from sim.worlds.drake.body_contacts import ROUGH, surface
 from sim.worlds.drake.lid_bodies import LidBody, add_lid, filter_lids
 from sim.worlds.drake.stack_contacts import STANDS_OUT, add_slab, filter_slabs
+from sim.worlds.drake.table_edge import add_rims, add_sole, filter_rims
 
 if TYPE_CHECKING:
     from pydrake.geometry import GeometryId, SceneGraph, Shape
@@ -115,6 +117,8 @@ def add_plant(
         if item.fixed:
             _hold(plant, item, body)
     slabs = [add_slab(plant, item.truth, bodies[item.name]) for item in scene.objects]
+    rims = add_rims(plant, scene.table)
+    soles = [add_sole(plant, item.truth, bodies[item.name]) for item in scene.objects]
     plant.Finalize()
     for item in scene.objects:
         if not item.fixed:
@@ -130,7 +134,9 @@ def add_plant(
     filter_collisions(scene_graph, robot=robot, table=table, solids=solids, feet=standing)
     filter_lids(scene_graph, lids.values(), robot=robot, table=table, feet=standing)
     of_lids = [geometry for each in lids.values() for geometry in (*each.solids, *each.feet)]
-    filter_slabs(scene_graph, slabs, [*robot, table, *solids, *standing, *of_lids])
+    solid_ones = [*robot, table, *solids, *standing, *of_lids]
+    filter_slabs(scene_graph, slabs, solid_ones)
+    filter_rims(scene_graph, rims, soles, [*solid_ones, *slabs])
     return Plant(plant, scene_graph, bodies, feet, lids, *robot_models)
 
 

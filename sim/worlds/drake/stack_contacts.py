@@ -45,7 +45,7 @@ def add_slab(plant: MultibodyPlant, truth: Truth, body: RigidBody) -> GeometryId
     from pydrake.math import RigidTransform
     from pydrake.multibody.plant import CoulombFriction
 
-    corners = np.array([*_hull_points(truth)])
+    corners = np.array([*hull_points(truth)])
     middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
     off = corners - middle
     around = np.hypot(*off[:, :2].T)
@@ -60,7 +60,7 @@ def add_slab(plant: MultibodyPlant, truth: Truth, body: RigidBody) -> GeometryId
     return plant.RegisterCollisionGeometry(body, RigidTransform(), slab, "slab", properties)
 
 
-def _hull_points(truth: Truth) -> Iterator[Point3]:
+def hull_points(truth: Truth) -> Iterator[Point3]:
     """Corners in B of the hull of what it stands on, and of what others stand on [m]."""
     yield from ((x, y, 0.0) for x, y in truth.support)
     if truth.inside is not None:
