@@ -155,11 +155,12 @@ def _scene_object(seen: SeenObject, wide: bool, rng: Generator) -> SceneObject:
     where = Pose(
         x_m=pose.x, y_m=pose.y, yaw_deg=math.degrees(pose.yaw), roll_deg=roll, pitch_deg=pitch
     )
-    truth = _truth(seen.model, wide, rng)
+    truth = drawn_truth(seen.model, wide, rng)
     return SceneObject(name=seen.name, model=seen.model.name, pose=where, truth=truth)
 
 
-def _truth(model: ObjectModel, wide: bool, rng: Generator) -> Truth:
+def drawn_truth(model: ObjectModel, wide: bool, rng: Generator) -> Truth:
+    """How a thing truly is: off what is believed by `WIDE`, or by what other worlds have."""
     most = (WIDE,) * 4 if wide else (MASS, FRICTION, FINGER_FRICTION, MASS)
     mass, friction, finger, lid = (1.0 + rng.uniform(-1.0, 1.0, 4) * most).tolist()
     shift = CENTRE_OF_MASS * rng.uniform(-1.0, 1.0, 3)

@@ -31,6 +31,9 @@ from objectmodels.geometry.vector_arrays import total
 PRECISE = 1e-10
 """Relative residual at which a limit counts as found."""
 
+_SAME = 1e-12
+"""Distance below which two points are one: rounding alone [m]."""
+
 _FEW = 12
 _STEPS, _STEPS_MANY = 40, 16
 _STEPS_NEAR = 8  # from limits near by
@@ -143,12 +146,17 @@ def _about_a_point(
     x, y, turn = along - along[own], left - left[own], 1.0 / left[own]
     r, sense = np.hypot(x, y), np.sign(turn)
     ratio = total(loads * r) * np.abs(turn)
-    r[own] = 1.0
+    # A thumb and a finger opposite to it are two points in one place.
+    centre = r <= _SAME
+    r[centre] = 1.0
     d_x, d_y = -sense * y / r, sense * x / r
-    # What is left for the point in the centre to balance the push.
-    d_x[own] = (ratio - total(loads * d_x)) / loads[own]
-    d_y[own] = -total(loads * d_y) / loads[own]
-    holds = np.hypot(d_x[own], d_y[own]) <= 1.0
+    # What is left for the points in the centre to balance the push.
+    d_x[centre], d_y[centre] = 0.0, 0.0
+    borne = total(loads * centre)
+    lack_x, lack_y = (ratio - total(loads * d_x)) / borne, -total(loads * d_y) / borne
+    d_x += centre * lack_x
+    d_y += centre * lack_y
+    holds = np.hypot(lack_x, lack_y) <= 1.0
     return Limit(ratio, -along[own] * turn, turn, d_x, d_y, np.where(holds, 0.0, np.inf))
 
 
