@@ -9,7 +9,7 @@ a hand has several. What is turned has the circle about it free. What is held is
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -19,6 +19,7 @@ from benchmarks.goals.hand_sense import may_be_held, may_be_held_lying
 from benchmarks.goals.sense import ROOM, SPARE, TABLE
 from objectmodels import ObjectModel
 from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.support_points import hull_polygon
 from planner.geometry.footprints import footprint, gap
 from planner.types.defaults import DEFAULTS as D
 from planner.types.world_state import SeenObject, TableState, WorldState
@@ -31,6 +32,7 @@ HIGHEST = 0.30
 """Of two things on each other, the highest that is asked for [m]."""
 
 _HEADINGS = np.radians(np.arange(0.0, 360.0, 15.0))
+_HIGH = 0.85  # share of its height at which something is pushed to fall
 _STEP = 0.02  # between places that are looked at [m]
 
 
@@ -169,13 +171,60 @@ def _find_places(wish: Wish, things: Standing, fits: Callable[[SeenObject], bool
 
 def _blocked(wish: Wish, things: Standing) -> bool:
     """What stands in its way may be moved, and the end is on the table and free of what may not."""
+    own = things[wish.moved[0]]
+    return _may_go(wish, things) and _way_is_free(wish, own, _staying(things, own.name))
+
+
+def _staying(things: Standing, name: str) -> list[SeenObject]:
+    """All others that are not moved aside."""
+    others = _others(things, name)
+    return [seen for seen in others if seen.fragile or not slides(seen.model)]
+
+
+def _way_is_free(wish: Wish, own: SeenObject, others: Sequence[SeenObject]) -> bool:
     assert wish.way is not None, "it goes somewhere"
-    own, u = things[wish.moved[0]], np.array(WAYS[wish.way])
-    fixed = [seen for seen in _others(things, wish.moved[0])
-             if seen.fragile or not slides(seen.model)]  # fmt: skip
-    steps = np.arange(_STEP, wish.distance + 1e-9, _STEP)
-    free = all(_is_free(_at(own, _here(own) + step * u), fixed) for step in steps)
-    return _may_go(wish, things) and free
+    u, steps = np.array(WAYS[wish.way]), np.arange(_STEP, wish.distance + 1e-9, _STEP)
+    return all(_is_free(_at(own, _here(own) + step * u), others) for step in steps)
+
+
+def _restored(wish: Wish, things: Standing) -> bool:
+    """What is moved aside finds a place, and the push ends clear of where it is put back."""
+    own, other = wish.moved
+    rest = {name: seen for name, seen in things.items() if name != other}
+    aside = replace(wish, moved=(other,))
+    end = _at(things[own], _here(things[own]) + wish.distance * np.array(WAYS[wish.way or "left"]))
+    apart = gap(footprint(end), footprint(things[other])) >= ROOM
+    return apart and _away(aside, things) and _blocked(replace(wish, moved=(own,)), rest)
+
+
+def _all(wish: Wish, things: Standing) -> bool:
+    """The ends of all ways are free, and so are the ways past what stays."""
+    rest = _others(things, *wish.moved)
+    return _may_go(wish, things) and all(
+        _way_is_free(wish, things[name], rest) for name in wish.moved
+    )
+
+
+def _flat(wish: Wish, things: Standing) -> bool:
+    """It is drawn along from above, and its way is free; what slides may be moved aside."""
+    own = things[wish.moved[0]]
+    return not own.fragile and _way_is_free(wish, own, _staying(things, own.name))
+
+
+def _lay(wish: Wish, things: Standing) -> bool:
+    """Pushed high up on some side it tips before it slides, and there is room where it falls."""
+    own = things[wish.moved[0]]
+    model, rest = own.model, _others(things, own.name)
+    high = _HIGH * model.top
+    for face in model.faces():
+        points, inward = face.points_at(0.0, high)[0], -np.array(face.normal)
+        found = model.thresholds(points[None], inward[None])
+        tips = bool((np.asarray(found.topple) < SPARE * np.asarray(found.slide)).all())
+        along = model.top * (own.pose.R_WB[:2, :2] @ inward[:2])
+        fallen = np.vstack([footprint(own), footprint(own) + along])
+        if tips and all(gap(hull_polygon(fallen).vertices, footprint(o)) >= ROOM for o in rest):
+            return True
+    return False
 
 
 def _turned(wish: Wish, things: Standing) -> bool:
@@ -260,4 +309,10 @@ _LABELS: dict[Kind, Callable[[Wish, Standing], bool]] = {
     "off": _off,
     "into": _into,
     "out of": _off,
+    "lay": _lay,
+    "flat": _flat,
+    "all": _all,
+    "back": _blocked,
+    "restore": _restored,
+    "asked": lambda wish, things: True,
 }

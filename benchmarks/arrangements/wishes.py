@@ -10,7 +10,7 @@ Frames: W is the world, z up, +x away from the robot, +y to its left; B is an ob
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
@@ -26,7 +26,8 @@ from planner.types.defaults import DEFAULTS as D
 
 Kind = Literal[
     "swap", "row", "together", "between", "clear", "room", "aside", "blocked", "facing",
-    "straight", "stand", "on", "off", "into", "out of",
+    "straight", "stand", "on", "off", "into", "out of", "lay", "flat", "all", "back", "restore",
+    "asked",
 ]  # fmt: skip
 Way = Literal["left", "right", "away", "toward"]
 
@@ -49,7 +50,7 @@ class Wish:
     Attributes:
         kind: of it.
         moved: names of what is to be moved.
-        told: names of what tells where; it stays where it is.
+        told: names of what tells where; it stays where it is. Of a question, the answer.
         way: direction, or side of the table.
         distance: to be moved [m].
     """
@@ -69,12 +70,14 @@ class Placed:
         model: its shape.
         R_WB, p_WB: its pose, shapes (3, 3) and (3,) [m].
         fragile: whether it must not be stirred.
+        farthest: how far it was from where it stood at first [m].
     """
 
     model: ObjectModel
     R_WB: Array
     p_WB: Array
     fragile: bool = False
+    farthest: float = 0.0
 
     @cached_property
     def corners(self) -> Array:
@@ -119,6 +122,12 @@ Things = Mapping[str, Placed]
 def is_met(wish: Wish, before: Things, after: Things) -> bool:
     """Return True if what was asked came about."""
     return _CONDITIONS[wish.kind](wish, before, after)
+
+
+def is_told(wish: Wish, question: str, answer: str, names: Iterable[str]) -> bool:
+    """Return True if an answer names what the question asks for, and nothing else of `names`."""
+    found = {name for name in names if name in answer and name not in question}
+    return found == set(wish.told)
 
 
 def harm(wish: Wish, before: Things, after: Things) -> Iterator[str]:
@@ -204,13 +213,44 @@ def _aside(wish: Wish, before: Things, after: Things) -> bool:
 
 
 def _moved(wish: Wish, before: Things, after: Things) -> bool:
+    return all(_went(name, wish, before, after) for name in wish.moved) and _stand(
+        wish, before, after
+    )
+
+
+def _went(name: str, wish: Wish, before: Things, after: Things) -> bool:
+    """Return True if a thing went as far and where it should."""
     assert wish.way is not None, "it goes somewhere"
-    (name,), u = wish.moved, np.array(WAYS[wish.way])
+    u = np.array(WAYS[wish.way])
     went = after[name].middle - before[name].middle
     along, aside = float(went @ u), abs(float(went[0] * u[1] - went[1] * u[0]))
     off = abs(along - wish.distance) <= SLACK * D.distance_tolerance
     straight = aside <= max(SLACK * D.distance_tolerance, 0.2 * wish.distance)
-    return off and straight and _stand(wish, before, after)
+    return off and straight
+
+
+def _returned(wish: Wish, before: Things, after: Things) -> bool:
+    """Return True if it went away, and stands where it stood."""
+    (name,) = wish.moved
+    far = after[name].farthest >= wish.distance - SLACK * D.distance_tolerance
+    return far and _is_back(name, before, after) and _stand(wish, before, after)
+
+
+def _is_back(name: str, before: Things, after: Things) -> bool:
+    return _way(before[name], after[name]) <= SLACK * D.place_tolerance
+
+
+def _restored(wish: Wish, before: Things, after: Things) -> bool:
+    """Return True if one went where it should, and the other was out of its way and is back."""
+    own, other = wish.moved
+    aside = after[other].farthest >= D.aside - SLACK * D.distance_tolerance
+    moved = _went(own, wish, before, after) and _stand(wish, before, after)
+    return aside and moved and _is_back(other, before, after)
+
+
+def _lies(wish: Wish, before: Things, after: Things) -> bool:
+    own = after[wish.moved[0]]
+    return abs(own.tilt - 0.5 * math.pi) <= SLACK * D.rest_tilt and own.lowest <= TOUCHES
 
 
 def _faces(wish: Wish, before: Things, after: Things) -> bool:
@@ -283,4 +323,9 @@ _CONDITIONS: dict[Kind, Callable[[Wish, Things, Things], bool]] = {
     "off": _is_off,
     "into": _is_in,
     "out of": _is_off,
+    "lay": _lies,
+    "flat": _moved,
+    "all": _moved,
+    "back": _returned,
+    "restore": _restored,
 }

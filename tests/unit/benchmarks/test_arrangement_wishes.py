@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from argparse import Namespace
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from benchmarks.arrangements.__main__ import chosen
+from benchmarks.arrangements.arranged_cases import KINDS, Job, draw_case
 from benchmarks.arrangements.arranged_labels import is_sensible, slides
-from benchmarks.arrangements.arranged_worlds import BOX_KINDS, KINDS, Job, draw_case
-from benchmarks.arrangements.wishes import Placed, Wish, harm, is_met
+from benchmarks.arrangements.wishes import Kind, Placed, Wish, harm, is_met, is_told
 from benchmarks.goals.worlds import standing
 from objectmodels import Registry
 from sim.rotations import rot_x, rot_z
@@ -73,6 +75,26 @@ def turned(placed: Placed, R: np.ndarray) -> Placed:
         ),
         (Wish("stand", ("box",)), {}, {"box": turned(BOX, rot_x(0.1))}),
         (
+            Wish("lay", ("box",)),
+            {"box": turned(at(BOX, 0.6, 0.0, 0.0465), rot_x(np.pi / 2.0))},
+            {"box": turned(BOX, rot_x(0.1))},
+        ),
+        (
+            Wish("all", ("tin", "box"), way="away", distance=0.1),
+            {"tin": at(TIN, 0.61, 0.2), "box": at(BOX, 0.69, 0.0)},
+            {"tin": at(TIN, 0.6, 0.2)},
+        ),
+        (
+            Wish("back", ("tin",), way="left", distance=0.1),
+            {"tin": replace(at(TIN, 0.5, 0.21), farthest=0.1)},
+            {"tin": replace(at(TIN, 0.5, 0.21), farthest=0.05)},
+        ),
+        (
+            Wish("restore", ("box", "tin"), way="away", distance=0.1),
+            {"box": at(BOX, 0.7, 0.0), "tin": replace(at(TIN, 0.51, 0.2), farthest=0.2)},
+            {"box": at(BOX, 0.7, 0.0), "tin": replace(at(TIN, 0.52, 0.2), farthest=0.2)},
+        ),
+        (
             Wish("into", ("tin",), ("bin",)),
             # Half the inside is 106 mm, the tin 45 mm along x from its middle to a corner.
             {"bin": BIN, "tin": at(TIN, 0.56, -0.2, 0.004)},
@@ -92,14 +114,29 @@ def test_the_judge_tells_from_where_things_are(
     assert not is_met(wish, BEFORE, BEFORE | missed)
 
 
-@pytest.mark.parametrize("number", range(2))
-def test_a_case_about_an_open_box_has_one(number: int) -> None:
-    job = Job(5, number, boxes=True)
-    one, other = draw_case(job), draw_case(job)
-    assert (one.scene, one.text, one.wish) == (other.scene, other.text, other.wish)
-    assert (one.wish.kind, one.wish.told) == (BOX_KINDS[number], ("storage bin",))
-    inside = {item.name for item in one.scene.objects if item.pose.z_m > 0.0}
-    assert (one.wish.moved[0] in inside) == (one.wish.kind == "out of")
+@pytest.mark.parametrize("kind", ["into", "out of"])
+def test_a_case_about_an_open_box_has_one(kind: Kind) -> None:
+    asked = draw_case(Job(5, kind, 0))
+    assert asked.wish.told == ("storage bin",)
+    inside = {item.name for item in asked.scene.objects if item.pose.z_m > 0.0}
+    assert (asked.wish.moved[0] in inside) == (kind == "out of")
+
+
+def test_an_answer_names_all_that_is_asked_for_and_nothing_else() -> None:
+    wish, question = Wish("asked", (), ("tin", "mug")), "what is on the book?"
+    names = ["tin", "mug", "box", "book"]
+    assert is_told(wish, question, "The book carries the tin and the mug.", names)
+    assert not is_told(wish, question, "The book carries the tin.", names)
+    assert not is_told(wish, question, "The book carries the tin, the mug and the box.", names)
+
+
+def test_every_second_case_of_each_kind_is_carried_out() -> None:
+    options = Namespace(seed=5, seeds=2, first=0, cases=4 * len(KINDS), kinds=list(KINDS),
+                        execute_every=2, plan_only=False)  # fmt: skip
+    jobs = chosen(options)
+    assert len(set(jobs)) == 2 * options.cases
+    for kind in KINDS:
+        assert [job.executed for job in jobs if job.kind == kind] == 4 * [True, False]
 
 
 def test_a_side_faces_what_it_is_square_to() -> None:
@@ -118,11 +155,11 @@ def test_harm_is_what_fell_or_was_stirred_and_should_not() -> None:
     assert list(harm(Wish("swap", ("tin", "box")), before, moved)) == ["book"]
 
 
-@pytest.mark.parametrize("number", range(len(KINDS)))
-def test_a_case_depends_on_seed_and_number_alone(number: int) -> None:
-    one, other = draw_case(Job(5, number)), draw_case(Job(5, number))
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_case_depends_on_seed_kind_and_number_alone(kind: Kind) -> None:
+    one, other = draw_case(Job(5, kind, 0)), draw_case(Job(5, kind, 0))
     assert (one.scene, one.text, one.wish) == (other.scene, other.text, other.wish)
-    assert one.wish.kind == KINDS[number]
+    assert one.wish.kind == kind
     assert {*one.wish.moved, *one.wish.told} <= {item.name for item in one.scene.objects}
     assert one.sensible == is_sensible(one.wish, standing(one.scene))
 
