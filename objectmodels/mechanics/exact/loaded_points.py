@@ -115,22 +115,28 @@ class LoadedPoints:
         square, along = dot(arm, arm), dot(arm, d)
         # What turns faster dissipates more than what does not turn.
         most = 2.0 / (self.loads * np.sqrt(square)).sum(axis=0)
-        low, high, turn = -most, most, np.zeros(len(d))
+        found, loads = np.zeros(len(d)), self.loads
+        left_over, low, high, turn = np.arange(len(d)), -most, most, found.copy()
         for _ in range(_STEPS):
             advance = along + turn * square  # arm · slip
             inverse = 1.0 / np.sqrt(1.0 + turn * (along + advance) + _STILL**2)
-            moment = (self.loads * advance * inverse).sum(axis=0)
-            slope = (self.loads * (square * inverse - advance**2 * inverse**3)).sum(axis=0)
+            share = loads * inverse
+            moment = (share * advance).sum(axis=0)
+            slope = (share * (square - (advance * inverse) ** 2)).sum(axis=0)
             low, high = np.where(moment < 0.0, turn, low), np.where(moment > 0.0, turn, high)
             with np.errstate(divide="ignore", invalid="ignore"):
                 ahead = turn - moment / slope
             # A point that hardly slips bends the moment sharply: then the middle is safer.
             ahead = np.where((ahead > low) & (ahead < high), ahead, 0.5 * (low + high))
-            settled = np.abs(ahead - turn) <= _SETTLED * most
-            turn = ahead
-            if settled.all():
+            found[left_over] = ahead
+            (i,) = np.nonzero(np.abs(ahead - turn) > _SETTLED * most)
+            if not i.size:
                 break
-        return turn
+            turn, low, high, most = ahead[i], low[i], high[i], most[i]
+            if i.size < len(left_over):
+                left_over, loads = left_over[i], loads[:, i]
+                square, along = square[:, i], along[:, i]
+        return found
 
     def slide_under(self, r: Array, f: Array) -> Slide:
         """Motion under forces along f (n, 2) at contacts r, of unit speed along their line."""

@@ -219,7 +219,7 @@ def test_unit_of_a_plug_in() -> None:
         (b"verbs: []\n" + b"#" * plugins.MOST_BYTES, "holds more than 1000000 bytes"),
         (b"a: &a [x, x]\nb: &b [*a, *a]\nverbs: [*b, *b]\n", "has aliases"),
         (b"\xff\xfe\x00", "UnicodeDecodeError"),
-        (b"[" * 5_000 + b"]" * 5_000, "RecursionError"),
+        (b"[" * 1_500 + b"]" * 1_500, "RecursionError"),
         (b"verbs: !!python/name:os.system", "ConstructorError"),
     ],
 )
