@@ -21,6 +21,7 @@ Arrays are laid out with the k points first and the n pushes last.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -160,7 +161,7 @@ def _about_a_point(
     return Limit(ratio, -along[own] * turn, turn, d_x, d_y, np.where(holds, 0.0, np.inf))
 
 
-def _start_motion(loads: Array, along: Array, left: Array) -> tuple[Array, Array]:
+def start_motion(loads: Array, along: Array, left: Array) -> tuple[Array, Array]:
     """The ellipsoid's motion, β and ω, for a start."""
     m, o = total(loads * left), total(loads * along)
     spread = total(loads * ((left - m) ** 2 + (along - o) ** 2))
@@ -173,7 +174,7 @@ def _by_newton(
 ) -> Limit:
     """The limits by the primal-dual Newton method; an infinite residual where it fails."""
     begin = Limit.empty_limit(*loads.shape)
-    begin.across, begin.turn = _start_motion(loads, along, left)
+    begin.across, begin.turn = start_motion(loads, along, left)
     v_x, v_y = begin.slip_velocities(along, left)
     speed = np.hypot(v_x, v_y) + 1e-3
     begin.along_i, begin.across_i = v_x / speed, v_y / speed
@@ -204,7 +205,7 @@ def _newton_limit(
     for _ in range(steps):
         across, turn, d_x, d_y = _newton_step(loads, along, left, across, turn, d_x, d_y, smooth)
         smooth = max(_SHARPER * smooth, _SHARPEST)
-        found_now, done = _certified_limit(loads, along, left, across, turn, d_x, d_y)
+        found_now, done = certified_limit(loads, along, left, across, turn, d_x, d_y)
         done |= _is_beside(found_now, compared)
         if done.all() and len(done) == len(found.ratio):
             found = found_now
@@ -228,31 +229,66 @@ def _spread(along: Array, left: Array) -> Array:
     return np.asarray(np.sqrt(total(off_x * off_x + off_y * off_y) / k))
 
 
+class SlipEquations(NamedTuple):
+    """Newton's equations of n motions and the friction under them, smoothed below a slip speed.
+
+    Attributes:
+        slip_x, slip_y: directions of the points' slip, shape (k, n).
+        slowness: one over their slip speeds, shape (k, n).
+        gradient: derivatives of the power Σ N_i |v_i| by β and ω, each (n,).
+        curvature: its second derivatives by β, by both, and by ω, each (n,).
+    """
+
+    slip_x: Array
+    slip_y: Array
+    slowness: Array
+    gradient: tuple[Array, Array]
+    curvature: tuple[Array, Array, Array]
+
+    def motion_against(self, by_across: Array, by_turn: Array) -> tuple[Array, Array]:
+        """Changes of β and ω, each (n,), that take these off the gradient."""
+        bb, bw, ww = self.curvature
+        scale = 1.0 / (bb * ww - bw * bw)
+        return (by_turn * bw - by_across * ww) * scale, (by_across * bw - by_turn * bb) * scale
+
+    def friction_after(self, d_x: Array, d_y: Array, v_x: Array, v_y: Array) -> tuple[Array, Array]:
+        """Friction at the points as their slip changes by v, all of shape (k, n)."""
+        dot = (self.slip_x * v_x + self.slip_y * v_y) * self.slowness
+        new_x = self.slip_x + v_x * self.slowness - d_x * dot
+        new_y = self.slip_y + v_y * self.slowness - d_y * dot
+        shorter = 1.0 / np.maximum(1.0, np.sqrt(new_x * new_x + new_y * new_y))
+        return new_x * shorter, new_y * shorter
+
+
+def slip_equations(
+    loads: Array, along: Array, left: Array, across: Array, turn: Array,
+    d_x: Array, d_y: Array, smooth: float,
+) -> SlipEquations:  # fmt: skip
+    """The equations for β and ω, (n,), and friction at the points, (k, n), together."""
+    v_x, v_y = 1.0 - turn * left, across + turn * along
+    slowness = 1.0 / np.sqrt(v_x * v_x + v_y * v_y + smooth * smooth)
+    x, y, c = v_x * slowness, v_y * slowness, loads * slowness
+    p_x, p_y = c * d_x, c * d_y
+    xx, yy, xy = c - p_x * x, c - p_y * y, -0.5 * (p_x * y + p_y * x)
+    off = along * yy - left * xy
+    gradient = total(loads * y), total(loads * (along * y - left * x))
+    h_ww = total(along * off - left * (along * xy - left * xx))
+    return SlipEquations(x, y, slowness, gradient, (total(yy), total(off), h_ww))
+
+
 def _newton_step(
     loads: Array, along: Array, left: Array, across: Array, turn: Array,
     d_x: Array, d_y: Array, smooth: float,
 ) -> tuple[Array, Array, Array, Array]:  # fmt: skip
     """One Newton step on slip and friction together."""
-    v_x, v_y = 1.0 - turn * left, across + turn * along
-    speed = np.sqrt(v_x * v_x + v_y * v_y + smooth * smooth)
-    c = loads / speed
-    p_x, p_y = d_x / speed, d_y / speed
-    xx, yy = c * (1.0 - p_x * v_x), c * (1.0 - p_y * v_y)
-    xy = -0.5 * c * (p_x * v_y + p_y * v_x)
-    g_b, g_w = total(c * v_y), total(c * (along * v_y - left * v_x))
-    h_bb, h_bw = total(yy), total(along * yy - left * xy)
-    h_ww = total(left * left * xx - 2.0 * left * along * xy + along * along * yy)
-    scale = 1.0 / (h_bb * h_ww - h_bw * h_bw)
-    more_across = (g_w * h_bw - g_b * h_ww) * scale
-    more_turn = (g_b * h_bw - g_w * h_bb) * scale
+    equations = slip_equations(loads, along, left, across, turn, d_x, d_y, smooth)
+    more_across, more_turn = equations.motion_against(*equations.gradient)
     w_x, w_y = -more_turn * left, more_across + more_turn * along
-    dot = (v_x * w_x + v_y * w_y) / (speed * speed)
-    new_x, new_y = (v_x + w_x) / speed - d_x * dot, (v_y + w_y) / speed - d_y * dot
-    limit = np.maximum(1.0, np.hypot(new_x, new_y))
-    return across + more_across, turn + more_turn, new_x / limit, new_y / limit
+    d_x, d_y = equations.friction_after(d_x, d_y, w_x, w_y)
+    return across + more_across, turn + more_turn, d_x, d_y
 
 
-def _certified_limit(
+def certified_limit(
     loads: Array, along: Array, left: Array, across: Array, turn: Array, d_x: Array, d_y: Array
 ) -> tuple[Limit, NDArray[np.bool_]]:
     """The limit that motion and forces make out, and which ones are precise enough."""
@@ -281,7 +317,7 @@ def _by_descent(
     """The few that Newton's method does not settle, by a slower continuation."""
     unit = _spread(along, left)
     along, left = along / unit, left / unit
-    across, turn = _start_motion(loads, along, left)
+    across, turn = start_motion(loads, along, left)
     d_x, d_y = np.zeros_like(loads), np.zeros_like(loads)
     smooth, best = 1.0, Limit.empty_limit(*loads.shape)
     while smooth > _SHARPEST:
@@ -290,7 +326,7 @@ def _by_descent(
                 loads, along, left, across, turn, d_x, d_y, smooth
             )
         smooth *= 0.6
-        now, _ = _certified_limit(loads, along, left, across, turn, d_x, d_y)
+        now, _ = certified_limit(loads, along, left, across, turn, d_x, d_y)
         better = now.residual < best.residual
         if better.any():
             best.take_over(better, now.chosen_pushes(better))

@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.vector_arrays import require_amount
 from objectmodels.mechanics.exact.exact_thresholds import springs_of
-from objectmodels.mechanics.exact.slide_search import SlideSearch, Standing, push_blocks
+from objectmodels.mechanics.exact.slide_search import SlideSearch, push_blocks
+from objectmodels.mechanics.exact.standing import Standing
 from objectmodels.mechanics.friction_cone import cone_directions, contact_forces
 from objectmodels.mechanics.outcome_probability import (
     Draws,

@@ -32,9 +32,9 @@ from objectmodels.geometry.support_points import (
 from objectmodels.mechanics.exact.slide_search import (
     CERTAIN,
     SlideSearch,
-    Standing,
     push_blocks,
 )
+from objectmodels.mechanics.exact.standing import Standing
 from objectmodels.mechanics.exact.support_springs import Springs
 from objectmodels.mechanics.push_outcomes import Thresholds, closed_form_thresholds
 from objectmodels.mechanics.push_thresholds import (

@@ -10,20 +10,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from objectmodels.geometry.base_shapes import Array, Base, Disc
+from objectmodels.geometry.base_shapes import Array, Disc
 from objectmodels.geometry.support_points import hull_polygon
 from objectmodels.geometry.vector_arrays import total
+from objectmodels.mechanics.exact.loaded_stretch import Stretch, slides_on
+from objectmodels.mechanics.exact.standing import Standing
 from objectmodels.mechanics.exact.support_springs import Springs
 from objectmodels.mechanics.friction_limit import Limit, friction_limit
 from objectmodels.mechanics.push_thresholds import push_axes, push_moment
 
-BLOCK = 8192
+BLOCK = 16384
 """Points of pushes treated at once, so that the arrays stay in the processor's cache."""
 
 # The centre of pressure stays so much of its way short of the edge, where loads are not unique.
@@ -31,6 +32,8 @@ _SHORT = 1e-9
 CERTAIN = 1e-6
 """Residual up to which an answer is one."""
 
+_STRETCHES = 3  # sets of loaded points that are tried before brackets are taken
+_NEARER = 0.75
 _STEPS = 100
 _MORE = 1e-8  # share by which more friction is used, beyond the precision of its limit
 _NEWTON = 12  # steps after which every other one halves the bracket
@@ -47,33 +50,6 @@ def push_blocks(n: int, springs: Springs) -> Iterator[slice]:
     """Parts of n pushes that are treated at once."""
     block = max(BLOCK // len(springs.points), 1)
     return (slice(start, start + block) for start in range(0, n, block))
-
-
-@dataclass(frozen=True, eq=False)
-class Standing:
-    """An object as it stands; the last three for all pushes, or one for each of n.
-
-    Attributes:
-        base: over which it would topple.
-        springs: that it stands on.
-        scale: factor of their distances from the centre of pressure, shape (1,) or (n,).
-        mu: friction coefficient at the table, shape (1,) or (n,).
-        com: centre of mass over the base, shape (1, 2) or (n, 2) [m].
-    """
-
-    base: Base
-    springs: Springs
-    scale: Array
-    mu: Array
-    com: Array
-
-    @cached_property
-    def loaded_at_rest(self) -> NDArray[np.bool_]:
-        """Which points are loaded before anybody pushes, shape (k, 1) or (k, n)."""
-        com = self.com.T
-        loaded = np.ones((len(self.springs.points), com.shape[1]), dtype=bool)
-        self.springs.loads(com, np.zeros_like(com), loaded)
-        return loaded
 
 
 @dataclass(frozen=True)
@@ -144,9 +120,10 @@ class SlideSearch:
         n = len(guess)
         answer = Answer(np.full(n, np.inf), np.zeros(n), np.full((2, n), np.nan))
         i = self._movable()
-        zero, last = np.zeros(i.size), self.last[i]
-        self._solve_brackets(i, zero, last, np.minimum(guess[i], last), answer)
-        i, lo, hi = self._earlier_brackets(i, np.minimum(answer.ratio[i], last))
+        at = np.minimum(guess, self.last)
+        open_ = self._slides_on_stretches(i, at, answer)
+        self._solve_brackets(open_, np.zeros(open_.size), self.last[open_], at[open_], answer)
+        i, lo, hi = self._earlier_brackets(i, np.minimum(answer.ratio[i], self.last[i]))
         self._solve_brackets(i, lo, hi, 0.5 * (lo + hi), answer)
         (i,) = np.nonzero(~(answer.residual <= CERTAIN))
         at = np.minimum(answer.ratio[i], self.last[i])
@@ -190,6 +167,48 @@ class SlideSearch:
         """Pushes that may slide."""
         return np.flatnonzero((self.h > 0.0) & (self.last > 0.0) & np.isfinite(self.last))
 
+    def _slides_on_stretches(self, i: Index, at: Array, answer: Answer) -> Index:
+        """Answers the pushes that are found at once, from ratios (n,), and returns the others.
+
+        The ratios of these are then nearer. Where the points are many they let go one after the
+        other: then nothing is found so.
+        """
+        if len(self.springs.points) > _FEW:
+            return i
+        for number in range(_STRETCHES):
+            if not i.size:
+                break
+            q, dq = self.pressure_centres(at[i], i)
+            loaded = self.loaded[:, i]
+            loads, rates = self.springs.loads(q, dq, loaded)
+            r, limit = self._slides_where_loaded(at[i], i, q, dq, loads, rates, number > 0)
+            q, _ = self.pressure_centres(r, i)
+            now = loaded.copy()
+            loads, _ = self.springs.loads(q, dq, now)
+            found = np.isfinite(limit.residual)
+            sure = found & (now == loaded).all(axis=0)
+            # A start beyond many a slide leads Newton's method astray.
+            self.loaded[:, i], at[i] = now, np.where(found, r, _NEARER * r)
+            slides = sure & (r < self.last[i])
+            look = _Look(r, r, limit, q, loads, *self.friction_points(q, i))
+            self._keep(slides, r, i, look, answer)
+            self._keep_held(sure & ~slides, i, limit, answer)
+            i = i[~sure]
+        return i
+
+    def _slides_where_loaded(
+        self, r: Array, i: Index, q: Array, dq: Array, loads: Array, rates: Array, patient: bool
+    ) -> tuple[Array, Limit]:
+        """Load ratios of slides if the same points stay loaded as at r, and the limits there."""
+        along, left = self.friction_points(q, i)
+        unit = self.springs.spread
+        drift = self._drift(dq, i) / unit
+        demand = self.h[i] / self.mu[i]
+        stretch = Stretch(r, loads, rates, along / unit, left / unit, drift, demand, self.last[i])
+        r, limit = slides_on(stretch, self.springs.distances / unit, patient)
+        limit.turn /= unit
+        return r, limit
+
     def _solve_brackets(
         self, i: Index, lo: Array, hi: Array, at: Array, answer: Answer, precise: bool = False
     ) -> None:
@@ -223,17 +242,33 @@ class SlideSearch:
             far = ~slides & ((step >= high) | met) & (high >= self.last[pushes])
             at[open_] = np.where(far, high, np.where(inside, step, 0.5 * (low + high)))
             done |= last | (~never & ~far & met)
-            if done.any():
-                answer.ratio[pushes[done]] = np.where(last, step, x)[done]
-                answer.residual[pushes[done]] = self._residual(x[done], pushes[done], look, done)
-                answer.motion[:, pushes[done]] = limit.across[done], limit.turn[done]
-            # Toppling comes first: it would slide later, if its loads stayed those at tipping.
-            kept = never & np.isfinite(self.tips[pushes])
-            held = self.mu[pushes] * limit.ratio / self.h[pushes]
-            answer.ratio[pushes[kept]] = held[kept]
+            self._keep(done, np.where(last, step, x), pushes, look, answer)
+            self._keep_held(never, pushes, limit, answer)
             going = ~done & ~never
             open_, near = open_[going], None if precise else limit.chosen_pushes(going)
         answer.residual[i[open_]] = np.inf
+
+    def _keep(
+        self, done: NDArray[np.bool_], r: Array, i: Index, look: _Look, answer: Answer
+    ) -> None:
+        """Takes those that are done, at their load ratios, for the answer."""
+        if not done.any():
+            return
+        at, limit = i[done], look.limit
+        answer.ratio[at] = r[done]
+        answer.residual[at] = self._residual(r[done], at, look, done)
+        turn, across = limit.turn[done], limit.across[done]
+        if self.scaled:
+            ahead, _ = self.in_push_axes(look.q[:, done], at)
+            turn = turn / self.scale[at]
+            across = across - turn * (1.0 - self.scale[at]) * ahead
+        answer.motion[:, at] = across, turn
+
+    def _keep_held(self, never: NDArray[np.bool_], i: Index, limit: Limit, answer: Answer) -> None:
+        """Notes that some pushes never slide; if they topple, what holds them at tipping."""
+        # Toppling comes first: it would slide later, if its loads stayed those at tipping.
+        kept = never & np.isfinite(self.tips[i])
+        answer.ratio[i[kept]] = (self.mu[i] * limit.ratio / self.h[i])[kept]
 
     def _earlier_brackets(
         self, i: Index, found: Array, few: int = _FEW, looks: int = _LOOKS
@@ -294,13 +329,12 @@ class SlideSearch:
         loads, change = self.springs.loads(q, dq, loaded)
         self.loaded[:, i] = loaded
         along, left = self.friction_points(q, i)
-        mu, h, scale = self.mu[i], self.h[i], self.scale[i]
+        mu, h = self.mu[i], self.h[i]
         compared = np.where(precise, np.nan, r * h / mu)
         limit = friction_limit(loads, along, left, compared, near)
         slope = total(change * np.hypot(*limit.slip_velocities(along, left)))
         if self.scaled:
-            ahead, aside = self.in_push_axes((1.0 - scale) * dq, i)
-            slope += limit.turn * total(loads * (limit.across_i * ahead - limit.along_i * aside))
+            slope -= limit.turn * self._drift(dq, i) * total(loads * limit.along_i)
         return _Look(mu * limit.ratio - r * h, mu * slope - h, limit, q, loads, along, left)
 
     def in_push_axes(self, q: Array, i: Index) -> tuple[Array, Array]:
@@ -309,14 +343,23 @@ class SlideSearch:
         return a[0] * q[0] + a[1] * q[1], b[0] * q[0] + b[1] * q[1]
 
     def friction_points(self, q: Array, i: Index) -> tuple[Array, Array]:
-        """The points where friction acts, along the pushes and left of their lines, each (k, n)."""
+        """The points along the pushes and left of their lines, each (k, n).
+
+        A scale s of the points' distances from q is one of how far q is from the line, 1/s, and of
+        the turning rate: as the loads' middle is q, that gives the same slip but for a shift.
+        """
         points = self.springs.points
         along, left = points @ self.along[i].T, points @ self.across[i].T - self.line[i]
         if self.scaled:
-            ahead, aside = self.in_push_axes(q, i)
-            along = ahead + self.scale[i] * (along - ahead)
-            left = (aside - self.line[i]) + self.scale[i] * (left - (aside - self.line[i]))
+            _, aside = self.in_push_axes(q, i)
+            left += (1.0 / self.scale[i] - 1.0) * (aside - self.line[i])
         return along, left
+
+    def _drift(self, dq: Array, i: Index) -> Array:
+        """Derivative of the points' distances to the left of the lines, as q moves by dq, (n,)."""
+        if not self.scaled:
+            return np.zeros(i.size)
+        return (1.0 / self.scale[i] - 1.0) * self.in_push_axes(dq, i)[1]
 
     def _residual(self, r: Array, i: Index, look: _Look, done: NDArray[np.bool_]) -> Array:
         """Largest relative violation of what must hold, from the forces themselves."""

@@ -58,6 +58,17 @@ class Springs:
         """Their friction radius: mean distance from their middle [m]."""
         return mean_distance(self.points, self.weights)
 
+    @cached_property
+    def distances(self) -> Array:
+        """Distances between them, shape (k, k) [m]."""
+        off = self.points[:, None] - self.points
+        return np.hypot(off[..., 0], off[..., 1])
+
+    @cached_property
+    def spread(self) -> float:
+        """Root of their mean squared distance from their middle [m]."""
+        return float(np.sqrt(np.var(self.points, axis=0).sum()))
+
     @_SINGULAR
     def loads(self, q: Array, dq: Array, loaded: NDArray[np.bool_]) -> tuple[Array, Array]:
         """Loads for centres of pressure, and how they change as those move.

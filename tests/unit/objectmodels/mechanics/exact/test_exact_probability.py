@@ -12,7 +12,8 @@ from objectmodels.mechanics.exact.exact_thresholds import (
     springs_of,
     thresholds_of_sample,
 )
-from objectmodels.mechanics.exact.slide_search import SlideSearch, Standing
+from objectmodels.mechanics.exact.slide_search import SlideSearch
+from objectmodels.mechanics.exact.standing import Standing
 from objectmodels.mechanics.friction_cone import contact_forces
 from objectmodels.mechanics.outcome_probability import draw_parameters, sample_parameters
 from objectmodels.mechanics.push_thresholds import ratio_at, topple_threshold
