@@ -24,6 +24,7 @@ from sim.control.trace_recorder import EarlyEndError
 from sim.rotations import Array
 
 if TYPE_CHECKING:
+    from sim.cell.cell_description import Vision
     from sim.control.trace_recorder import TraceRecorder
     from sim.hands.mount import Mount
     from sim.worlds.ports import Frame, SeenPose
@@ -50,8 +51,32 @@ LEVER_ERROR = 0.01
 """Relative standard deviation of a weight by the levers of the fingertips' contacts."""
 
 _LOOSE = 0.3  # share of the squeeze below which nothing is held
-_SEEN_SHARE, _OTHERS_SHARE = 0.25, 0.12  # weights of a new camera frame
+_SEEN_SHARE, _OTHERS_SHARE = 0.25, 0.12  # largest weights of a new camera frame
+_SEEN_TO = 0.001  # standard deviation of where it is seen in the hand, along each axis [m]
+_TURNED = 4.0  # standard deviations of a constant error: two, along two axes, turned by 90°
 _KEPT = 1.0  # time for which the hand's poses are kept; frames are not later [s]
+
+
+def seen_share(vision: Vision, lever: float) -> float:
+    """Weight of a new camera frame in where something is seen in the hand.
+
+    An even filter with share s leaves s / (2 − s) of the variance.
+
+    Args:
+        vision: data sheet of the camera.
+        lever: from the place that it tells to the middle of the grasp [m].
+    """
+    noise = float(np.hypot(vision.position_noise_m, np.radians(vision.angle_noise_deg) * lever))
+    left = (_SEEN_TO / max(noise, _SEEN_TO)) ** 2
+    return min(_SEEN_SHARE, 2.0 * left / (1.0 + left))
+
+
+def most_slip(vision: Vision) -> float:
+    """Slip that is seen in a hand at most while nothing slips too far [m].
+
+    What is seen wrong by the same in the world is elsewhere in a hand that has turned.
+    """
+    return SLIP + _TURNED * vision.position_bias_m
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,6 +131,9 @@ class HandSense:
         self.holding: tuple[str, ...] = self._hand.grasp_fingers
         self._p_BG = p_BG
         self._period = recorder.port.period
+        vision = recorder.port.cell.vision
+        self._seen_share = seen_share(vision, float(np.linalg.norm(p_BG)))
+        self._most_slip = most_slip(vision)
         self._past: deque[tuple[float, Array, Array]] = deque()
         self._others = {
             other: (np.append(seen.pose.p_WB[:2], 0.0), np.array([0.0, 0.0, 1.0]))
@@ -185,7 +213,7 @@ class HandSense:
         if self._now is None:
             self._now = R_PB, p_PG
             return
-        share = max(_SEEN_SHARE, 1.0 / self.frames)
+        share = max(self._seen_share, 1.0 / self.frames)
         R, p = self._now
         self._now = R + share * (R_PB - R), p + share * (p_PG - p)
 
@@ -242,7 +270,7 @@ class HandSense:
                 "slipped", f"the {self._name} was dropped: the fingers feel nothing of it"
             )
         slip, angle = self.slip
-        if slip > SLIP or angle > SLIP_ANGLE:
+        if slip > self._most_slip or angle > SLIP_ANGLE:
             what = "was dropped" if slip > DROPPED else "slipped in the hand"
             raise EarlyEndError(
                 "slipped",
