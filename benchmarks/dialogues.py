@@ -16,22 +16,28 @@ from typing import Any
 
 import yaml
 
+from grammar.frames.command import Frame
 from nlcontrol import Controller, Conversation
 from nlcontrol.results.result import Result
 
 DIALOGUES = Path(__file__).parents[1] / "tests" / "data" / "dialogues"
 
 
+def _asked(result: Result) -> list[Frame]:
+    """The frames of a command, without those that only make way for them."""
+    return [f for f in result.frames if f.query is None and f not in result.aside]
+
+
 def has_steps(result: Result, steps: list[list[Any]]) -> bool:
-    """Check for the frames that are meant, one for each step."""
-    frames = [frame for frame in result.frames if frame.query is None]
+    """Check for the frames that are meant, one for each step, and for nothing else."""
+    frames = _asked(result)
     return len(frames) == len(steps) and all(
         frame.action == action
         and frame.object is not None
         and frame.object.id == name
         and goal.items() <= frame.goal.model_dump().items()
         and set(*kinds) <= {constraint.kind for constraint in frame.constraints}
-        for frame, (action, name, goal, *kinds) in zip(result.frames, steps, strict=True)
+        for frame, (action, name, goal, *kinds) in zip(frames, steps, strict=True)
     )
 
 
@@ -49,9 +55,9 @@ def is_told(result: Result, turn: dict[str, Any]) -> bool:
 
 
 def is_right(result: Result, turn: dict[str, Any]) -> bool:
-    """Check for a result that is what a turn means."""
-    if turn.get("refused"):
-        return result.status == "not_understood"
+    """Check for a result that is what a turn means, any of it if it may mean several things."""
+    if turn.get("refused") and result.status == "not_understood":
+        return True
     if "tells" in turn:
         return is_told(result, turn)
     return any(has_steps(result, turn[key]) for key in ("steps", "or") if key in turn)
@@ -59,7 +65,7 @@ def is_right(result: Result, turn: dict[str, Any]) -> bool:
 
 def acts_wrongly(result: Result, turn: dict[str, Any]) -> bool:
     """Check for something done, or planned to be done, with an object that was not meant."""
-    acts = [f.object.id for f in result.frames if f.query is None and f.object and f.action]
+    acts = [f.object.id for f in _asked(result) if f.object and f.action]
     meant = {step[1] for key in ("steps", "or") for step in turn.get(key, ())}
     return result.status != "not_understood" and not set(acts) <= meant
 

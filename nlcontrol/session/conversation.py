@@ -308,9 +308,9 @@ class Conversation:
             self._said = None
 
     def _recall_names(self, text: str) -> list[str]:
-        """The objects that are named, which are remembered."""
-        words = " ".join(name_words(text))
-        found = {words.find(n.casefold()): n for n in self.controller.cell.names}
+        """The objects that are named, which are remembered; an "ice tea box" is no ice tea."""
+        words, names = " ".join(name_words(text)), sorted(self.controller.cell.names, key=len)
+        found = {words.find(name.casefold()): name for name in names}
         named = [
             name
             for place, name in sorted(found.items(), reverse=True)

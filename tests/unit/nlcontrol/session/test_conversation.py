@@ -134,6 +134,14 @@ def test_behind_what_was_not_understood_a_name_corrects_the_last_command(
     assert goal(result) == ("mug", ("away", None, None))
 
 
+def test_of_names_in_what_was_not_understood_the_longest_is_meant(
+    conversation: Conversation,
+) -> None:
+    result = plan(conversation, "frobnicate the ice tea box", "turn it 45 degrees clockwise")
+    assert result.frames[0].object is not None
+    assert result.frames[0].object.id == "ice tea box"
+
+
 def test_what_was_not_understood_is_not_done_anyway(conversation: Conversation) -> None:
     result = plan(conversation, AWAY, "frobnicate the mug", "do it anyway")
     assert result.error is not None
