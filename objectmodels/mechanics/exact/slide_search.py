@@ -299,6 +299,9 @@ class SlideSearch:
             row, k = np.nonzero((r < found * (1.0 - _SHORT)) & ~earlier)
             if not k.size:
                 continue
+            sure = self._surely_hold(r[row, k], found[k], i[k])
+            holds[row[sure], k[sure]] = True
+            row, k = row[~sure], k[~sure]
             excess = self.friction_excess(r[row, k], i[k]).excess
             slides[row, k] = excess < -_PRECISE * self.h[i[k]] * r[row, k]
             holds[row, k] = ~slides[row, k]
@@ -306,6 +309,21 @@ class SlideSearch:
             lo = np.maximum(lo, np.where(holds & (r < first), r, 0.0).max(axis=0))
             hi, earlier = np.minimum(hi, first), earlier | slides.any(axis=0)
         return i[earlier], lo[earlier], hi[earlier]
+
+    def _surely_hold(self, r: Array, held: Array, i: Index) -> NDArray[np.bool_]:
+        """Return True for pushes that hold at ratios r (n,) because they do at larger ones.
+
+        Friction that balances the larger push, less in proportion, balances the smaller one. It is
+        Coulomb's if no load has grown by more than the push has, which of many points some does.
+        (A scale moves the points.)
+        """
+        if self.scaled or len(self.springs.points) > _FEW:
+            return np.zeros(i.size, dtype=bool)
+        loads, more = (
+            self.springs.loads(*self.pressure_centres(at, i), self.loaded[:, i])[0]
+            for at in (r, held)
+        )
+        return np.asarray((loads * held >= (more - _PRECISE) * r).all(axis=0))
 
     def pressure_centres(self, r: Array, i: Index) -> tuple[Array, Array]:
         """Centres of pressure and how they move with r, each (2, n)."""

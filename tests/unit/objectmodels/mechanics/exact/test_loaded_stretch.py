@@ -35,6 +35,31 @@ def test_slides_are_those_of_the_brackets(radius: float, monkeypatch: pytest.Mon
         np.testing.assert_allclose(found.twist[slides], sought.twist[slides], rtol=1e-5, atol=1e-5)
 
 
+def test_what_surely_holds_needs_no_look(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One of these pushes slides before the ratio at which it would slide or topple again."""
+    earlier = 0
+    for number in range(33, 37):
+        rng = np.random.default_rng((32, number))
+        feet = rng.uniform(-0.06, 0.06, (8, 2))
+        com = (*(rng.dirichlet(np.full(8, 0.2)) @ feet), 0.1)
+        stated = {"size": (0.12, 0.12, 0.2), "friction": 0.5, "com": com, "support": feet}
+        box = BoxModel.model_validate({"name": "b", "mass": 1.0, **stated})
+        p = np.array(box.size) * rng.uniform([-0.5, -0.5, 0.0], [0.5, 0.5, 1.0], (50, 3))
+        u = rng.normal(size=(50, 3)) * [1.0, 1.0, 3.0]
+        u /= np.linalg.norm(u, axis=1, keepdims=True)
+        slide = [box.thresholds(p, u, exact=True).slide]
+        for answer in (np.zeros, np.ones):
+            with monkeypatch.context() as patched:
+                patched.setattr(
+                    slide_search.SlideSearch, "_surely_hold",
+                    lambda self, r, held, i, answer=answer: answer(i.size, dtype=bool),
+                )  # fmt: skip
+                slide.append(box.thresholds(p, u, exact=True).slide)
+        np.testing.assert_array_equal(slide[0], slide[1])
+        earlier += (slide[0] != slide[2]).sum()
+    assert earlier > 0
+
+
 def test_a_heavily_loaded_point_is_turned_about() -> None:
     """The push grows until the friction of the three others gives way, in a lever's ratio."""
     along, left = np.array([[0.0, 1.0, 0.0, 1.0]]).T, np.array([[1.0, 1.0, 2.0, 2.0]]).T
