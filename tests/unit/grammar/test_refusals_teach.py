@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 
 import pytest
 
@@ -15,26 +14,31 @@ _UNDERSTOOD = re.compile(r'this much is understood: "(.+)"')
 _JOINING = {"the", "a", "an", "of", "to", "in", "on", "at", "from", "with", "by", "for", "into"}
 
 
-def _errors() -> Iterator[tuple[str, ParseError]]:
+@pytest.fixture(scope="module")
+def errors() -> list[tuple[str, ParseError]]:
+    """Sentences that are refused, with why."""
+    found = []
     for text in refused():
         try:
             parse(text)
         except ParseError as error:
-            yield text, error
+            found.append((text, error))
+    return found
 
 
-ERRORS = list(_errors())
-
-
-def test_no_refusal_of_words_blames_a_joining_word_alone() -> None:
-    spans = [(text, e.span) for text, e in ERRORS if e.code == "unexpected_words" and e.span]
+def test_no_refusal_of_words_blames_a_joining_word_alone(
+    errors: list[tuple[str, ParseError]],
+) -> None:
+    spans = [(text, e.span) for text, e in errors if e.code == "unexpected_words" and e.span]
     within = [(text, span) for text, span in spans if span[1] < len(text)]
     blamed = [text for text, (start, end) in within if text[start:end].casefold() in _JOINING]
     assert not blamed
 
 
-def test_what_is_said_to_be_understood_is_read_as_it_is_said() -> None:
-    said = [m[1] for _, e in ERRORS for s in e.suggestions if (m := _UNDERSTOOD.fullmatch(s))]
+def test_what_is_said_to_be_understood_is_read_as_it_is_said(
+    errors: list[tuple[str, ParseError]],
+) -> None:
+    said = [m[1] for _, e in errors for s in e.suggestions if (m := _UNDERSTOOD.fullmatch(s))]
     assert len(said) > 50
     for sentence in said:
         assert parse(sentence).paraphrase == sentence
