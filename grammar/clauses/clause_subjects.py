@@ -129,6 +129,7 @@ def attach_objects(parts: Sequence[ph.Part], lexicon: Lexicon, sentence: Normali
         parts = [pours if part is verb else part for part in parts]
     if asks is not None and asks.goal == "pour":
         return _with_poured_object(parts, verb)
+    parts = _with_it_placed(parts, verb, lexicon, sentence)
     parts = _with_moved_part(parts, verb, lexicon, sentence)
     asks = _asks_for(verb, parts, lexicon)
     parts = _with_owner_of_lid(parts, verb, asks, lexicon, sentence)
@@ -148,6 +149,25 @@ def _pronoun_after(after: ph.Part) -> ph.Thing:
     """A pronoun behind a part, for the object that was spoken of before."""
     end = after.span[1]
     return ph.Thing((end, end), g.ObjectRef(text="it", pronoun=True))
+
+
+def _with_it_placed(
+    parts: Sequence[ph.Part], verb: ph.Verb, lexicon: Lexicon, sentence: Normalised
+) -> Parts:
+    """Takes "place on the plate" for "place it on the plate"; "put on the lid" is of a lid."""
+    thing = next((part for part in parts if isinstance(part, ph.Thing)), None)
+    particle = next((part for part in parts if isinstance(part, ph.Particle)), None)
+    alone = lexicon.find_verb(verb.word)
+    if thing is None or particle is None or alone is None or alone.goal != "place":
+        return list(parts)
+    named = thing.ref.text.casefold().split()[-1]
+    if particle.word != "on" or particle.span > thing.span or named in lexicon.parts:
+        return list(parts)
+    if part_and_owner(thing, lexicon, sentence) is not None:
+        return list(parts)
+    place = ph.Place((particle.span[0], thing.span[1]), "on", (thing.ref,))
+    rest = [part for part in parts if part is not particle]
+    return [_pronoun_after(verb), *(place if part is thing else part for part in rest)]
 
 
 # --- contents ---------------------------------------------------------------------------------
@@ -254,11 +274,15 @@ def _with_owner_of_lid(
     return [p for part in parts for p in instead.get(id(part), [part])]
 
 
+_OF_LIDS = ("on", "off", "from")
+"""Relations of a lid to what it belongs to."""
+
+
 def with_lid_as_pronoun(clause: Parts, previous: Parts, lexicon: Lexicon) -> Parts:
-    """Takes "it" in "…, and put it on the jar" for the lid that the clause before it was about."""
+    """Takes "it" in "…, and put it on the jar", "… take it off the jar" for the lid before it."""
     lid = next((part for part in previous if isinstance(part, ph.Thing)), None)
     it = next((part for part in clause if isinstance(part, ph.Thing)), None)
-    placed = any(isinstance(part, ph.Place) and part.relation == "on" for part in clause)
+    placed = any(isinstance(part, ph.Place) and part.relation in _OF_LIDS for part in clause)
     if lid is None or it is None or not (it.ref.pronoun and placed):
         return clause
     if lid.ref.text.casefold() not in lexicon.lids:

@@ -43,6 +43,8 @@ _SENSES: dict[g.Direction, g.Sense] = {"left": "ccw", "right": "cw"}
 
 def _displace_goal(clause: Clause) -> g.Displace | g.Place:
     clause.take_all(ph.LetGo)
+    if clause.verb.direction == "toward":
+        clause.take_all(ph.FromTable)
     source = clause.first_part(ph.Place)
     fetched = clause.verb.direction == "toward" and not clause.has_part(ph.Length, ph.Share)
     if fetched and source is not None and source.relation in _SOURCES:
@@ -125,14 +127,26 @@ def _place_goal(clause: Clause) -> g.Displace | g.Place | g.SetDown:
     place, table = clause.take_place(), clause.take_only(ph.Table)
     if place is None and table is not None:
         return g.SetDown(spans=clause.all_spans)
-    back = clause.first_part(ph.Direction)
-    if place is None and back is not None and clause.quote(back).casefold() == '"back"':
+    if place is not None and (aside := _side_of(place)) is not None:
+        return g.Displace(direction=aside, spans=clause.all_spans)  # "put it on the left"
+    way = clause.first_part(ph.Direction)
+    said = "" if place is not None or way is None else clause.quote(way).casefold()
+    if said == '"back"':
         clause.take_only(ph.Direction)
         return g.Place(relation="back", reference=(), spans=clause.all_spans)
+    if said.startswith('"to '):
+        return _displace_goal(clause)
     if place is None:
         hints = ("next to the mug", "to the middle of the table", "to x 0.6 y -0.1")
         raise clause.no_place_error("where to put it", *hints)
     return _place_goal_at(clause, place)
+
+
+def _side_of(place: ph.Place) -> g.Direction | None:
+    match place:
+        case ph.Place(relation="on", reference=(g.ObjectRef(text="left" | "right" as side),)):
+            return side
+    return None
 
 
 def _place_goal_at(clause: Clause, place: ph.Place) -> g.Place:
@@ -207,6 +221,7 @@ def _topple_goal(clause: Clause) -> g.Topple:
 
 
 def _hand_over_goal(clause: Clause) -> g.HandOver:
+    clause.take_all(ph.FromTable)
     clause.take_only(ph.Me)
     if clause.has_part(ph.Direction) and clause.take_direction() != "toward":
         raise ParseError(
@@ -226,6 +241,12 @@ def _contact_goal(clause: Clause) -> g.Displace | g.Place | g.NoGoal:
     # The side that is touched says where to push, but a touch need not move anything.
     clause.take_all(ph.Direction)
     return g.NoGoal()
+
+
+def _upright_goal(clause: Clause) -> g.Upright:
+    clause.take_all(ph.Table)
+    clause.take_all(ph.FromTable)
+    return g.Upright(spans=clause.all_spans)
 
 
 def _set_down_goal(clause: Clause) -> g.Displace | g.Place | g.SetDown:
@@ -340,7 +361,7 @@ GOAL_BUILDERS: dict[str, Callable[[Clause], g.Goal]] = {
     "line_up": row_goal,
     "tilt": _tilt_goal,
     "topple": _topple_goal,
-    "upright": lambda _: g.Upright(),
+    "upright": _upright_goal,
     "lift": lift_goal,
     "remove": remove_goal,
     "set_down": _set_down_goal,

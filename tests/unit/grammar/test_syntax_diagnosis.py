@@ -90,6 +90,7 @@ def test_verb_without_its_particle_suggests_it() -> None:
         "did you mean 'knock down'?",
         "did you mean 'knock on its side'?",
         "did you mean 'knock over'?",
+        "did you mean 'knock over on its side'?",
     )
 
 
