@@ -21,11 +21,12 @@ from objectmodels.mechanics.push_thresholds import (
     load_step,
     quick_slide_force,
     slide_threshold,
+    surely_jams,
     topple_threshold,
     yaw_arm,
 )
 
-BLOCK = 8192
+BLOCK = 16384
 """Pushes that are treated at once."""
 
 
@@ -60,8 +61,8 @@ def slide_and_topple_forces(body: Figures, p: Array, u: Array) -> tuple[Array, A
         slide[b] = _quick_slide(body, p[b], u[b])
         topple[b] = topple_threshold(body.base, p[b], u[b], body.com, body.weight)
     (i,) = np.nonzero(np.isnan(slide))
-    arm = yaw_arm(p[i], u[i], body.com)
-    slide[i] = slide_threshold(u[i], arm, body.friction, body.radius, body.weight)
+    p, u = p[i], u[i]
+    slide[i] = slide_threshold(u, yaw_arm(p, u, body.com), body.friction, body.radius, body.weight)
     return slide, topple
 
 
@@ -73,8 +74,9 @@ def blocks(n: int) -> Iterator[slice]:
 def _quick_slide(body: Figures, p: Array, u: Array) -> Array:
     """Forces at which pushes slide, nan where that takes a closer look, (n,) [N]."""
     x, y, w = u[:, 0], u[:, 1], u[:, 2]
-    a = yaw_arm(p, u, body.com) / body.radius
-    return quick_slide_force(x * x + y * y, w, a * a, body.friction, body.weight)
+    arm = yaw_arm(p, u, body.com)
+    a2 = arm * arm * body.radius**-2
+    return quick_slide_force(x * x + y * y, w, a2, body.friction, body.weight)
 
 
 def _single_forces(body: Figures, p: Array, u: Array) -> tuple[float, float] | None:
@@ -109,5 +111,4 @@ def _single_slide(h2: float, w: float, a2: float, mu: float, weight: float) -> f
         return None
     if is_largest_load(v, step, A, B, v + w) and h2 > 0.0:
         return weight / (v + w)
-    jams = w < 0.0 and h2 <= w * w and a2 <= 8.0 * h2
-    return inf if jams else None
+    return inf if surely_jams(h2, w, a2) else None

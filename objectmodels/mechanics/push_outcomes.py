@@ -78,11 +78,9 @@ class Thresholds:
         """Class at the onset as an index into `OUTCOMES`, shape (n,)."""
         if len(self.slide) == 1:
             return np.array([_single_code(self.slide.item(), self.topple.item())], dtype=np.uint8)
-        with np.errstate(invalid="ignore"):
-            undecided = np.abs(self.slide - self.topple) <= UNDECIDED * self.onset
-        code = 2 - (self.slide < self.topple).astype(np.uint8)
-        code[undecided] = 3
-        code[np.isinf(self.onset)] = 0
+        code = np.empty(len(self.slide), dtype=np.uint8)
+        for b in blocks(len(code)):
+            code[b] = _codes(self.slide[b], self.topple[b])
         return code
 
     @property
@@ -174,7 +172,8 @@ class Prediction:
     @cached_property
     def moves(self) -> NDArray[np.bool_]:
         """Return True where the force reaches the onset."""
-        return self.force >= self.thresholds.onset
+        t = self.thresholds
+        return (self.force >= t.slide) | (self.force >= t.topple)
 
     @cached_property
     def code(self) -> NDArray[np.uint8]:
@@ -242,6 +241,17 @@ def _single_code(slide: float, topple: float) -> int:
     return 3 if undecided else 1 if slide < topple else 2
 
 
+def _codes(slide: Array, topple: Array) -> NDArray[np.uint8]:
+    """Classes at the onset of pushes, (n,)."""
+    onset = np.minimum(slide, topple)
+    with np.errstate(invalid="ignore"):
+        undecided = np.abs(slide - topple) <= UNDECIDED * onset
+    code = 2 - (slide < topple).astype(np.uint8)
+    code[undecided] = 3
+    code[np.isinf(onset)] = 0
+    return code
+
+
 def closed_form_thresholds(
     model: PushedBody, p: Array, u: Array, friction: Friction = "static"
 ) -> Thresholds:
@@ -263,8 +273,8 @@ def size_and_direction(f: Array) -> tuple[Array, Array]:
     for b in blocks(len(f)):
         x, y, z = f[b].T
         size[b] = np.sqrt(x * x + y * y + z * z)
-        length = np.maximum(size[b], np.finfo(float).tiny)
-        u[b, 0], u[b, 1], u[b, 2] = x / length, y / length, z / length
+        shorter = 1.0 / np.maximum(size[b], np.finfo(float).tiny)
+        u[b, 0], u[b, 1], u[b, 2] = x * shorter, y * shorter, z * shorter
     return size, u
 
 

@@ -101,8 +101,12 @@ def slide_threshold(
     s = quick_slide_force(h2, w, a * a, mu, weight, MORE_STEPS)
     i = np.isnan(s)
     if i.any():
-        h, w, a, mu = (np.broadcast_to(each, i.shape)[i] for each in (np.sqrt(h2), w, a, mu))
-        s[i] = force_at(_careful_load_ratio(h, w, a, mu), w, weight)
+        h2, w, a, mu = (np.broadcast_to(each, i.shape)[i] for each in (h2, w, a, mu))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            jams = surely_jams(h2 / mu**2, w, (a / mu) ** 2)
+        r, rest = np.full(len(w), np.inf), ~jams
+        r[rest] = _careful_load_ratio(np.sqrt(h2[rest]), w[rest], a[rest], mu[rest])
+        s[i] = force_at(r, w, weight)
     return s
 
 
@@ -164,6 +168,14 @@ def is_largest_load(v: Number, step: Number, A: Number, B: Number, load: Number)
     # Beyond v² = A/6 the quartic is convex: from a root there at which it rises it never returns.
     rises = (2.0 * v * (t + t - A) - B >= 2.0 * _STEEP * t * v) & (6.0 * t >= A)
     return rises & (load > 0.0) & (abs(step) <= LAST_STEP * v)
+
+
+def surely_jams(h2: Number, w: Number, a2: Number) -> Any:
+    """Return True where friction surely grows faster than the push; a, w and h as in `load_guess`.
+
+    To be asked only where no load was found.
+    """
+    return (w < 0.0) & (h2 <= w * w) & (a2 <= 8.0 * h2)
 
 
 def _careful_load_ratio(h: Array, w: Array, a: Array, mu: Array) -> Array:
