@@ -35,8 +35,9 @@ def description_texts(model: ObjectModel, form: Format) -> dict[str, str]:
     if form == "mjcf":
         return {name: mjcf_text(body)}
     texts = {name: {"sdf": sdf_text, "urdf": urdf_text}[form](body, mesh)}
-    if body.shape == "hull":
-        texts[mesh] = obj_text(body.vertices)
+    for solid in body.solids:
+        if solid.shape == "hull":
+            texts[mesh] = obj_text(solid.vertices)
     return texts
 
 

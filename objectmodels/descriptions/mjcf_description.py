@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from xml.sax.saxutils import quoteattr
 
-from objectmodels.descriptions.rigid_body import FOOT, RigidBody, numbers_text
+from objectmodels.descriptions.rigid_body import FOOT, RigidBody, Solid, numbers_text
 from objectmodels.mechanics.push_thresholds import GRAVITY
 
 _IMPEDANCE = 0.5
@@ -34,7 +34,12 @@ def mjcf_text(body: RigidBody) -> str:
         f' solref="{-stiffness * weight:.15g} {-damping * weight:.15g}"/>'
         for place, weight in zip(body.feet, body.weights, strict=True)
     )
-    asset, solid = _solid(body)
+    asset = "".join(map(_asset, body.solids))
+    solids = "\n".join(
+        f'      <geom name="{solid.name}" {_geometry(solid)} condim="3" priority="1"\n'
+        f'        friction="{body.finger_friction:.15g} 0 0"/>'
+        for solid in body.solids
+    )
     com, inertia = numbers_text(body.com), numbers_text(body.inertia)
     return f"""<mujoco model={quoteattr(body.name)}>
   <option timestep="0.001" gravity="0 0 {-GRAVITY}" cone="elliptic" impratio="1000"/>
@@ -48,8 +53,7 @@ def mjcf_text(body: RigidBody) -> str:
     <body name={quoteattr(body.name)}>
       <freejoint/>
       <inertial pos="{com}" mass="{body.mass:.15g}" diaginertia="{inertia}"/>
-      <geom name="solid" {solid} condim="3" priority="1"
-        friction="{body.finger_friction:.15g} 0 0"/>
+{solids}
 {feet}
     </body>
   </worldbody>
@@ -57,14 +61,20 @@ def mjcf_text(body: RigidBody) -> str:
 """
 
 
-def _solid(body: RigidBody) -> tuple[str, str]:
-    """The assets, and what a geom says of the shape."""
-    x, y, z = (body.size / 2.0).tolist()
-    place = f'pos="{numbers_text(body.middle)}"'
-    if body.shape == "box":
-        return "", f'type="box" size="{x:.15g} {y:.15g} {z:.15g}" {place}'
-    if body.shape == "cylinder":
-        return "", f'type="cylinder" size="{x:.15g} {z:.15g}" {place}'
-    corners = "  ".join(numbers_text(vertex) for vertex in body.vertices)
-    asset = f'\n  <asset>\n    <mesh name="hull" vertex="{corners}"/>\n  </asset>'
-    return asset, 'type="mesh" mesh="hull"'
+def _geometry(solid: Solid) -> str:
+    """What a geom says of the shape."""
+    x, y, z = (solid.size / 2.0).tolist()
+    place = f'pos="{numbers_text(solid.middle)}"'
+    if solid.shape == "box":
+        return f'type="box" size="{x:.15g} {y:.15g} {z:.15g}" {place}'
+    if solid.shape == "cylinder":
+        return f'type="cylinder" size="{x:.15g} {z:.15g}" {place}'
+    return 'type="mesh" mesh="hull"'
+
+
+def _asset(solid: Solid) -> str:
+    """The mesh of a hull; nothing of other shapes."""
+    if solid.shape != "hull":
+        return ""
+    corners = "  ".join(numbers_text(vertex) for vertex in solid.vertices)
+    return f'\n  <asset>\n    <mesh name="hull" vertex="{corners}"/>\n  </asset>'

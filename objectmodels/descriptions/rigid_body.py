@@ -2,13 +2,15 @@
 
 The feet are small spheres whose lowest points are the support points of the model; they alone touch
 the table, with the table's coefficient and with stiffnesses in the ratio of the support's weights,
-so that loads follow the centre of pressure as they do in the exact tier. The solid above them has
-the finger's coefficient and ends a little above the table.
+so that loads follow the centre of pressure as they do in the exact tier. The solids above them have
+the finger's coefficient and end a little above the table: one, or the floor and walls of an open
+box.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
@@ -18,6 +20,7 @@ from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.support_points import support_points
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.models.convex_hull import HullModel
+from objectmodels.models.open_box import open_box_parts
 from objectmodels.models.upright_solids import BoxModel, CylinderModel
 
 if TYPE_CHECKING:
@@ -38,6 +41,34 @@ RELAXATION = 0.002
 _NO_NAME = re.compile(r"\W+")
 
 
+Shape = Literal["box", "cylinder", "hull"]
+
+
+@dataclass(frozen=True)
+class Solid:
+    """A convex part that a finger touches, in B.
+
+    Attributes:
+        name: among the parts of a body.
+        shape: of it.
+        vertices: its corners, or those of what encloses it, shape (n, 3) [m].
+    """
+
+    name: str
+    shape: Shape
+    vertices: Array
+
+    @property
+    def size(self) -> Array:
+        """Extents, shape (3,) [m]."""
+        return np.asarray(np.ptp(self.vertices, axis=0))
+
+    @property
+    def middle(self) -> Array:
+        """Middle of its extents, shape (3,) [m]."""
+        return np.asarray((self.vertices.min(axis=0) + self.vertices.max(axis=0)) / 2.0)
+
+
 @dataclass(frozen=True)
 class RigidBody:
     """A rigid body on feet, in B: origin in the middle of the base, z up.
@@ -50,9 +81,8 @@ class RigidBody:
         feet: centres of the feet, shape (k, 3) [m].
         weights: shares of the feet in the stiffness, shape (k,).
         friction: static coefficient at the table.
-        finger_friction: static coefficient at the solid.
-        shape: of the solid.
-        vertices: of the solid, or of the corners of what encloses it, shape (n, 3) [m].
+        finger_friction: static coefficient at the solids.
+        solids: of which it consists; a hull is the only one.
     """
 
     name: str
@@ -63,23 +93,12 @@ class RigidBody:
     weights: Array
     friction: float
     finger_friction: float
-    shape: Literal["box", "cylinder", "hull"]
-    vertices: Array
+    solids: tuple[Solid, ...]
 
     @property
     def stiffness(self) -> float:
         """Stiffness of all feet together [N/m]."""
         return self.mass * GRAVITY / SINKS
-
-    @property
-    def size(self) -> Array:
-        """Extents of the solid, shape (3,) [m]."""
-        return np.asarray(np.ptp(self.vertices, axis=0))
-
-    @property
-    def middle(self) -> Array:
-        """Middle of its extents, shape (3,) [m]."""
-        return np.asarray((self.vertices.min(axis=0) + self.vertices.max(axis=0)) / 2.0)
 
 
 def numbers_text(values: Array) -> str:
@@ -90,7 +109,6 @@ def numbers_text(values: Array) -> str:
 def rigid_body(model: ObjectModel) -> RigidBody:
     """The rigid body that a model describes; standard deviations are left behind."""
     points, weights = support_points(model.support, model.footprint)
-    shape, vertices = _solid(model)
     return RigidBody(
         name=_NO_NAME.sub("_", model.name).strip("_") or "object",
         mass=model.mass,
@@ -100,21 +118,34 @@ def rigid_body(model: ObjectModel) -> RigidBody:
         weights=weights,
         friction=model.friction,
         finger_friction=model.finger_friction,
-        shape=shape,
-        vertices=vertices,
+        solids=tuple(_solids(model)),
     )
 
 
-def _solid(model: ObjectModel) -> tuple[Literal["box", "cylinder", "hull"], Array]:
-    """Shape and vertices of what a finger touches."""
+def _solids(model: ObjectModel) -> Iterator[Solid]:
+    """What a finger touches; each ends at least so much above the table as `GAP` says."""
+    outline, shape = model.outline, _shape(model)
     if isinstance(model, HullModel):
         vertices = np.array(model.vertices)
-        return "hull", np.column_stack((vertices[:, :2], np.maximum(vertices[:, 2], GAP)))
-    outline = model.outline
-    if isinstance(model, CylinderModel):
-        r = model.radius
-        outline = np.array([[-r, -r], [r, -r], [r, r], [-r, r]])
-    ends = [np.column_stack((outline, np.full(len(outline), z))) for z in (GAP, model.top)]
+    elif isinstance(model, BoxModel) and model.inside is not None:
+        for k, (low, high) in enumerate(open_box_parts(model.extents, model.inside)):
+            yield Solid(f"part_{k}", "box", _raised(np.array([low, high])))
+        return
+    else:
+        if isinstance(model, CylinderModel):
+            r = model.radius
+            outline = np.array([[-r, -r], [r, -r], [r, r], [-r, r]])
+        ends = [np.column_stack((outline, np.full(len(outline), z))) for z in (0.0, model.top)]
+        vertices = np.vstack(ends)
+    yield Solid("solid", shape, _raised(vertices))
+
+
+def _shape(model: ObjectModel) -> Shape:
     if isinstance(model, BoxModel):
-        return "box", np.vstack(ends)
-    return ("cylinder" if isinstance(model, CylinderModel) else "hull"), np.vstack(ends)
+        return "box"
+    return "cylinder" if isinstance(model, CylinderModel) else "hull"
+
+
+def _raised(vertices: Array) -> Array:
+    """Corners, shape (n, 3) [m], none of which is lower than the gap above the table."""
+    return np.column_stack((vertices[:, :2], np.maximum(vertices[:, 2], GAP)))

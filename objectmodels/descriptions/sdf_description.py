@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from xml.sax.saxutils import quoteattr
 
-from objectmodels.descriptions.rigid_body import FOOT, RELAXATION, RigidBody, numbers_text
+from objectmodels.descriptions.rigid_body import FOOT, RELAXATION, RigidBody, Solid, numbers_text
 from objectmodels.geometry.base_shapes import Array
 
 
@@ -20,7 +20,9 @@ def sdf_text(body: RigidBody, mesh: str) -> str:
         _collision(f"foot_{k}", place, f"<sphere><radius>{FOOT}</radius></sphere>", body, weight)
         for k, (place, weight) in enumerate(zip(body.feet, body.weights, strict=True))
     )
-    shape, place = _shape(body, mesh)
+    shapes = [(solid.name, *_shape(solid, mesh)) for solid in body.solids]
+    visuals = "\n".join(_visual(name, place, shape) for name, shape, place in shapes)
+    solids = "\n".join(_collision(name, place, shape, body, None) for name, shape, place in shapes)
     return f"""<?xml version="1.0"?>
 <sdf version="1.9" xmlns:drake="http://drake.mit.edu">
   <model name={quoteattr(body.name)}>
@@ -33,16 +35,20 @@ def sdf_text(body: RigidBody, mesh: str) -> str:
           <ixy>0</ixy><ixz>0</ixz><iyz>0</iyz>
         </inertia>
       </inertial>
-      <visual name="solid">
-        <pose>{numbers_text(place)} 0 0 0</pose>
-        <geometry>{shape}</geometry>
-      </visual>
-{_collision("solid", place, shape, body, None)}
+{visuals}
+{solids}
 {feet}
     </link>
   </model>
 </sdf>
 """
+
+
+def _visual(name: str, place: Array, shape: str) -> str:
+    return f"""      <visual name="{name}">
+        <pose>{numbers_text(place)} 0 0 0</pose>
+        <geometry>{shape}</geometry>
+      </visual>"""
 
 
 def _collision(name: str, place: Array, shape: str, body: RigidBody, weight: float | None) -> str:
@@ -63,13 +69,13 @@ def _collision(name: str, place: Array, shape: str, body: RigidBody, weight: flo
       </collision>"""
 
 
-def _shape(body: RigidBody, mesh: str) -> tuple[str, Array]:
-    """Geometry of the solid, and where its own frame is."""
-    x, _, z = body.size.tolist()
-    if body.shape == "box":
-        return f"<box><size>{numbers_text(body.size)}</size></box>", body.middle
-    if body.shape == "cylinder":
+def _shape(solid: Solid, mesh: str) -> tuple[str, Array]:
+    """Geometry of a solid, and where its own frame is."""
+    x, _, z = solid.size.tolist()
+    if solid.shape == "box":
+        return f"<box><size>{numbers_text(solid.size)}</size></box>", solid.middle
+    if solid.shape == "cylinder":
         size = f"<radius>{x / 2.0:.15g}</radius><length>{z:.15g}</length>"
-        return f"<cylinder>{size}</cylinder>", body.middle
+        return f"<cylinder>{size}</cylinder>", solid.middle
     uri = f"<uri>{mesh}</uri><drake:declare_convex/>"
-    return f"<mesh>{uri}</mesh>", 0.0 * body.middle
+    return f"<mesh>{uri}</mesh>", 0.0 * solid.middle

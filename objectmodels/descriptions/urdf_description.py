@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from xml.sax.saxutils import quoteattr
 
-from objectmodels.descriptions.rigid_body import FOOT, RELAXATION, RigidBody, numbers_text
+from objectmodels.descriptions.rigid_body import FOOT, RELAXATION, RigidBody, Solid, numbers_text
 from objectmodels.geometry.base_shapes import Array
 
 
@@ -20,7 +20,9 @@ def urdf_text(body: RigidBody, mesh: str) -> str:
         _collision(place, f'<sphere radius="{FOOT}"/>', body, weight)
         for place, weight in zip(body.feet, body.weights, strict=True)
     )
-    shape, place = _shape(body, mesh)
+    shapes = [_shape(solid, mesh) for solid in body.solids]
+    visuals = "\n".join(_visual(place, shape) for shape, place in shapes)
+    solids = "\n".join(_collision(place, shape, body, None) for shape, place in shapes)
     return f"""<?xml version="1.0"?>
 <robot name={quoteattr(body.name)} xmlns:drake="http://drake.mit.edu">
   <link name={quoteattr(body.name)}>
@@ -29,11 +31,8 @@ def urdf_text(body: RigidBody, mesh: str) -> str:
       <mass value="{body.mass:.15g}"/>
       <inertia ixx="{xx:.15g}" iyy="{yy:.15g}" izz="{zz:.15g}" ixy="0" ixz="0" iyz="0"/>
     </inertial>
-    <visual>
-      <origin xyz="{numbers_text(place)}"/>
-      <geometry>{shape}</geometry>
-    </visual>
-{_collision(place, shape, body, None)}
+{visuals}
+{solids}
 {feet}
   </link>
   <gazebo reference={quoteattr(body.name)}>
@@ -42,6 +41,13 @@ def urdf_text(body: RigidBody, mesh: str) -> str:
   </gazebo>
 </robot>
 """
+
+
+def _visual(place: Array, shape: str) -> str:
+    return f"""    <visual>
+      <origin xyz="{numbers_text(place)}"/>
+      <geometry>{shape}</geometry>
+    </visual>"""
 
 
 def _collision(place: Array, shape: str, body: RigidBody, weight: float | None) -> str:
@@ -63,11 +69,11 @@ def _collision(place: Array, shape: str, body: RigidBody, weight: float | None) 
     </collision>"""
 
 
-def _shape(body: RigidBody, mesh: str) -> tuple[str, Array]:
-    """Geometry of the solid, and where its own frame is."""
-    x, _, z = body.size.tolist()
-    if body.shape == "box":
-        return f'<box size="{numbers_text(body.size)}"/>', body.middle
-    if body.shape == "cylinder":
-        return f'<cylinder radius="{x / 2.0:.15g}" length="{z:.15g}"/>', body.middle
-    return f'<mesh filename="{mesh}"><drake:declare_convex/></mesh>', 0.0 * body.middle
+def _shape(solid: Solid, mesh: str) -> tuple[str, Array]:
+    """Geometry of a solid, and where its own frame is."""
+    x, _, z = solid.size.tolist()
+    if solid.shape == "box":
+        return f'<box size="{numbers_text(solid.size)}"/>', solid.middle
+    if solid.shape == "cylinder":
+        return f'<cylinder radius="{x / 2.0:.15g}" length="{z:.15g}"/>', solid.middle
+    return f'<mesh filename="{mesh}"><drake:declare_convex/></mesh>', 0.0 * solid.middle

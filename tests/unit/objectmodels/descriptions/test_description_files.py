@@ -7,7 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from objectmodels import BoxModel, CylinderModel, HullModel, ModelError, ObjectModel, PrismModel
+from objectmodels import (
+    BoxModel,
+    CylinderModel,
+    HullModel,
+    ModelError,
+    ObjectModel,
+    PrismModel,
+    Registry,
+)
 from objectmodels.descriptions.description_files import (
     Format,
     description_texts,
@@ -36,7 +44,10 @@ PRISM = PrismModel(
 )
 BASE = [(-0.05, -0.04, 0), (0.05, -0.04, 0), (0.05, 0.04, 0), (-0.05, 0.04, 0)]
 HULL = HullModel(name="stone", mass=0.6, friction=0.5, vertices=(*BASE, (0.0, 0.0, 0.09)))
-MODELS = pytest.mark.parametrize("model", [BOX, CAN, PRISM, HULL], ids=lambda model: model.name)
+BIN = Registry.built_in().get("storage bin")
+MODELS = pytest.mark.parametrize(
+    "model", [BOX, CAN, PRISM, HULL, BIN], ids=lambda model: model.name
+)
 
 
 @MODELS
@@ -111,12 +122,28 @@ def test_pushes_end_there_as_the_exact_tier_says(form: Format) -> None:
 
 
 def test_a_mesh_encloses_the_volume_of_the_hull() -> None:
-    vertices = rigid_body(HULL).vertices
+    (solid,) = rigid_body(HULL).solids
+    vertices = solid.vertices
     lines = [line.split() for line in obj_text(vertices).splitlines()]
     points = np.array([[float(x) for x in line[1:]] for line in lines if line[0] == "v"])
     faces = np.array([[int(k) - 1 for k in line[1:]] for line in lines if line[0] == "f"])
     signed = np.linalg.det(points[faces]).sum() / 6.0  # outwards, so that it is positive
     assert signed == pytest.approx(volume_and_centre(vertices)[0], rel=1e-6)
+
+
+def test_an_open_box_is_hollow_where_a_ball_falls_into_it() -> None:
+    mujoco = pytest.importorskip("mujoco", reason="the extra dev has it")
+    assert BIN.inside is not None
+    (text,) = description_texts(BIN, "mjcf").values()
+    ball = (
+        '<body pos="0 0 0.2"><freejoint/><geom type="sphere" size="0.02" density="100"/></body>'
+        '<geom type="plane" size="1 1 1"/>'
+    )
+    world = mujoco.MjModel.from_xml_string(text.replace("</worldbody>", f"{ball}</worldbody>"))
+    data = mujoco.MjData(world)
+    mujoco.mj_step(world, data, nstep=1500)
+    # It lies on the floor, into which its soft contact lets it sink by less than a millimetre.
+    assert data.qpos[9] == pytest.approx(BIN.inside.floor + 0.02, abs=1e-3)
 
 
 def test_files_are_named_for_the_object(tmp_path: Path) -> None:
