@@ -16,13 +16,13 @@ share of the one that decides.
 
 from __future__ import annotations
 
-import argparse
 from collections import Counter
 from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 
+from benchmarks.banded_cases import agreement_text, banded_options
 from benchmarks.fingertips import Fingertip
 from objectmodels import BoxModel, CylinderModel
 from objectmodels.geometry.base_shapes import Array
@@ -333,11 +333,7 @@ class _Run:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--cases", type=int, default=300)
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--band", type=float, default=0.05)
-    options = parser.parse_args()
+    options = banded_options(__doc__)
     rng = np.random.default_rng(options.seed)
     seen: Counter[tuple[str, str, str]] = Counter()
     for number in range(options.cases):
@@ -355,10 +351,7 @@ def main() -> None:
         print(f"{kind}: {count} {predicted}/{found}")
     judged = sum(seen.values())
     agree = sum(count for (_, predicted, found), count in seen.items() if predicted == found)
-    print(
-        f"{agree} of {judged} as predicted ({100.0 * agree / max(judged, 1):.1f} %); "
-        f"{options.cases - judged} within the band"
-    )
+    print(agreement_text(agree, judged, options.cases))
 
 
 if __name__ == "__main__":

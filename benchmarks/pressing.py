@@ -12,13 +12,13 @@ the face lies within a share of the most that the fingertip transmits, or the ce
 
 from __future__ import annotations
 
-import argparse
 from collections import Counter
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from benchmarks.banded_cases import agreement_text, banded_options
 from benchmarks.fingertips import Fingertip
 from objectmodels import BoxModel, CylinderModel, ObjectModel, PrismModel
 from objectmodels.geometry.base_shapes import Array, Polygon
@@ -172,11 +172,7 @@ def outcome_in_drake(case: Case, scene: Scene) -> tuple[str, float]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--cases", type=int, default=300)
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--band", type=float, default=0.05)
-    options = parser.parse_args()
+    options = banded_options(__doc__)
     rng = np.random.default_rng(options.seed)
     scene = parse_scene("{version: 1, name: pressing, objects: []}")
     seen: Counter[tuple[str, str]] = Counter()
@@ -197,10 +193,7 @@ def main() -> None:
     print(", ".join(f"{count} {predicted}/{found}" for (predicted, found), count in seen.items()))
     worst = np.degrees(np.percentile(off, 95)) / 10.0 if off else np.nan
     print(f"turn of what drags: 95 % within {worst:.1f}° in 10 cm of what is predicted at first")
-    print(
-        f"{agree} of {judged} as predicted ({100.0 * agree / max(judged, 1):.1f} %); "
-        f"{options.cases - judged} within the band"
-    )
+    print(agreement_text(agree, judged, options.cases))
 
 
 if __name__ == "__main__":

@@ -6,16 +6,16 @@ margin is within a share of half the width of the faces that meet there, where t
 simulation are a little smaller than the faces. A stack has fallen if after two and a half seconds
 one of it leans by more than five degrees or has come down.
 
-    python -m benchmarks.stacks [--stacks 300] [--seed 0] [--band 0.05]
+    python -m benchmarks.stacks [--cases 300] [--seed 0] [--band 0.05]
 """
 
 from __future__ import annotations
 
-import argparse
 from typing import Any
 
 import numpy as np
 
+from benchmarks.banded_cases import agreement_text, banded_options
 from objectmodels.geometry.base_shapes import Array, Polygon
 from objectmodels.geometry.support_points import hull_polygon
 from objectmodels.mechanics.balance.stack_stability import StackedBody, stack_margins
@@ -134,15 +134,11 @@ def has_fallen(scene: Scene, items: list[SceneObject]) -> bool:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--stacks", type=int, default=300)
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--band", type=float, default=0.05)
-    options = parser.parse_args()
+    options = banded_options(__doc__)
     rng = np.random.default_rng(options.seed)
     scene = parse_scene("{version: 1, name: stack, objects: []}")
     judged = agree = stand = 0
-    for number in range(options.stacks):
+    for number in range(options.cases):
         items, below = random_stack(rng)
         margin = relative_margin([stacked_body(*each) for each in zip(items, below, strict=True)])
         if abs(margin) < options.band:
@@ -153,10 +149,7 @@ def main() -> None:
             agree += 1
         else:
             print(f"stack {number}: margin {margin:+.3f} of half the width, falls: {falls}")
-    print(
-        f"{agree} of {judged} stacks as predicted ({100.0 * agree / max(judged, 1):.1f} %), "
-        f"{stand} of them stand; {options.stacks - judged} within the band"
-    )
+    print(f"{stand} stacks stand; {agreement_text(agree, judged, options.cases)}")
 
 
 if __name__ == "__main__":
