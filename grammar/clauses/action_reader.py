@@ -61,15 +61,19 @@ class ActionReader:
             ParseError: with the words that do not fit.
         """
         rest, constraints = constraints_of(
-            _with_stop_as_constraint(self._parts), thing, self._lexicon, self._sentence
+            _with_stop_as_constraint(self._with_line_as_stop()),
+            thing,
+            self._lexicon,
+            self._sentence,
         )
-        verb, name, spans, rest = self._find_verb(self._head, rest)
+        verb, name, spans, rest = self._find_verb(self._head, rest, thing)
         result, rest, event, asked = self._result_and_event(rest, thing)
         if self._query in _ASK_FOR_EVENTS and event is None:
             constraints, event, asked = _without_stops(constraints)
         if verb.goal == "place":
             self._require_no_touch(constraints, any(isinstance(p, _TOLD_WHERE) for p in rest))
         self._require_clear_side(constraints, rest)
+        self._require_no_later(constraints)
         goal = self._goal_of_parts(verb, name, result, rest, thing, spans[0])
         goal, thing = self._of_a_part(goal, thing)
         if verb.action == "push" and is_still(constraints) and not _says_more(goal):
@@ -87,6 +91,19 @@ class ActionReader:
         )
         require_consistent(frame, self._sentence)
         return _with_it_bound(frame)
+
+    def _with_line_as_stop(self) -> Parts:
+        """Takes "until it is aligned with the mug" for a stop, unless the verb turns things."""
+        verb = self._lexicon.find_verb(self._head.word)
+        if verb is None or verb.goal in ("rotate", "straighten", "place"):
+            return self._parts
+        return [
+            ph.Constraint(p.span, g.Until(event="in_line", object=p.target, spans=(p.span,)))
+            if isinstance(p, ph.Parallel) and isinstance(p.target, g.ObjectRef)
+            and self._sentence.words_as_written(p.span).casefold().startswith("until")
+            else p
+            for p in self._parts
+        ]  # fmt: skip
 
     def _require_no_touch(self, constraints: Sequence[g.Constraint], placed: bool) -> None:
         """Refuse where to touch an object in place of where to put it: "put it on its left side".
@@ -122,6 +139,21 @@ class ActionReader:
                 message = "may be where to touch it, or a side of what it goes to"
                 hints = f"{clause.face} of the mug", f"from the {clause.face}"
                 raise self._sentence.error_at((start, end), "does_not_apply", message, *hints)
+
+    def _require_no_later(self, constraints: Sequence[g.Constraint]) -> None:
+        """Refuse "in 5 seconds" before the verb, which says when to begin, and not how long."""
+        for clause in constraints:
+            (start, end), *_ = clause.spans or (self._head.span,)
+            said = self._sentence.original[start:end].casefold()
+            if (
+                clause.kind == "max_duration"
+                and start < self._head.span[0]
+                and said.startswith("in ")
+            ):
+                message = "says when, and nothing is done later"
+                raise self._sentence.error_at(
+                    (start, end), "does_not_apply", message, "within 5 seconds"
+                )
 
     def _goal_of_parts(
         self,
@@ -184,7 +216,9 @@ class ActionReader:
         part, span, whole = parted
         return goal.model_copy(update={"part": part, "spans": (*goal.spans, span)}), whole
 
-    def _find_verb(self, part: ph.Verb, rest: Parts) -> tuple[Verb, str, tuple[Span, ...], Parts]:
+    def _find_verb(
+        self, part: ph.Verb, rest: Parts, thing: ph.Thing
+    ) -> tuple[Verb, str, tuple[Span, ...], Parts]:
         """Finds the verb with or without its particle; returns what it leaves of the rest."""
         lexicon = self._lexicon
         particle = next((p for p in rest if isinstance(p, ph.Particle)), None)
@@ -212,6 +246,8 @@ class ActionReader:
             )
         moves = alone.goal in ("displace", "contact")
         if particle is not None and moves and particle.word in _UP_AND_DOWN:
+            if particle.span < thing.span:  # "bring down the jar" says nothing of the table's plane
+                raise unexpected_part(particle, self._sentence)
             direction = ph.Direction(particle.span, _UP_AND_DOWN[particle.word])
             rest = [direction if p is particle else p for p in rest]
         return alone, part.word, (part.span,), rest

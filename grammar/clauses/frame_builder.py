@@ -236,8 +236,9 @@ class _ClauseReader:
             self._require_emphasis(frames[0], remarks[-1])
         restored = dialogue == "repeat" and frames[0].goal.kind in _RESTORING
         anew = dialogue == "correct" and self._says_all(frames[0], remarks)
-        if restored or anew or dialogue == "do":  # "stand it up again"; "go ahead, push it"
-            dialogue = None
+        ends = any(isinstance(p, ph.Result) for p in self._parts)  # "so it is further left"
+        if restored or anew or dialogue == "do" or (dialogue == "more" and ends):
+            dialogue = None  # "stand it up again"; "go ahead, push it"
         spans = tuple(part.span for part in (*remarks, *excluded))
         if not spans:
             return frames
@@ -247,10 +248,19 @@ class _ClauseReader:
         ]
 
     def _says_all(self, frame: g.Frame, remarks: Sequence[ph.Remark]) -> bool:
-        """Check for "actually" beside a whole command, which corrects nothing that is left open."""
+        """Check for "actually" or ", as I said" at a whole command, of which nothing is left open.
+
+        Raises:
+            ParseError: `unexpected_words` at "no" behind a command, which takes it back.
+        """
+        thing = frame.object
+        if thing is None or thing.pronoun or not frame.goal.spans:
+            return False
         words = {self._sentence.words_as_written(part.span).casefold() for part in remarks}
-        named = frame.object is not None and not frame.object.pronoun
-        return words == {"actually"} and named and bool(frame.goal.spans)
+        behind = remarks[0].span > max(*frame.goal.spans, *thing.spans)
+        if behind and not self._sentence.question and words & self._lexicon.terminals["NO"].keys():
+            raise unexpected_part(remarks[0], self._sentence)
+        return behind or words <= {"actually", "rather", "instead"}
 
     def _require_emphasis(self, frame: g.Frame, remark: ph.Remark) -> None:
         """Takes "do it" beside a command as said of that command; before it, of another one.

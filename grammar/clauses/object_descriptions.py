@@ -64,11 +64,14 @@ def attach_descriptions(parts: Sequence[ph.Part], lexicon: Lexicon, sentence: No
     parts = _with_beside_it(parts, sentence)
     for i, part in enumerate(parts):
         telling = isinstance(part, ph.Side)
-        if telling and out and isinstance(out[-1], ph.Result):
-            raise unexpected_part(part, sentence)  # "so that it stands on the left"
+        before = out[-1] if out else None
+        placed = isinstance(before, ph.Place) and not isinstance(before.reference, tuple)
+        if telling and (placed or isinstance(before, ph.Result)):
+            # "so that it stands on the left", "to the edge in front"
+            raise unexpected_part(part, sentence)
         if isinstance(part, ph.Place):
-            after_that_is = bool(out) and isinstance(out[-1], ph.ThatIs)
-            told = after_that_is and part.relation in _TELLING
+            _require_no_side(part, sentence)
+            told = isinstance(before, ph.ThatIs) and part.relation in _TELLING
             moved = _is_way_to(part, out, sentence)
             rest = _of_same_sentence(parts, i, sentence)
             telling = not moved and _is_description(part, rest, i, out, lexicon)
@@ -83,6 +86,15 @@ def attach_descriptions(parts: Sequence[ph.Part], lexicon: Lexicon, sentence: No
         if isinstance(part, ph.ThatIs):
             raise unexpected_part(part, sentence)
     return out
+
+
+def _require_no_side(part: ph.Place, sentence: Normalised) -> None:
+    """Refuse "up to the left", which names a side and no object."""
+    refs = part.reference if isinstance(part.reference, tuple) and part.relation != "on" else ()
+    quoted = '"' in sentence.words_as_written(part.span)
+    if not quoted and any(ref.text.casefold() in _SIDES for ref in refs):
+        message = "names a side, and no object"
+        raise sentence.error_at(part.span, "does_not_apply", message, "to the left")
 
 
 def _with_touched_parts(parts: Sequence[ph.Part], lexicon: Lexicon, sentence: Normalised) -> Parts:
@@ -236,7 +248,7 @@ def _side_counted_from(part: ph.Part, sentence: Normalised) -> g.Quality | None:
     face = part.constraint.face
     sides = (quality for quality, side in SIDES_COUNTED_FROM.items() if side == face)
     said = sentence.words_as_written(part.span).casefold()
-    return next(sides, None) if said.startswith("from") else None
+    return next(sides, None) if "from" in said.split() else None
 
 
 def _is_counted(thing: ph.Thing, lexicon: Lexicon, sentence: Normalised) -> bool:

@@ -152,7 +152,8 @@ class Asides:
         if kind == "fillers":
             start, end = self._with_pauses(said.text, start, end)
         left = said.words_in((0, start), (end, len(said.text)))
-        if self._says_too_little(kind, match, left):
+        asks = said.question and self._phrases.has_terminal_at("POSSIBLE", said.text, start)
+        if self._says_too_little(kind, match, left) or (kind == "before" and asks):
             return None
         polite = kind in ("before", "after") and re.search(r"\b(?:you|we|please)\b", match[0])
         tagged = kind in ("after", "fillers") and start > 0 and end == len(said.text)

@@ -136,7 +136,7 @@ class Corrections:
         if number and number[0] not in ("a", "an"):
             units = self._phrases.phrases_at(text, number.end() + 1)
             kinds = frozenset(units[0][1]) if units else frozenset()
-            return number.end(), (kinds & _UNITS) | {"NUMBER"}
+            return number.end(), (kinds & _MEASURES) | {"NUMBER"}
         found = self._phrases.phrases_at(text, start)
         kinds = frozenset(found[0][1]) if found else frozenset({"WORD"})
         measure = start + len(found[0][0]) + 1 if "BOUND" in kinds else len(text)

@@ -93,7 +93,10 @@ class Repeats:
                 return True
         if self._phrases.has_terminal_at("VERB", text, second) and self._ends_phrase(text, said):
             return True
-        again = [phrase for phrase, _ in phrases(text, second)]
+        found = phrases(text, second)
+        if found and _OPEN.issuperset(found[0][1]):
+            return False  # "in front in front of"
+        again = [phrase for phrase, _ in found]
         more = self._phrases.has_terminal_at("BOUND", text, second + len(words) + 1)
         return more or (words in again and words != again[0])
 

@@ -43,6 +43,16 @@ from grammar import ParseError, parse
         ("lift the tin, whatever happens", "lift the tin"),
         ("slide the tin left with no toppling", "slide the tin to the left without toppling it"),
         ("ignore the others and lift the tin", "lift the tin"),
+        ("push the tin over to where I am", "push the tin toward the robot"),
+        ("push the tin to the left, no?", "push the tin to the left"),
+        ("push the tin left as I said", "push the tin to the left"),
+        ("move the tin so it is further left", "move the tin to the left"),
+        ("would it be possible for you to push the tin left", "push the tin to the left"),
+        ("push the tin left avoiding the jar", "push the tin to the left without touching the jar"),
+        ("push the tin in front in front of the jar", "push the tin in front of the jar"),
+        ("lift it until it is aligned with the jar", "lift it until it is in line with the jar"),
+        ("lift it with one hand um at most 2 cm/s", "lift it with one hand at most 0.02 m/s"),
+        ("the tin should go behind the jar", "move the tin behind the jar"),
     ],
 )  # fmt: skip
 def test_words_near_two_meanings_are_read_as_meant(text: str, meant: str) -> None:
@@ -59,6 +69,11 @@ def test_words_near_two_meanings_are_read_as_meant(text: str, meant: str) -> Non
         ("slide the tin so that it stands on the left", "on the left", "unexpected_words"),
         ("push the tin one sec 3 cm to the right", "sec", "missing_unit"),
         ("push this tin here", "here", "unexpected_words"),
+        ("bring down the tin to the left", "down", "unexpected_words"),
+        ("in 5 seconds push the tin left", "in 5 seconds", "does_not_apply"),
+        ("push the tin to the left, no", "no", "unexpected_words"),
+        ("move the tin to the edge in front", "in front", "unexpected_words"),
+        ("move the tin near the left", "near the left", "does_not_apply"),
     ],
 )
 def test_words_of_no_clear_meaning_are_refused_where_they_stand(
