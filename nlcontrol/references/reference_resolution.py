@@ -25,9 +25,11 @@ from grammar.frames.command import (
     Direction,
     Displace,
     Frame,
+    Goal,
     NoGoal,
     ObjectRef,
     Parameters,
+    Place,
     Query,
     RelativeLength,
     Topple,
@@ -196,16 +198,26 @@ def _resolve_frame(frame: Frame, around: Surroundings, before: Spoken) -> Frame:
             beside = {ref.id for ref in _named_beside(frame, binder)}
             it = tuple(name for name in spoken if name not in beside)
             binder = replace(binder, spoken=replace(before, it=it))
-        target = binder.bind_reference(target, alone=_answered_alone(frame))
+        asked = replace(binder, prefers_open=_is_about_inside(frame.goal))
+        target = asked.bind_reference(target, alone=_answered_alone(frame))
     own = (target.id,) if target is not None and target.id is not None else ()
     others = tuple(name for name in spoken if name not in own)
     last = own or spoken[:1]
     around_goal = replace(before, it=others, last=last)
-    goal = replace(binder, own=own, spoken=around_goal).fill_part(frame.goal)
+    inside = _is_about_inside(frame.goal)
+    goal_binder = replace(binder, own=own, spoken=around_goal, prefers_open=inside)
+    goal = goal_binder.fill_part(frame.goal)
     named = tuple(ref.id for ref in _references_in(goal) if ref.id is not None)
     within = replace(binder, own=own, spoken=replace(around_goal, it=(*named, *own, *others)))
     constraints = tuple(within.fill_part(clause) for clause in frame.constraints)
     return frame.model_copy(update={"object": target, "goal": goal, "constraints": constraints})
+
+
+def _is_about_inside(goal: Goal) -> bool:
+    """Return True if a goal speaks of what something is in."""
+    if isinstance(goal, Place):
+        return goal.relation in ("in", "out_of")
+    return isinstance(goal, Parameters) and "fill" in goal.which
 
 
 def _named_beside(frame: Frame, binder: _Binder) -> list[ObjectRef]:
@@ -235,11 +247,13 @@ class _Binder:
         around: where objects are looked up.
         spoken: what pronouns mean.
         own: object of the frame, if it is known by now.
+        prefers_open: whether of several that fit an open box is meant, if there is one.
     """
 
     around: Surroundings
     spoken: Spoken
     own: tuple[str, ...] = ()
+    prefers_open: bool = False
 
     def fill_part(self, part: Part) -> Part:
         """A copy of any part of a frame."""
@@ -270,8 +284,18 @@ class _Binder:
     def bind_reference(self, ref: ObjectRef, *, alone: bool = False) -> ObjectRef:
         """A reference with its id, and with those of the objects that it is beside."""
         ref = self.fill_part(ref)
-        name = find_object(ref, self.around, self.spoken, alone=alone)
+        name = self._open_box(ref) or find_object(ref, self.around, self.spoken, alone=alone)
         return ref.model_copy(update={"id": name})
+
+    def _open_box(self, ref: ObjectRef) -> str | None:
+        """The one open box among several that a reference may mean; None if none is looked for."""
+        if not self.prefers_open or ref.id is not None or ref.pronoun:
+            return None
+        names = [c.name for c in matching_objects(ref, self.around, self.spoken)]
+        if len(names) < 2:
+            return None
+        opened = [name for name in names if self.around.model(name).inside is not None]
+        return opened[0] if len(opened) == 1 else None
 
     def _length_in_metres(self, length: RelativeLength) -> float:
         model = self.around.model(self._measuring_object(length.of))

@@ -62,7 +62,7 @@ def mjcf_text(body: RigidBody) -> str:
 
 
 def _geometry(solid: Solid) -> str:
-    """What a geom says of the shape."""
+    """Attributes of a geom that tell its shape and place."""
     x, y, z = (solid.size / 2.0).tolist()
     place = f'pos="{numbers_text(solid.middle)}"'
     if solid.shape == "box":

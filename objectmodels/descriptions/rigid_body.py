@@ -123,7 +123,7 @@ def rigid_body(model: ObjectModel) -> RigidBody:
 
 
 def _solids(model: ObjectModel) -> Iterator[Solid]:
-    """What a finger touches; each ends at least so much above the table as `GAP` says."""
+    """Solids that a finger touches; each ends at least so much above the table as `GAP` says."""
     outline, shape = model.outline, _shape(model)
     if isinstance(model, HullModel):
         vertices = np.array(model.vertices)

@@ -16,6 +16,7 @@ from nlcontrol.references.reference_resolution import (
 )
 from objectmodels import Registry
 from planner.types.world_state import WorldState
+from sim.truth.scene_file import parse_scene
 
 TABLE = (
     Candidate("ice tea box", ("ice tea box", "ice tea", "ice tea carton")),
@@ -304,3 +305,26 @@ def test_a_question_may_be_about_a_model_that_is_not_on_the_table(kitchen: Contr
 def test_undo_and_stop_need_no_object(kitchen: Controller) -> None:
     frame = g.Frame(dialogue="undo", object=IT)
     assert _only(kitchen, frame) == frame
+
+
+def test_of_several_boxes_the_open_one_is_what_things_are_in() -> None:
+    scene = parse_scene("""
+version: 1
+name: boxes
+objects:
+  - {name: storage bin, model: storage bin, pose: {x_m: 0.50, y_m: -0.05}}
+  - {name: mug, model: mug, pose: {x_m: 0.50, y_m: 0.25}}
+  - {name: sugar box, model: sugar box, pose: {x_m: 0.65, y_m: 0.25}}
+""")
+    robot = Controller(scene, registry=Registry.built_in())
+    for said in ("put the mug in the box", "put the sugar box into the box"):
+        (frame,) = robot.command(said).frames
+        (resolved,) = robot.resolve(_command(frame)).frames
+        assert isinstance(resolved.goal, g.Place)
+        assert [_id(ref) for ref in resolved.goal.reference] == ["storage bin"]
+    answer = robot.say("what is in the box?").answer
+    assert answer is not None
+    assert answer.numbers == {"objects": 0.0}
+    with pytest.raises(ControlError) as raised:
+        robot.resolve(robot.command("push the box away"))
+    assert raised.value.code == "ambiguous_object"
