@@ -142,6 +142,11 @@ def _opacity(chart: OutcomeMap, shaded: bool) -> NDArray[np.float64]:
     return np.asarray(np.clip(_FADED + (1.0 - _FADED) * (2.0 * sure - 1.0), _FADED, 1.0))
 
 
+def _undecided_label(chart: OutcomeMap) -> str:
+    """Meaning of undecided; where probabilities decide, also what they are computed by."""
+    return legend(chart) + ("" if chart.level is None else f" ({chart.likelihood.method})")
+
+
 def _has_crosses(spots: _Spots) -> bool:
     return bool((spots.outcome == "none").any())
 
@@ -180,7 +185,7 @@ def _explain(
         for name, label in (
             ("slide", "slides"),
             ("topple", "topples"),
-            ("undecided", legend(chart)),
+            ("undecided", _undecided_label(chart)),
         )
     ]  # fmt: skip
     handles += [
@@ -197,7 +202,9 @@ def _explain(
             axes.scatter([], [], s=_DOT, c=_PALE, linewidths=0.0, label="not carried out")
         )
     if shaded:
-        handles.append(axes.scatter([], [], s=0.0, label="paler: less probable"))
+        handles.append(
+            axes.scatter([], [], s=0.0, label=f"paler: less probable ({chart.likelihood.method})")
+        )
     figure.legend(
         handles=handles, loc="outside lower center", ncols=2, fontsize=8, frameon=False,
         title=above, title_fontsize=10,
@@ -227,7 +234,7 @@ def _draw_solid(figure: Figure, chart: OutcomeMap, shaded: bool) -> None:
     for name in ("slide", "topple", "undecided"):
         i = (outcome == name) & np.isfinite(z)
         if i.any():
-            label = legend(chart) if name == "undecided" else f"{name}s"
+            label = _undecided_label(chart) if name == "undecided" else f"{name}s"
             axes.scatter(
                 x[i], y[i], z[i], c=COLOURS[name], alpha=opacity[i], s=14, linewidths=0.0,
                 marker=MARKERS[name], label=label,

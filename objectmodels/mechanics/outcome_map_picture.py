@@ -36,10 +36,11 @@ def map_svg(chart: OutcomeMap) -> str:
     )
     names, counts = np.unique(chart.outcome, return_counts=True)
     key = ", ".join(f"{n} {name}" for name, n in zip(names, counts, strict=True))
+    by = "" if chart.level is None else f"; probabilities: {chart.likelihood.method}"
     width, height = np.ptp(y) + 2.0 * side, top
     return "\n".join(
         [
-            f"<p>{escape(chart.model.name)}: {key}; with up to {most:.2f} N</p>",
+            f"<p>{escape(chart.model.name)}: {key}; with up to {most:.2f} N{by}</p>",
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:.1f} {height:.1f}" '
             f'width="{2.0 * width:.0f}" height="{2.0 * height:.0f}" role="img">',
             *squares,

@@ -51,6 +51,15 @@ def test_a_level_asks_for_probability_instead() -> None:
     np.testing.assert_array_equal(m.is_safe("slide", 0.9), (m.outcome == "slide"))
 
 
+def test_a_map_tells_by_what_its_probabilities_are() -> None:
+    """Few contacts have the exact tier's; many, on even pressure, the closed form's."""
+    for spacing, method in ((0.06, "exact tier"), (0.02, "closed form")):
+        m = chart(level=0.9, spacing=spacing)
+        assert m.likelihood.method == method
+        assert f"probabilities: {method}" in m._repr_html_()
+    assert "probabilities" not in chart(spacing=0.02)._repr_html_()  # by the band alone
+
+
 def test_safe_regions_shrink_as_more_is_asked() -> None:
     m = chart()
     sizes = [int(m.is_safe("slide", p).sum()) for p in (0.5, 0.8, 0.95, 0.999)]
