@@ -32,6 +32,8 @@ JOINT_SPEED, JOINT_ACCELERATION = 1.2, 3.0
 HAND_SPEED, HAND_ACCELERATION = 0.20, 0.6
 """Of the hand near objects [m/s], [m/s²]."""
 
+_CHANGING = 0.4  # share of a way on which the hand takes another posture
+
 
 @dataclass
 class RobotSetup:
@@ -104,7 +106,8 @@ def return_home(recorder: TraceRecorder, came: Sequence[Array], settle: float) -
     """
     rest = recorder.mount.hand.resting.joint_angles
     for q in reversed(came):
-        move_joints(recorder, q, rest if q is came[0] else recorder.port.commanded[1])
+        hand = rest if q is came[0] else recorder.port.commanded[1]
+        move_joints(recorder, q, hand, homeward=True)
     recorder.begin("settle", "letting everything come to rest")
     for _ in range(round(settle / recorder.port.period)):
         recorder.step(*recorder.port.commanded)
@@ -117,8 +120,14 @@ def straight_line(start: Array, goal: Array, period: float) -> Iterator[Array]:
     )
 
 
-def move_joints(recorder: TraceRecorder, q_arm: Array, q_hand: Array) -> None:
-    """Free motion to angles of arm, shape (7,), and hand, shape (12,) [rad], both together."""
+def move_joints(
+    recorder: TraceRecorder, q_arm: Array, q_hand: Array, *, homeward: bool = False
+) -> None:
+    """Free motion to angles of arm, shape (7,), and hand, shape (12,) [rad].
+
+    Ways are free for a hand that has opened: it opens on the first part of one, near home, and
+    closes on the last part of one that leads there.
+    """
     start_arm, start_hand = recorder.port.commanded
     length = float(np.linalg.norm(q_arm - start_arm))
     for q in attractor_points(
@@ -128,5 +137,16 @@ def move_joints(recorder: TraceRecorder, q_arm: Array, q_hand: Array) -> None:
         acceleration=JOINT_ACCELERATION,
         period=recorder.port.period,
     ):
-        share = 1.0 - float(np.linalg.norm(q_arm - q)) / length
+        left = float(np.linalg.norm(q_arm - q)) / length
+        share = (
+            1.0 - _smooth_step(left / _CHANGING)
+            if homeward
+            else _smooth_step((1.0 - left) / _CHANGING)
+        )
         recorder.step(q, start_hand + share * (q_hand - start_hand))
+
+
+def _smooth_step(share: float) -> float:
+    """From 0 at 0 to 1 at 1, level at both ends and beyond."""
+    x = min(max(share, 0.0), 1.0)
+    return x * x * (3.0 - 2.0 * x)

@@ -36,8 +36,9 @@ _WINDS_BEYOND = 1.5  # times the squeeze for which the springs are wound up at m
 _ENOUGH = 0.8  # share of the squeeze that must be felt
 _STILL = 0.5  # time for which the hand hangs still to look at what it holds [s]
 _LIFTED = 0.35  # share of the believed weight that must hang on the fingers
+_LIFT_OFF = 0.008  # way upwards over which its weight comes onto the fingers, and it swings [m]
 _SLOW_DOWN = 0.015  # height over where it is to stand at which setting down becomes slow [m]
-_FEELING_SPEED = 0.015  # of what is set down then [m/s]
+_FEELING_SPEED = 0.015  # of what is set down then, or lifted off [m/s]
 _INTO = 0.006  # how far below that place it is looked for [m]
 _RIGHTED = 0.15  # time after which nothing runs out any more, once it is tilted back [s]
 _SLOWEST_POUR = 0.12  # share of the rate of tilting just before enough has run out
@@ -103,7 +104,8 @@ class GraspExecution:
         elif isinstance(step, SetDown | SetOn):
             self._set_down(legs[0])
         else:
-            for leg in legs:
+            off = isinstance(step, LiftUp) and not self._grasp.held and self._grasp.part != "lid"
+            for leg in _lift_off(legs) if off else legs:
                 self._motion.go(leg)
         if isinstance(step, LiftUp):
             self._hold_up(step)
@@ -300,3 +302,15 @@ class GraspExecution:
         self._motion.go(last, until=min(_STANDS * hangs, hangs - _PRESSES))
         self._motion.let_go()
         self._holds = False
+
+
+def _lift_off(legs: tuple[HeldSegment, ...]) -> tuple[HeldSegment, ...]:
+    """Legs upwards, slow until it hangs: what hangs askew swings as fast as it is lifted off."""
+    first, *rest = legs
+    way = first.end - first.start
+    share = _LIFT_OFF / float(np.linalg.norm(way))
+    if share >= 1.0:
+        return legs
+    hangs = first.start + share * way
+    slow = replace(first, end=hangs, speed=min(first.speed, _FEELING_SPEED))
+    return slow, replace(first, start=hangs), *rest

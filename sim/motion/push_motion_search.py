@@ -54,6 +54,7 @@ _FEW = 6  # arm poses that are looked at together first
 _MOST_AT_ONCE = 768  # hands that are looked at together
 _BEGUN, _LOOKED, _ROAD = 1, 2, 1  # units of work: to begin, of some hands, of some arm poses
 _BACK_POINTS = 4  # places on the way back from a turned face that are looked at
+_BACK_STEP = 0.015  # between those on the way straight back [m]
 
 
 @dataclass(frozen=True)
@@ -321,9 +322,11 @@ class PushMotionSearch:
         return free_path(arm, home, found.above, places, clearance.are_free, spend)
 
     def _come_off(self, hands: PostureSet, solved: IkSolutions) -> NDArray[np.bool_]:
-        """Which hands also get off a face that they have turned, and back to the start, (k,)."""
-        if not self._way.turn or not len(solved):
-            return np.ones(len(solved), dtype=bool)
+        """Which hands also get off the face at the end, and back to the start, shape (k,)."""
+        if not len(solved):
+            return np.ones(0, dtype=bool)
+        if not self._way.turn:
+            return self._draw_back(hands, solved)
         end, turned = self._points[-1], self._way.turn
         off = end - BACK * rot_z(turned) @ self._way.inward
         shares = np.linspace(0.0, 1.0, _BACK_POINTS)[:, None]
@@ -344,6 +347,23 @@ class PushMotionSearch:
         for each in self._scenery.others_near(robot[:, 1:]):
             free &= each.is_clear(robot[:, 1:]).all(axis=1)
         return np.asarray(free)
+
+    def _draw_back(self, hands: PostureSet, solved: IkSolutions) -> NDArray[np.bool_]:
+        """Which hands leave what they have pushed where it is, going straight back, shape (k,).
+
+        They came to it over a few centimetres alone: what reaches beyond it would take it along.
+        """
+        if self._push.ends_on != "stroke" or self._push.press > 0.0:
+            return np.ones(len(solved), dtype=bool)
+        off = self._points[-1] - BACK * self._way.inward
+        far = float(np.linalg.norm(self._points[0] - off))
+        shares = np.linspace(0.0, 1.0, 2 + int(far / _BACK_STEP))[:, None]
+        points = off + shares * (self._points[0] - off)
+        which, hand = np.unique(solved.hand, return_inverse=True)
+        robot = hands[which].spheres_along(np.eye(3)[None], np.zeros((1, 3)))[:, 0]
+        R_WD = np.broadcast_to(self._R_WD[0], (len(points), 3, 3))
+        clear = self._pushed[-1].is_clear_along(robot, R_WD, points, FACE_CLEARANCE)
+        return np.asarray(clear[hand])
 
     def _transit_places(self, found: _Found) -> Array:
         """Arm poses over which a way may lead: swung up halfway, and high over the table."""

@@ -28,7 +28,8 @@ from sim.rotations import Array
 from sim.traces.trace import EndReason
 
 LEANS, MOVES = np.radians(2.5), 0.006
-"""Tilt [rad] and displacement [m] of the object at which a fingertip lets go of its lid."""
+"""Tilt [rad] and displacement [m] of the object at which a fingertip lets go of its lid, or more
+where the camera is noisy."""
 
 _ACCELERATION = 2.0  # of the commanded angle [rad/s²]
 _BRAKING = 3.0  # rate per remaining angle near the end [1/s]
@@ -65,7 +66,7 @@ class FlipControl:
         self._stance = stance
         # The way was looked for with rounded angles.
         self._lid = replace(stance.lid, start=step.start, end=step.end)
-        self._view = LidEstimator(target, step.start)
+        self._view = LidEstimator(target, step.start, recorder.port.cell.vision)
         self._period = recorder.port.period
         self._angle = step.start
         self._at = (stance.hands.path.points[0], 0.0)
@@ -137,11 +138,11 @@ class FlipControl:
 
     def _end_now(self, stuck: float, waited: float) -> tuple[EndReason, str] | None:
         """Why it ends now; None if it goes on."""
-        seen = np.degrees(self._view.lid)
-        if self._view.tilt > LEANS:
-            return "tilted", f"it was seen to lean by {np.degrees(self._view.tilt):.0f}°"
-        if self._view.displacement > MOVES:
-            return "slid", f"it was seen to move by {1e3 * self._view.displacement:.0f} mm"
+        view, seen = self._view, np.degrees(self._view.lid)
+        if view.tilt > max(LEANS, view.unsure_angle):
+            return "tilted", f"it was seen to lean by {np.degrees(view.tilt):.0f}°"
+        if view.displacement > max(MOVES, view.unsure):
+            return "slid", f"it was seen to move by {1e3 * view.displacement:.0f} mm"
         if self._sign * (self._view.lid - self._step.end) > -_REACHED:
             return "handled", f"the lid is seen open by {seen:.0f}°"
         if self._sign * (self._finger() - self._view.lid) > _FOLLOWS:

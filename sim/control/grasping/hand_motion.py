@@ -36,6 +36,7 @@ WINDING = 10.0
 ACCELERATES = 0.35
 """Time in which a leg comes to its speed [s]."""
 
+_BEARING = 20.0  # rate at which the springs take a weight over, or what held would jump [N/s]
 _SWINGS = 0.25  # period with which what is carried swings on the springs of arm and hand [s]
 _SWING_SPEED = 0.5  # of the arm's joints together, near objects [rad/s]
 _SWING_STEP = 0.02  # between arm poses that are kept for the way back [rad]
@@ -128,10 +129,10 @@ class HandMotion:
 
     # -- the arm --------------------------------------------------------------------------------
 
-    def transit(self, poses: tuple[Array, ...], q_hand: Array) -> None:
+    def transit(self, poses: tuple[Array, ...], q_hand: Array, *, homeward: bool = False) -> None:
         """Free motion through arm poses, the hand opening or closing on the first way."""
         for q in poses:
-            move_joints(self._recorder, q, q_hand)
+            move_joints(self._recorder, q, q_hand, homeward=homeward)
             self.came.append(q)
 
     def go(self, leg: HeldSegment, until: float = -np.inf) -> float:
@@ -187,7 +188,7 @@ class HandMotion:
         """Free motion home, where the hand closes."""
         *rest, home = poses
         self.transit(tuple(rest), self._port.commanded[1])
-        self.transit((home,), self._way.mount.hand.resting.joint_angles)
+        self.transit((home,), self._way.mount.hand.resting.joint_angles, homeward=True)
 
     def stay(self) -> None:
         """Hangs still for one control step."""
@@ -200,7 +201,9 @@ class HandMotion:
 
     def _command(self, q_arm: Array) -> None:
         if self.bears:
-            self._borne[2] = max(0.0, self._sense.weight)
+            most = _BEARING * self._port.period
+            more = float(np.clip(self._sense.weight - self._borne[2], -most, most))
+            self._borne[2] = max(0.0, self._borne[2] + more)
         self._sense.step(q_arm, self._hand)
         if np.linalg.norm(q_arm - self.came[-1]) > _SWING_STEP:
             self.came.append(np.array(q_arm))

@@ -17,6 +17,7 @@ import numpy as np
 
 from objectmodels.containers.lid_geometry import lid_name
 from planner.types.world_state import SeenObject
+from sim.cell.cell_description import Vision
 from sim.control.grasping.held_object_sensing import HandSense
 from sim.control.trace_recorder import EarlyEndError, TraceRecorder
 from sim.motion.grasp_motion_search import GraspMotion
@@ -29,6 +30,8 @@ LEANS, MOVES, TURNS = float(np.radians(3.0)), 0.008, float(np.radians(6.0))
 
 _TURNING = 0.15  # time constant of the felt torque [s]
 _LID_SHARE, _POSE_SHARE = 0.3, 0.2  # weights of a new frame
+_LEFT = float(np.sqrt(_POSE_SHARE / (2.0 - _POSE_SHARE)))  # of a frame's noise, once filtered
+_SIGMAS = 5.0  # of that, which noise in two directions exceeds in one of 270,000 frames
 
 
 class LidEstimator:
@@ -38,9 +41,17 @@ class LidEstimator:
         lid: how far it is open.
         is_off: whether it is off its object.
         turn: of the object about the vertical [rad].
+        unsure, unsure_angle: displacement [m], and tilt or turn [rad], that may be noise.
+
+    Args:
+        target: the object as it was seen before.
+        lid: how far it was open.
+        vision: noise of the camera.
     """
 
-    def __init__(self, target: SeenObject, lid: float) -> None:
+    def __init__(self, target: SeenObject, lid: float, vision: Vision) -> None:
+        self.unsure = _SIGMAS * _LEFT * vision.position_noise_m
+        self.unsure_angle = _SIGMAS * _LEFT * float(np.radians(vision.angle_noise_deg))
         self.lid = lid
         self.is_off = target.lid_at is not None
         self._name = target.name
@@ -86,7 +97,8 @@ class LidSense(HandSense):
         self._lid_way = way
         self.holding = way.grip.touching_fingers
         self._owner = handled.state.objects[handled.name]
-        self.view = LidEstimator(self._owner, handled.opened)
+        vision = recorder.port.cell.vision
+        self.view = LidEstimator(self._owner, handled.opened, vision)
         self.most_torque = np.inf
         self.torque = 0.0
 
@@ -112,12 +124,12 @@ class LidSense(HandSense):
             EarlyEndError: one was seen to be moved, or the cap turns too hard.
         """
         view, name = self.view, self._owner.name
-        if abs(view.turn) > TURNS:
+        if abs(view.turn) > max(TURNS, view.unsure_angle):
             turned = np.degrees(view.turn)
             raise EarlyEndError("turned_off", f"the {name} turned along by {turned:.0f}°")
-        if view.tilt > LEANS:
+        if view.tilt > max(LEANS, view.unsure_angle):
             raise EarlyEndError("tilted", f"the {name} leans by {np.degrees(view.tilt):.0f}°")
-        if view.displacement > MOVES:
+        if view.displacement > max(MOVES, view.unsure):
             moved = 1e3 * view.displacement
             raise EarlyEndError("nudged", f"the {name} was moved by {moved:.0f} mm")
         super().require_others()

@@ -18,6 +18,7 @@ import numpy as np
 from planner.types.speed_profile import USUAL, speed_profile
 from sim.control.pushing.clause_guards import Follower
 from sim.control.pushing.force_control import ForceController
+from sim.control.pushing.hand_guard import HandGuard
 from sim.control.pushing.lateral_control import LateralController, Pushed
 from sim.control.pushing.push_guards import MOVED, Guards
 from sim.rotations import Array
@@ -65,6 +66,7 @@ class PushControl(ForceController):
         sideways = np.array([*self._leftwards, 0.0])
         speed = start = self._start()
         guards = Guards(self.plan, self._period)
+        hand = HandGuard(self.stance, self._state, push.object)
         while True:
             now, elapsed, felt = self.recorder.port.time, self._elapsed_time, self._felt
             here = self._here.midpoint
@@ -78,6 +80,8 @@ class PushControl(ForceController):
                 )
             elif turns:
                 come, slope = self._led_way(limits.follower)
+            aside = float((here - origin) @ sideways)
+            stopped = stopped or hand.end(self.recorder.port.commanded[0], aside)
             end = guards.end(elapsed, come, felt, self._tilt) or stopped
             if end is not None:
                 return end

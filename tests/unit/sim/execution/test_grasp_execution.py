@@ -37,6 +37,15 @@ def test_it_is_lifted_weighed_and_set_down_where_it_stood() -> None:
     assert {"grasp", "lift", "set_down"} <= set(trace.phase)
 
 
+def test_it_is_lifted_off_slowly() -> None:
+    trace, _, _ = _run(plan(LiftUp(height=0.1)))
+    height = trace.poses["carton"][:, 6]
+    low = (height > 0.001) & (height < 0.005)
+    # 15 mm/s, and what the springs of the hand give way and come back meanwhile.
+    assert np.diff(height[low]).max() / 0.01 < 0.02
+    assert np.diff(height).max() / 0.01 > 0.05
+
+
 def test_it_is_kept_and_carried_on_by_the_next_plan() -> None:
     lifted, executor, _ = _run(plan(LiftUp(height=0.1)))
     assert lifted.end == "handled"

@@ -17,6 +17,8 @@ from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.arms.lwr.lwr_kinematics import LIMITS
+from sim.cell.cell_description import Vision
+from sim.control.grasping.flip_control import MOVES
 from sim.control.grasping.lid_sensing import LidEstimator
 from sim.execution.plan_execution import execute
 from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
@@ -147,7 +149,7 @@ def test_out_of_reach_is_told() -> None:
 
 def test_the_view_follows_what_is_seen() -> None:
     cup = _state(0.24, 0.2, 0.1).objects[CUP]
-    view = LidEstimator(cup, 0.0)
+    view = LidEstimator(cup, 0.0, Vision())
     lean = np.array(
         [[math.cos(0.1), 0.0, math.sin(0.1)], [0, 1, 0], [-math.sin(0.1), 0, math.cos(0.1)]]
     )
@@ -157,6 +159,18 @@ def test_the_view_follows_what_is_seen() -> None:
     assert view.lid == pytest.approx(1.0, abs=1e-5)
     assert view.tilt == pytest.approx(0.1, abs=1e-5)
     assert view.displacement == pytest.approx(0.005, abs=1e-5)
+
+
+def test_noise_is_not_taken_for_motion() -> None:
+    vision, rng = Vision(position_noise_m=0.005, angle_noise_deg=2.0), np.random.default_rng(0)
+    cup = _state(0.24, 0.2, 0.1).objects[CUP]
+    view, shown = LidEstimator(cup, 0.0, vision), []
+    for noise in rng.normal(0.0, vision.position_noise_m, (3000, 3)):
+        pose = SeenPose(cup.pose.R_WB, cup.pose.p_WB + noise)
+        view.update_from_camera([Frame(0.0, 0.0, {CUP: pose}, {CUP: 0.0})])
+        shown.append(view.displacement)
+    assert MOVES < max(shown) < view.unsure
+    assert LidEstimator(cup, 0.0, Vision()).unsure < MOVES
 
 
 # -- in the simulated world ----------------------------------------------------------------------

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -34,7 +35,7 @@ from sim.hands.four_finger.pushing_postures import pushing_postures
 from sim.motion.arm_configuration import ArmConfiguration
 from sim.motion.roadmap import interpolate_joints
 from sim.motion.robot_reach import ArmHandReach, reachability_map
-from sim.paths.fingertip_path import FingertipPath
+from sim.paths.fingertip_path import BACK, FingertipPath
 from sim.standard_robot import ARM, HAND
 
 REGISTRY = Registry.built_in()
@@ -317,3 +318,28 @@ def test_every_finger_of_a_posture_is_there() -> None:
         for angles in posture.angles.values():
             inside = (np.array(angles) - FINGER_LIMITS[:, 0], FINGER_LIMITS[:, 1] - angles)
             assert np.min(inside) > 0.0 or angles[2] == 0.0
+
+
+def test_what_was_pushed_is_not_taken_along_on_the_way_back() -> None:
+    # High on a round tin beside a box, hands that reach over the tin fit best.
+    tin = _seen("tea tin", 0.628, 0.242, -1.85)
+    state = WorldState({"tea tin": tin, "sugar box": _seen("sugar box", 0.742, 0.102, 0.78)})
+    two = {"fingers": 2, "spread": 0.024}
+    push = _push(tin, math.pi / 2, 0.09, stroke=0.1, force=1.0)
+    found = 0
+    for each in (push, push.model_copy(update=two)):
+        answer = REACH.push_configuration(each, state)
+        if isinstance(answer, ReachAnswer):
+            continue
+        found += 1
+        way = REACH.fingertip_path(each, state)
+        end = Obstacle.from_seen(tin, 0.0).after_motion(way.touch, way.end, 0.0)
+        off = way.end - BACK * way.inward
+        back = off + np.linspace(0.0, 1.0, 40)[:, None] * (way.start - off)
+        q = np.array([answer[0].joint_angles(at) for at in back])
+        assert end.distance_to(answer[0].robot_spheres(q)).min() > 0.0
+    assert found
+
+
+def _seen(name: str, x: float, y: float, yaw: float) -> SeenObject:
+    return SeenObject(name, PlanarPose(x, y, yaw), REGISTRY.get(name))
