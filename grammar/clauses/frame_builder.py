@@ -122,7 +122,11 @@ def _complete_clause(
     """A clause without its verb ("then to the left") goes on with verb and object of the last."""
     head = next((part for part in previous if isinstance(part, ph.Verb)), None)
     things = [part for part in clause if isinstance(part, ph.Thing)]
-    if head is not None and things and things == clause:
+    if (
+        head is not None
+        and things
+        and things == [p for p in clause if not isinstance(p, ph.Filler)]
+    ):
         return _with_other_things(previous, things)
     if head is None or not any(isinstance(part, GOES_ON) for part in clause):
         raise no_verb(sentence, clause)
@@ -332,7 +336,7 @@ class _ClauseReader:
         Clause(self._parts, Verb("push", "contact"), self._sentence).require_all_taken(
             "this question"
         )
-        goal: g.Goal = g.NoGoal()
+        goal: g.Goal = ask.state or g.NoGoal()
         if ask.which:
             goal = g.Parameters(which=ask.which, than=ask.than, spans=(ask.span,))
         return g.Frame(

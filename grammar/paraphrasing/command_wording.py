@@ -151,8 +151,12 @@ class _Speaker(Phrasing):
     # --- questions ----------------------------------------------------------------------------
 
     def _question_words(self, frame: g.Frame, query: g.Query) -> str:
+        if query == "value" and isinstance(frame.goal, g.Place | g.Upright):
+            return self._state_words(frame, frame.goal)
         if query == "value" and isinstance(frame.goal, g.Parameters):
             which = frame.goal.which
+            if frame.goal.than:
+                return self._distance_words(frame, frame.goal)
             return f"{self.phrase_for('WHAT_IS')} {self._property_words(frame, which)}?"
         if query == "affordances" and frame.object is not None:
             return f"{self.phrase_for('WHAT_CAN')} {self.object_words(frame.object)}?"
@@ -196,6 +200,20 @@ class _Speaker(Phrasing):
             return f"{self.phrase_for('WHICH_IS')} {self.phrase_for('SUPERLATIVE', said)}?"
         than, more = self.object_words(others[0]), self.phrase_for("COMPARATIVE", which)
         return f"{self.phrase_for('IS_IT')} {self.object_words(frame.object)} {more} than {than}?"
+
+    def _state_words(self, frame: g.Frame, state: g.Place | g.Upright) -> str:
+        if frame.object is None:
+            raise no_words("a question about nothing")
+        is_it = f"{self.phrase_for('IS_IT')} {self.object_words(frame.object)}"
+        if isinstance(state, g.Upright):
+            return f"{is_it} {self.phrase_for('STANDING')}?"
+        return f"{is_it} {' '.join(self.goal_words(state))}?"
+
+    def _distance_words(self, frame: g.Frame, goal: g.Parameters) -> str:
+        if goal.which != ("distance",) or len(goal.than) != 1 or frame.object is None:
+            raise no_words("a value that compares two things")
+        one, other = self.object_words(frame.object), self.object_words(goal.than[0])
+        return f"{self.phrase_for('HOW_FAR')} {one} {self.phrase_for('FROM')} {other}?"
 
     def _to_make(self, event: g.Event) -> str:
         return f"{self.phrase_for('TO_MAKE')} it {self.phrase_for('EVENT_INFINITIVE', event)}"

@@ -317,6 +317,11 @@ class Sampler:
 
     def _draw_question(self) -> g.Frame:
         query = self._pick(get_args(g.Query))
+        if query == "value" and self._rng.random() < 0.3:
+            other = (self._draw_thing(),)
+            state = self._pick((g.Upright(), g.Place(relation="behind", reference=other),
+                                g.Parameters(which=("distance",), than=other)))  # fmt: skip
+            return g.Frame(query="value", object=self._draw_thing(), goal=state)
         if query == "value":
             goal = g.Parameters(which=(self._pick(_PROPERTIES),))
             return g.Frame(query="value", object=self._draw_object(), goal=goal)

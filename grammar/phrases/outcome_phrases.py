@@ -29,6 +29,11 @@ _AVOIDED = ("AVOIDING", "AVOID", "KEEPS", "KEPT", "STAYS")
 _PROPERTIES = ("HOW", "HOW_MUCH_IN", "QUALITY", "THE_PROPERTY", "THE_PROPERTY_OF", "THE_SIDE_OF",
                "ITS_PROPERTY")  # fmt: skip
 
+STANDS_BESIDE = ("next_to", "touching", "left_of", "right_of", "in_front_of", "behind", "on", "in",
+                 "between", "front_left_of", "front_right_of", "behind_left_of",
+                 "behind_right_of")  # fmt: skip
+"""Relations in which a question may ask whether an object stands."""
+
 QUESTIONS: dict[str, dict[str, Any]] = {
     "what_if": {"query": "predict"},  # what happens if
     "how_much_spills": {"query": "predict", "event": "spills"},  # how much will spill
@@ -224,6 +229,24 @@ class Questions(TokenReader):
             things = [it, *things] if tokens_in(children, "THAN") else [*things, it]
         others = tuple(thing.ref for thing in things[1:])
         return ph.Ask(span, "compare", thing=things[0], which=(which,), than=others, whole=True)
+
+    def standing_part(self, children: Children) -> ph.Ask:
+        """Is the box standing; is it next to the mug."""
+        span, thing, where = self.span_of(children), things_in(children)[0], children[-1]
+        state: g.Place | g.Upright = g.Upright(spans=(span,))
+        if isinstance(where, ph.Place):
+            if where.relation not in STANDS_BESIDE or not isinstance(where.reference, tuple):
+                hint = "is it next to the mug?"
+                raise self.does_not_apply_error(children, "is no place to ask about", hint)
+            relation = cast(g.Relation, where.relation)
+            state = g.Place(relation=relation, reference=where.reference, spans=(span,))
+        return ph.Ask(span, "value", thing=thing, state=state, whole=True)
+
+    def distance_part(self, children: Children) -> ph.Ask:
+        """How far is the box from the mug."""
+        span, (one, other) = self.span_of(children), things_in(children)
+        which, than = ("distance",), (other.ref,)
+        return ph.Ask(span, "value", thing=one, which=which, than=than, whole=True)
 
     def same_with_part(self, children: Children) -> list[ph.Part]:
         """Do the same with the mug."""

@@ -28,6 +28,7 @@ from nlcontrol.questions.grasp_questions import (
     possible_answer,
     spill_answer,
 )
+from nlcontrol.questions.place_answers import distance_answer, state_answer
 from nlcontrol.questions.property_values import property_answer
 from nlcontrol.questions.push_prediction import (
     SURE,
@@ -89,7 +90,7 @@ def answer(
         case "where":
             return where_answer(frame, state, defaults)
         case "value":
-            return property_answer(frame, state, position_sd)
+            return _value(frame, state, position_sd)
         case "capable" | "compare" | "seen":
             return answer_about_scene(frame, state, robot(), defaults)
         case "affordances":
@@ -100,6 +101,16 @@ def answer(
                 "nothing was done yet, so there is nothing to explain",
                 suggestions=("say first what is to be done",),
             )
+
+
+def _value(frame: g.Frame, state: WorldState, position_sd: float) -> Answer:
+    """What an object is like, how it stands, or how far from another one."""
+    match frame.goal:
+        case g.Place() | g.Upright():
+            return state_answer(frame, state)
+        case g.Parameters(than=(_, *_)):
+            return distance_answer(frame, state)
+    return property_answer(frame, state, position_sd)
 
 
 # -- what happens -----------------------------------------------------------------------------

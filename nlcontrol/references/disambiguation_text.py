@@ -32,6 +32,10 @@ _PLACES: dict[Relation | None, str] = {
     "left_of": "to the left of",
     "right_of": "to the right of",
     "in_front_of": "in front of",
+    "front_left_of": "in front and to the left of",
+    "front_right_of": "in front and to the right of",
+    "behind_left_of": "behind and to the left of",
+    "behind_right_of": "behind and to the right of",
     "at": "next to",
     None: "nearest to",
 }
@@ -99,11 +103,16 @@ def reference_noun(ref: ObjectRef) -> str:
     return " ".join(name_words(ref.noun if described else ref.text))
 
 
+def relation_text(relation: Relation | None) -> str:
+    """A relation in words, before what it is to."""
+    return _PLACES.get(relation, str(relation))
+
+
 def reference_text(ref: ObjectRef) -> str:
     """A reference in words, with the place that tells it apart."""
     if not ref.reference:
         return ref.text
-    place = _PLACES.get(ref.relation, ref.relation)
+    place = relation_text(ref.relation)
     others = [
         other.text if other.pronoun else f"the {reference_text(other)}" for other in ref.reference
     ]

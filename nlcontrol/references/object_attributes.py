@@ -141,7 +141,7 @@ def in_relation(
     Sides and corners (`left_of`, `behind_left_of`) are a quarter of the directions each;
     `between` is inside the circle through the middles of the first and the last of `to`.
     """
-    fitting = [s for s in seen if _stands_in_relation(relation, s, to)]
+    fitting = [s for s in seen if stands_in_relation(relation, s, to)]
     if relation == "between":
         away = _Scale(lambda s: _off_line(s, to[0], to[-1]), -1, _same_place)
     else:
@@ -169,7 +169,8 @@ def _middle_ones(seen: Sequence[SeenObject]) -> list[SeenObject]:
     return [s for s, place in zip(seen, along, strict=True) if low < place < high]
 
 
-def _stands_in_relation(relation: Relation, s: SeenObject, to: Sequence[SeenObject]) -> bool:
+def stands_in_relation(relation: Relation, s: SeenObject, to: Sequence[SeenObject]) -> bool:
+    """Check that an object is seen to stand in a relation to others; see `in_relation`."""
     if relation == "between":
         a, b = (other.pose.p_WB - s.pose.p_WB for other in (to[0], to[-1]))
         return bool(a @ b < 0.0)
@@ -182,20 +183,22 @@ def _stands_by(relation: Relation, s: SeenObject, other: SeenObject) -> bool:
         u, v = _TOWARDS[relation]
         along, across = x * u + y * v, x * v - y * u
         return bool(along > 0.0 and along >= abs(across))
-    if relation in ("in", "out_of", "off"):
-        return False  # nothing is seen to stand in another thing
-    if relation == "on":
-        return s.on == other.name
-    return _object_gap(s, other) <= (TOUCHING if relation == "touching" else BESIDE)
+    if relation in ("out_of", "off"):
+        return False  # everything else is
+    if relation in ("on", "in"):
+        inside = other.model.inside is not None
+        return s.on == other.name and inside == (relation == "in")
+    return gap_between(s, other) <= (TOUCHING if relation == "touching" else BESIDE)
 
 
-def _object_gap(s: SeenObject, other: SeenObject) -> float:
+def gap_between(s: SeenObject, other: SeenObject) -> float:
+    """Gap between two objects as they stand, seen from above; 0 if they overlap [m]."""
     return max(gap(footprint(s), footprint(other)), 0.0)
 
 
 def _farthest_gap(s: SeenObject, others: Sequence[SeenObject]) -> float:
     """Gap to the farther one of several objects [m]."""
-    return max(_object_gap(s, other) for other in others)
+    return max(gap_between(s, other) for other in others)
 
 
 def _off_line(s: SeenObject, a: SeenObject, b: SeenObject) -> float:

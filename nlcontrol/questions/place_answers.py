@@ -1,0 +1,59 @@
+"""Where objects are seen to stand to each other: how far apart, beside what, upright or not."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from grammar.frames import command as g
+from nlcontrol.questions.answer import Answer
+from nlcontrol.questions.asked_push import target_of
+from nlcontrol.references.disambiguation_text import relation_text
+from nlcontrol.references.object_attributes import gap_between, stands_in_relation
+from nlcontrol.text_format import enumeration, quantity
+
+if TYPE_CHECKING:
+    from planner.types.world_state import SeenObject, WorldState
+
+
+def distance_answer(frame: g.Frame, state: WorldState) -> Answer:
+    """How far an object stands from another one: the gap, and from middle to middle."""
+    assert isinstance(frame.goal, g.Parameters)
+    one, (other,) = target_of(frame, state), _seen(frame.goal.than, state)
+    gap = gap_between(one, other)
+    apart = math.dist(one.pose.p_WB[:2], other.pose.p_WB[:2])
+    text = (
+        f"Between the {one.name} and the {other.name} there are {quantity(gap, 'm')}; "
+        f"their middles are {quantity(apart, 'm')} apart."
+    )
+    return Answer(query="value", text=text, numbers={"gap": gap, "middles": apart})
+
+
+def state_answer(frame: g.Frame, state: WorldState) -> Answer:
+    """Whether an object stands upright, or in a relation to others."""
+    target, goal = target_of(frame, state), frame.goal
+    if isinstance(goal, g.Place):
+        assert isinstance(goal.reference, tuple)
+        return _relation_answer(target, goal.relation, _seen(goal.reference, state))
+    yes = target.lies_on == "bottom"
+    how = "stands upright" if yes else f"lies on {target.side_below}"
+    return Answer(query="value", text=f"{_said(yes)}, the {target.name} {how}.", yes=yes)
+
+
+def _relation_answer(
+    target: SeenObject, relation: g.Relation, others: tuple[SeenObject, ...]
+) -> Answer:
+    yes = stands_in_relation(relation, target, others)
+    where = f"{relation_text(relation)} {enumeration([f'the {each.name}' for each in others])}"
+    gaps = [gap_between(target, each) for each in others]
+    apart = enumeration([quantity(gap, "m") for gap in gaps])
+    text = f"{_said(yes)}, the {target.name} is {'' if yes else 'not '}{where}: {apart} apart."
+    return Answer(query="value", text=text, numbers={"gap": max(gaps)}, yes=yes)
+
+
+def _said(yes: bool) -> str:
+    return "Yes" if yes else "No"
+
+
+def _seen(references: tuple[g.ObjectRef, ...], state: WorldState) -> tuple[SeenObject, ...]:
+    return tuple(state.objects[ref.id] for ref in references if ref.id is not None)

@@ -1,0 +1,77 @@
+"""How far, beside what, in what, upright: asked of objects whose places are known by hand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from grammar.frames import command as g
+from nlcontrol import Registry
+from nlcontrol.questions.answer import Answer
+from nlcontrol.questions.place_answers import distance_answer, state_answer
+from planner.types.world_state import PlanarPose, SeenObject, WorldState
+
+SIDE = 0.09  # of the ice tea box, which stands square to the table [m]
+LYING = (1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0)  # a quarter turn about x
+
+
+def _state(*, on: str | None = None) -> WorldState:
+    """A box in the middle, one 20 cm behind it, and a bin 40 cm to its left."""
+    models = Registry.built_in()
+    box = models.get("ice tea box")
+    here = SeenObject("here", PlanarPose(0.5, 0.0), box, on=on)
+    behind = SeenObject("behind", PlanarPose(0.7, 0.0), box)
+    bin_ = SeenObject("bin", PlanarPose(0.5, 0.4), models.get("storage bin"))
+    return WorldState({each.name: each for each in (here, behind, bin_)})
+
+
+def _asked(goal: g.Goal, name: str = "here") -> g.Frame:
+    return g.Frame(query="value", object=_ref(name), goal=goal)
+
+
+def _ref(name: str) -> g.ObjectRef:
+    return g.ObjectRef(text=name, id=name)
+
+
+def _stands(relation: g.Relation, other: str, name: str = "here") -> g.Frame:
+    return _asked(g.Place(relation=relation, reference=(_ref(other),)), name)
+
+
+def test_a_distance_is_the_gap_and_that_of_the_middles() -> None:
+    goal = g.Parameters(which=("distance",), than=(_ref("behind"),))
+    found = distance_answer(_asked(goal), _state())
+    assert found.numbers == pytest.approx({"gap": 0.2 - SIDE, "middles": 0.2})
+
+
+@pytest.mark.parametrize(
+    ("relation", "other", "yes"),
+    [
+        ("in_front_of", "behind", True),
+        ("behind", "behind", False),
+        ("right_of", "bin", True),
+        ("left_of", "bin", False),
+        ("touching", "behind", False),
+        ("in", "bin", False),
+    ],
+)
+def test_a_relation_is_as_it_is_seen(relation: g.Relation, other: str, *, yes: bool) -> None:
+    assert state_answer(_stands(relation, other), _state()).yes is yes
+
+
+def test_in_a_bin_is_not_on_it_and_on_a_box_is_not_in_it() -> None:
+    def told(relation: g.Relation, other: str) -> Answer:
+        return state_answer(_stands(relation, other), _state(on=other))
+
+    assert told("in", "bin").yes
+    assert not told("on", "bin").yes
+    assert told("on", "behind").yes
+    assert not told("in", "behind").yes
+
+
+def test_what_lies_on_its_side_is_not_upright() -> None:
+    state = _state()
+    assert state_answer(_asked(g.Upright()), state).yes
+    leaning = replace(state.objects["here"], attitude=LYING)
+    fallen = replace(state, objects={**state.objects, "here": leaning})
+    assert not state_answer(_asked(g.Upright()), fallen).yes
