@@ -167,7 +167,7 @@ def _place_goal_at(clause: Clause, place: ph.Place) -> g.Place:
         raise clause.does_not_apply_error(
             length, "does not go with this place", "10 cm from the mug"
         )
-    if share is not None and (objects or not share.of_way):
+    if share is not None and (objects or relation == "over" or not share.of_way):
         raise clause.does_not_apply_error(
             share, "does not go with this place", "halfway to the left edge"
         )

@@ -166,6 +166,10 @@ class Phrasing(Naming):
             case str():
                 if goal.relation == "clear_of":
                     words.append(self.phrase_for("OUT_OF_REGION", goal.reference))
+                elif goal.relation == "over":
+                    words.append(self.phrase_for("OVER_REGION", goal.reference))
+                    if goal.distance is not None:
+                        words.append(f"by {self.length_words(goal.distance)}")
                 elif goal.distance is not None:
                     words.append(self.length_words(goal.distance))
                     words.append(self.phrase_for("FROM_REGION", goal.reference))

@@ -179,6 +179,9 @@ class Sampler:
                 return g.Place(relation="at", reference=g.Point(x=x, y=y))
             case 1:
                 region = self._pick(_REGIONS)
+                if region.endswith("edge") and self._rng.random() < 0.3:
+                    hangs = self._draw_perhaps(self._draw_length)
+                    return g.Place(relation="over", reference=region, distance=hangs)
                 fraction = self._draw_perhaps(lambda: self._pick(_FRACTIONS), 0.2)
                 return g.Place(relation="at", reference=region, fraction=fraction)
             case 2:

@@ -33,6 +33,12 @@ _WISHES = frozenset({"appreciate", "if", "like", "love", "prefer", "rather", "su
                      "time", "wish"})  # fmt: skip
 """Words behind which "you pushed it" asks for it."""
 
+
+def _place(relation: str) -> Callable[[g.Span, g.TableRegion], ph.Place]:
+    """The place that has a relation to a part of the table."""
+    return lambda span, region: ph.Place(span, relation, region)
+
+
 _PLAIN: dict[str, tuple[Callable[..., ph.Part], str]] = {
     "next": (ph.Next, "NEXT"),  # then
     "me": (ph.Me, ""),  # to me
@@ -42,6 +48,10 @@ _PLAIN: dict[str, tuple[Callable[..., ph.Part], str]] = {
     "side": (ph.Side, "SIDE_QUALITY"),  # on the left
     "toward_region": (ph.Toward, "TOWARD_REGION"),  # towards the edge
     "away_from_region": (ph.AwayFrom, "AWAY_FROM_REGION"),  # away from the edge
+    "region_of_table": (_place("at"), "REGION_OF_TABLE"),  # to the left edge
+    "from_region": (_place("from"), "FROM_REGION"),  # from the left edge
+    "over_region": (_place("over"), "OVER_REGION"),  # over the left edge
+    "out_of_region": (_place("clear_of"), "OUT_OF_REGION"),  # out of the left half
     "sense": (ph.Sense, "SENSE"),  # clockwise
     "facing_way": (ph.Facing, "FACING_WAY"),  # facing me
     "parallel_edge": (ph.Parallel, "PARALLEL_EDGE"),  # parallel to the edge
@@ -238,21 +248,6 @@ class Parts(Names, Manners, Outcomes, Questions):
                     ('say "between the one and the other"',),
                 )
         return ph.Place(self.span_of(children), relation, things)
-
-    def region_of_table_part(self, children: Children) -> ph.Place:
-        """To the middle of the table."""
-        region = cast(g.TableRegion, self.value_of(children, "REGION_OF_TABLE"))
-        return ph.Place(self.span_of(children), "at", region)
-
-    def from_region_part(self, children: Children) -> ph.Place:
-        """From the left edge."""
-        region = cast(g.TableRegion, self.value_of(children, "FROM_REGION"))
-        return ph.Place(self.span_of(children), "from", region)
-
-    def out_of_region_part(self, children: Children) -> ph.Place:
-        """Out of the left half."""
-        region = cast(g.TableRegion, self.value_of(children, "OUT_OF_REGION"))
-        return ph.Place(self.span_of(children), "clear_of", region)
 
     def mutual_part(self, children: Children) -> ph.Place:
         """In a row; together; out of the way; back."""

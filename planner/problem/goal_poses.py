@@ -76,6 +76,12 @@ def find_goal_poses(problem: PlanningProblem[GoalT]) -> GoalPoses:
     raise AssertionError(f"{goal.kind} moves nothing")
 
 
+def wanted_aims(problem: PlanningProblem[PushGoal]) -> tuple[Aim, ...]:
+    """The aim of the plan before, which is kept; of a new plan those of its goal."""
+    kept = None if problem.previous is None else problem.previous.aim
+    return problem.goal.aims if kept is None else (kept,)
+
+
 def pose_as_aim(target: SeenObject, x: float | None = None, y: float | None = None) -> Aim:
     """The pose that an object has as an aim, or the same elsewhere.
 
@@ -194,6 +200,11 @@ def _place_poses(problem: PlanningProblem[GoalT], goal: g.Place) -> GoalPoses:
         reason = "no distance said"
         used = (DefaultUsed(name="place_gap", value=place.gap, unit="m", reason=reason),)
     aims = tuple(pose_as_aim(target, float(x), float(y)) for x, y in spots)
+    if goal.relation == "over":
+        if goal.distance is None:
+            value, reason = defaults.overhang, "no overhang said"
+            used = (DefaultUsed(name="overhang", value=value, unit="m", reason=reason),)
+        return GoalPoses(PushGoal(aims=aims, hangs_over=True), used)
     if isinstance(place, Between):
         both = tuple((seen.name, place.apart(target)) for seen in (place.one, place.other))
         return GoalPoses(PushGoal(aims=aims, near=both), used)

@@ -82,7 +82,10 @@ def region(
     if isinstance(reference, str):
         if goal.distance is not None:
             assert isinstance(goal.distance, float), "lengths measured in objects are resolved"
-            d = replace(d, edge_gap=goal.distance)
+            d = replace(d, edge_gap=goal.distance, overhang=goal.distance)
+        if goal.relation == "over":
+            choices = _EDGES[reference]
+            return AtEdge(state.table, choices, -d.overhang, d.overhang_tolerance)
         return table_region(reference, state.table, d)
     objects = tuple(state.objects[ref.id or ""] for ref in reference)
     match goal.relation, objects:
@@ -295,7 +298,7 @@ class AtEdge(Region):
     Attributes:
         table: whose edges they are.
         choices: directions in which the edges lie; any of the choices will do.
-        gap: between the object and each edge [m].
+        gap: between the object and each edge [m]; less than 0 of what hangs over it.
         tolerance: of the gap [m].
     """
 
@@ -318,11 +321,12 @@ class AtEdge(Region):
 
     def measures(self, own: SeenObject) -> tuple[Measure, ...]:
         """The gap to each edge of the choice that it is nearest to."""
+        what, sign = ("overhang at", -1.0) if self.gap < 0.0 else ("gap to", 1.0)
         found = [
             tuple(
                 Measure(
-                    f"gap to the table's {_edge_name(side)} edge",
-                    "about", self.gap, self._room(own, side), self.tolerance,
+                    f"{what} the table's {_edge_name(side)} edge",
+                    "about", sign * self.gap, sign * self._room(own, side), self.tolerance,
                 )
                 for side in sides
             )

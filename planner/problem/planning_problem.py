@@ -38,6 +38,7 @@ class PushGoal:
         tilt: angle by which it is tilted and then let back [rad]; None if it is not to come back.
         until: event that ends the last push earlier; `meets` names what is to be touched then.
         near: objects that it is to stand close to, and how close [m].
+        hangs_over: whether it is to hang over the table's edge.
     """
 
     outcome: Literal["slide", "topple"] = "slide"
@@ -49,6 +50,7 @@ class PushGoal:
     until: StopEvent | None = None
     meets: str | None = None
     near: tuple[tuple[str, float], ...] = ()
+    hangs_over: bool = False
 
 
 HAND_GOALS = {

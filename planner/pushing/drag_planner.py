@@ -3,7 +3,8 @@
 There nothing turns, whichever way it goes, so that it goes straight to its aim. The pressing force
 is the least with which it surely goes along, as the exact tier has it; where no force makes that as
 sure as a push must be, the one with which it does so with the probability that a drag must have: a
-fingertip that slips instead is seen to, within a centimetre.
+fingertip that slips instead is seen to, within a centimetre. What is to hang over the table's edge
+goes no farther than it surely lies there, pressed and drawn, and left alone.
 
 Frames: W is the world, B the object.
 """
@@ -11,14 +12,17 @@ Frames: W is the world, B the object.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.support_points import is_within
+from objectmodels.mechanics.balance.edge_support import TopLoad
 from objectmodels.mechanics.exact.top_drag import drag_probability, press_range, top_drag
 from objectmodels.models.top_face import top_face
 from planner.geometry.directions import unit
+from planner.problem.overhangs import Overhang, most_overhang, overhangs, table_with_room
 from planner.problem.planning_problem import PushProblem
 from planner.pushing.contact_planner import PushCandidate
 from planner.pushing.push_paths import Obstructions, PathSegment, free_length_mark
@@ -54,25 +58,47 @@ def drag_to(problem: PushProblem, aim: Aim, search: ReachSearch) -> PushCandidat
     if off <= _CLOSE:
         return Reached(aim=aim, off=off, turned_off=abs(turn))
     segment = PathSegment(math.atan2(way[1], way[0]), off)
-    _require_free(problem, segment)
+    there = replace(target, pose=replace(target.pose, x=aim.x, y=aim.y))
+    hanging = [*overhangs(there, problem.state.table)] if problem.goal.hangs_over else []
+    _require_free(problem, segment, hanging)
     problem.budget.spend(_RATED + _CONFIRMED)
     push = _drag_along(problem, segment)
+    notes = tuple(_overhang_note(problem, push, over) for over in hanging)
     answer = search.reach(push, problem.state)
     if not answer.ok:
         raise no_push_reached(target.name, [answer])
-    return PushCandidate(push, ("drag",), considered=1, satisfying=1, notes=())
+    return PushCandidate(push, ("drag",), considered=1, satisfying=1, notes=notes)
 
 
-def _require_free(problem: PushProblem, segment: PathSegment) -> None:
-    """Make sure that nothing stands in the way, and that it does not leave the table.
+def _overhang_note(problem: PushProblem, push: PushAction, over: Overhang) -> str:
+    """A sentence on how far it hangs over an edge at the end, and how far it could.
+
+    Raises:
+        NoPlanError: it would not surely lie there, pressed and drawn, or left alone.
+    """
+    target, point = problem.target, np.array(push.p_BC[:2])
+    along = (target.pose.R_WB.T @ push.direction_W)[:2]
+    loads = [TopLoad(point, push.press, force * along) for force in (0.0, push.force_limit)]
+    most = most_overhang(target, over, problem.defaults, loads)
+    if over.length > most:
+        numbers = {"overhang": over.length, "most": most}
+        raise no_plan("hangs_too_far", numbers, object=target.name, edge=over.edge)
+    return (
+        f"it will hang {1e3 * over.length:.0f} mm over the table's {over.edge} edge, where it "
+        f"could hang {math.floor(1e3 * most):.0f} mm"
+    )
+
+
+def _require_free(problem: PushProblem, segment: PathSegment, hanging: list[Overhang]) -> None:
+    """Make sure that nothing stands in the way, and that it leaves the table only as it is to.
 
     Raises:
         NoPlanError: something does.
     """
     target, margin = problem.target, problem.defaults.clearance
-    met = Obstructions(target, problem.state, path_clearances(problem), margin).first_stop(
-        (segment,)
-    )
+    table = table_with_room(problem.state.table, hanging, 2.0 * margin)
+    state = replace(problem.state, table=table)
+    met = Obstructions(target, state, path_clearances(problem), margin).first_stop((segment,))
     if met is None:
         return
     marks, free = (free_length_mark(target, (segment,), met),), max(met.free, 0.0)
@@ -87,9 +113,12 @@ def _contact(problem: PushProblem) -> Array:
     """The point on the top face over the centre of mass, in B, shape (3,) [m].
 
     Raises:
-        NoPlanError: there is no level face for a fingertip.
+        NoPlanError: there is no level face for a fingertip, or another one is said.
     """
-    model = problem.target.model
+    model, said = problem.target.model, problem.contact.face
+    if said not in (None, "top"):
+        spans, name = problem.contact.spans, problem.target.name
+        raise no_plan("pushed_over_edge", spans=spans, object=name, face=said)
     face, over = top_face(model), np.array(model.com[:2])
     if model.container is not None or face is None or not is_within(face, over[None], -_RIM):
         raise no_plan("no_top_to_press", object=problem.target.name)

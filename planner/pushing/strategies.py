@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from planner.geometry.directions import unit
-from planner.problem.goal_poses import pose_as_aim
+from planner.problem.goal_poses import pose_as_aim, wanted_aims
 from planner.problem.planning_problem import PushProblem
 from planner.pushing.contact_planner import PushCandidate
 from planner.pushing.drag_planner import FORCES, drag_to
@@ -186,7 +186,7 @@ class DragFromAbove(PlanningStrategy):
     def plan(self, problem: PushProblem, search: ReachSearch) -> Plan | Reached:
         """The drag to the first aim to which there is one."""
         attempts = Alternatives()
-        for aim in problem.goal.aims:
+        for aim in wanted_aims(problem):
             with attempts:
                 found = drag_to(problem, aim, search)
                 return found if isinstance(found, Reached) else _joint_plan(problem, [found], aim)
@@ -203,8 +203,8 @@ class SaidDrag(DragFromAbove):
     is_precise = True
 
     def applies(self, problem: PushProblem, so_far: Sequence[FailedStrategy]) -> bool:
-        """Always."""
-        return True
+        """Return True if the top face is said, or if it is to hang over the table's edge."""
+        return problem.contact.face == "top" or problem.goal.hangs_over
 
 
 class RelaxedGoal(PlanningStrategy):
@@ -273,7 +273,7 @@ def plan_pushes(
     budget, untried = problem.budget, 0
     if budget.is_used_up:
         raise budget.dead_end(problem.target.name, len(STRATEGIES))
-    for strategy in (SaidDrag(),) if problem.contact.face == "top" else STRATEGIES:
+    for strategy in (SaidDrag(),) if SaidDrag().applies(problem, ()) else STRATEGIES:
         if not strategy.applies(problem, so_far):
             continue
         if budget.is_used_up:
@@ -309,9 +309,8 @@ def _foreseen_pushes(problem: PushProblem) -> tuple[Push, ...]:
 
 def _plan_to_an_aim(problem: PushProblem, search: ReachSearch) -> Plan | Reached:
     """The plan to the first aim for which there is one."""
-    kept = None if problem.previous is None else problem.previous.aim
     attempts = Alternatives()
-    for aim in problem.goal.aims if kept is None else (kept,):
+    for aim in wanted_aims(problem):
         with attempts:
             found = PushSequencePlanner(problem, aim, search, _foreseen_pushes(problem)).pushes()
             return found if isinstance(found, Reached) else _joint_plan(problem, found, aim)

@@ -166,6 +166,16 @@ _PUSHES = {
         "the {object}, {height:mm} high, would tip over if it were drawn along from above",
         ("push it on a side",),
     ),
+    "hangs_too_far": impossible(
+        "hanging {overhang:mm} over the table's {edge} edge, the {object} would not surely lie "
+        "there: its centre of mass has to stay over the table",
+        ("up to {most:mm_down} would do",),
+    ),
+    "pushed_over_edge": impossible(
+        "over the table's edge the {object} is drawn by a fingertip on its top, not pushed on its "
+        "{face} side",
+        ("leave out where to touch it",),
+    ),
     "finger_too_smooth": impossible(
         "no pressing from above takes the {object} along: friction at the fingertip is "
         "{finger:share}, at the table {table:share}",

@@ -85,6 +85,9 @@ class Defaults:
         touching_gap: surfaces that are closer than this touch [m].
         edge_gap: between an object at the table's edge and that edge [m].
         edge_tolerance: of that gap [m].
+        overhang: of an object over the table's edge, if it is not said how far [m].
+        overhang_tolerance: of an overhang [m].
+        overhang_sd: standard deviation with which a drag ends over the table's edge [m].
         centre_tolerance: of the middle of the table [m].
         clear_tolerance: of a distance that is kept from another object, between shapes [m].
         in_line_tolerance: between two objects that are in line [m].
@@ -191,6 +194,9 @@ class Defaults:
     touching_gap: Gap = 0.003
     edge_gap: Gap = 0.05
     edge_tolerance: Length = 0.02
+    overhang: Length = 0.03
+    overhang_tolerance: Length = 0.01
+    overhang_sd: Length = 0.004
     centre_tolerance: Length = 0.05
     clear_tolerance: Gap = 0.002
     in_line_tolerance: Length = 0.01

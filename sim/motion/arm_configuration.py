@@ -74,6 +74,16 @@ class ArmConfiguration:
         each = [along @ hand.tip_stiffness(*c) @ along for c in self._contact_points(along)]
         return float(sum(each))
 
+    def bend(self, force_W: Array) -> Array:
+        """Way by which a fingertip stays behind its command under the force that it exerts, (3,).
+
+        The force [N] is that on what is touched, in W, shape (3,), and shared by all fingers.
+        """
+        along, hand = self.R_WP.T @ force_W, self.mount.hand
+        unit = along / np.linalg.norm(along)
+        whole = sum(hand.tip_stiffness(*contact) for contact in self._contact_points(unit))
+        return np.asarray(self.R_WP @ np.linalg.solve(whole, along))
+
     def force_noise_gain(self, direction_W: Array) -> float:
         """Noise of the force felt by all fingers per noise of a torque sensor [1/m]."""
         along, hand = self.R_WP.T @ direction_W, self.mount.hand

@@ -33,7 +33,7 @@ from sim.collision.collision_scene import (
 from sim.hands.hand_model import PostureSet
 from sim.hands.mount import Mount
 from sim.motion.approach_clearance import FACE_CLEARANCE, Approach
-from sim.motion.arm_configuration import ArmConfiguration
+from sim.motion.arm_configuration import ArmConfiguration, UnreachableError
 from sim.motion.ik_search import ENOUGH_MARGIN, IkSolutions, PushIkSearch, descent_points, in_range
 from sim.motion.roadmap import (
     LIMIT_MARGIN,
@@ -161,7 +161,7 @@ class PushMotionSearch:
         ):
             asked += len(some)
             least = LIMIT_MARGIN if best is None else best.room
-            stances = self._configurations(some, least)
+            stances = filter(self._reaches_bent, self._configurations(some, least))
             for found in itertools.islice(stances, self._effort.most_transits):
                 via = self._way_there(found, self._transit_places(found))
                 if via is not None:
@@ -184,6 +184,21 @@ class PushMotionSearch:
         return best.stance, ReachAnswer(
             True, margin=best.room, numbers=numbers, stiffness=stiffness
         )
+
+    def _reaches_bent(self, found: _Found) -> bool:
+        """True if the arm gets to where a finger that presses and is bent by that is commanded."""
+        push = self._push
+        if not push.press:
+            return True
+        pressing = push.press * self._way.inward
+        along = push.force_limit * np.array(push.direction_W)
+        try:
+            for force in (pressing, pressing + along):
+                for point in self._points[1:]:
+                    found.stance.joint_angles(point + found.stance.bend(force))
+        except UnreachableError:
+            return False
+        return True
 
     def _failure_answer(self, asked: int, blocked: list[_Found]) -> ReachAnswer:
         """Why no stance was found."""

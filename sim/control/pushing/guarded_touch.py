@@ -125,11 +125,14 @@ class TouchControl:
         return self.recorder.touch
 
     def _step(self, tip: Array, along: Array) -> None:
-        """Commands T to a point and takes in what was felt along a direction, and seen."""
+        """Commands T to a point and takes in what was felt along a direction, and seen.
+
+        Raises:
+            UnreachableError: the arm does not get there; the hand is left where it is.
+        """
+        q = self.stance.joint_angles(tip, self.turned)
         self.commanded = tip
-        self.recorder.step(
-            self.stance.joint_angles(tip, self.turned), self.stance.posture.joint_angles
-        )
+        self.recorder.step(q, self.stance.posture.joint_angles)
         self._forces += self._share * (self._here.forces @ along - self._forces)
         for frame in self.recorder.frames:
             up = frame.poses[self._object].R_WB[:, 2]

@@ -87,6 +87,17 @@ def test_an_open_top_is_not_pressed() -> None:
     )
 
 
+def test_the_aim_of_the_plan_before_is_kept() -> None:
+    first = planned(LEFT, book(), hand())
+    state = book()
+    seen = state.objects["book"]
+    nearly = replace(seen, pose=replace(seen.pose, y=seen.pose.y + 0.09))
+    rest = plan(frame_of(LEFT), replace(state, objects={"book": nearly}), hand(), previous=first)
+    assert isinstance(rest, Plan)
+    assert rest.aim == first.aim
+    assert rest.push.stroke == pytest.approx(0.01)
+
+
 def test_a_drag_that_slipped_is_not_tried_again() -> None:
     from planner.types.robot import FailedPush
 
