@@ -33,7 +33,7 @@ from sim.collision.collision_scene import (
 from sim.hands.hand_model import PostureSet
 from sim.hands.mount import Mount
 from sim.motion.approach_clearance import FACE_CLEARANCE, Approach
-from sim.motion.arm_configuration import ArmConfiguration, UnreachableError
+from sim.motion.arm_configuration import ArmConfiguration
 from sim.motion.ik_search import ENOUGH_MARGIN, IkSolutions, PushIkSearch, descent_points, in_range
 from sim.motion.roadmap import (
     LIMIT_MARGIN,
@@ -186,19 +186,11 @@ class PushMotionSearch:
         )
 
     def _reaches_bent(self, found: _Found) -> bool:
-        """True if the arm gets to where a finger that presses and is bent by that is commanded."""
-        push = self._push
-        if not push.press:
-            return True
-        pressing = push.press * self._way.inward
-        along = push.force_limit * np.array(push.direction_W)
-        try:
-            for force in (pressing, pressing + along):
-                for point in self._points[1:]:
-                    found.stance.joint_angles(point + found.stance.bend(force))
-        except UnreachableError:
-            return False
-        return True
+        """True if the arm reaches all of the way with a finger that is bent by pressing."""
+        pressing = self._push.press * self._way.inward
+        drawing = pressing + self._push.force_limit * np.array(self._push.direction_W)
+        bent = found.stance.reaches_bent
+        return not self._push.press or bent(self._points[1:], (pressing, drawing))
 
     def _failure_answer(self, asked: int, blocked: list[_Found]) -> ReachAnswer:
         """Why no stance was found."""
