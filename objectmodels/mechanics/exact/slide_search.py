@@ -34,6 +34,7 @@ CERTAIN = 1e-6
 
 _STRETCHES = 3  # sets of loaded points that are tried before brackets are taken
 _NEARER = 0.75
+_CLOSE = 1e-8  # residual above which what was found at once is sought in brackets too
 _STEPS = 100
 _MORE = 1e-8  # share by which more friction is used, beyond the precision of its limit
 _NEWTON = 12  # steps after which every other one halves the bracket
@@ -193,7 +194,7 @@ class SlideSearch:
             look = _Look(r, r, limit, q, loads, *self.friction_points(q, i))
             self._keep(slides, r, i, look, answer)
             self._keep_held(sure & ~slides, i, limit, answer)
-            i = i[~sure]
+            i = i[~sure | (answer.residual[i] > _CLOSE)]
         return i
 
     def _slides_where_loaded(
