@@ -157,6 +157,8 @@ def followed_frames(
         return asked if _can_correct(asked[-1], said) else done
     about_deeds = said.action or said.dialogue in ("same", "reverse", "more")
     answered = [frame for frame in asked if frame.query not in _ABOUT_DEEDS]
+    if said.goal.kind != "none":  # what is like this or that goes nowhere
+        answered = [frame for frame in answered if frame.action]
     return done if about_deeds else answered or done
 
 

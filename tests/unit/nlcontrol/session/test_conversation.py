@@ -142,6 +142,13 @@ def test_of_names_in_what_was_not_understood_the_longest_is_meant(
     assert result.frames[0].object.id == "ice tea box"
 
 
+def test_behind_a_question_on_how_it_stands_a_way_is_of_the_last_command(
+    conversation: Conversation,
+) -> None:
+    asked = plan(conversation, AWAY, "is the mug standing?", "and now 5 cm to the left")
+    assert (asked.status, asked.answer) == ("planned", None)
+
+
 def test_what_was_not_understood_is_not_done_anyway(conversation: Conversation) -> None:
     result = plan(conversation, AWAY, "frobnicate the mug", "do it anyway")
     assert result.error is not None
