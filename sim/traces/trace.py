@@ -107,7 +107,8 @@ class Trace:
         tips: per pushing finger, position of the fingertip's centre in W, shape (n, 3) [m].
         felt: per pushing finger, force of the fingertip on the object in W, from the joint
             torque sensors, shape (n, 3) [N].
-        force_limit: the force limit in force at each sample, shape (n,) [N].
+        force_limit: the force limit in force at each sample, shape (n,) [N]; of a drag that of
+            the whole force, pressing and drawing.
         contacts: touches in order of time.
         pushed: name of the pushed object.
         direction: unit direction of the push in W, shape (3,).

@@ -14,6 +14,8 @@ while it presses, since a slanted finger drags, and then keeps to the line.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from planner.types.actions import PushAction
@@ -135,7 +137,8 @@ class DragControl(ForceController):
     def _advance(self, velocity: Array) -> None:
         """Commands one step along the face, at a velocity in W, and keeps up the pressing force."""
         self._wanted = min(self.plan.push.press, self._wanted + _RATE * self._period)
-        self.recorder.force_limit = self._wanted
+        # What is recorded as felt is the whole force: so is its limit.
+        self.recorder.force_limit = math.hypot(self._wanted, self.plan.push.force_limit)
         lacking = (self._wanted - self._felt) / (self._stiffness * _TIME)
         step = velocity + lacking * self.way.inward
         self._step(self.commanded + self._period * step, self.way.inward)
