@@ -157,8 +157,8 @@ def followed_frames(
         return asked if _can_correct(asked[-1], said) else done
     about_deeds = said.action or said.dialogue in ("same", "reverse", "more")
     answered = [frame for frame in asked if frame.query not in _ABOUT_DEEDS]
-    if said.goal.kind != "none":  # what is like this or that goes nowhere
-        answered = [frame for frame in answered if frame.action]
+    if said.goal.kind != "none":  # to ask how it stands is not to ask where it goes
+        answered = [each for each in answered if each.action or each.goal.kind == "parameters"]
     return done if about_deeds else answered or done
 
 
@@ -166,7 +166,8 @@ def _can_correct(last: g.Frame, said: g.Frame) -> bool:
     """Check for a frame in which what a remark says can take the place of something."""
     if last.action is not None:
         return last.query is None or said.action is None
-    return last.query == "value" and said.goal.kind == "none" and not said.constraints
+    asks = last.query == "value" and last.goal.kind == "parameters"  # not how it came to stand
+    return asks and said.goal.kind == "none" and not said.constraints
 
 
 def reversed_frames(before: Sequence[g.Frame], said: g.Frame) -> tuple[g.Frame, ...]:
