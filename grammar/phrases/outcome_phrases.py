@@ -243,7 +243,7 @@ class Questions(TokenReader):
         return ph.Ask(span, "value", thing=thing, state=state, whole=True)
 
     def distance_part(self, children: Children) -> ph.Ask:
-        """How far is the box from the mug."""
+        """A question for a distance: "how far is the box from the mug"."""
         span, (one, other) = self.span_of(children), things_in(children)
         which, than = ("distance",), (other.ref,)
         return ph.Ask(span, "value", thing=one, which=which, than=than, whole=True)

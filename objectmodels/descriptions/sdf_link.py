@@ -61,7 +61,7 @@ def _shape(part: Element, folder: Path, link: Pose) -> LinkShape:
     mu = part.findtext("surface/friction/ode/mu")
     soft = part.findtext(".//{*}point_contact_stiffness")
     return replace(
-        _solid(next(iter(part.find("geometry") or ()), None), folder),
+        _solid(part.find("geometry/*"), folder),
         R=link[0] @ R,
         p=link[1] + link[0] @ p,
         friction=None if mu is None else float(text_numbers(mu, "<mu>", 1)[0]),

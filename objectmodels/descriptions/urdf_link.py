@@ -55,7 +55,7 @@ def _shape(part: Element, folder: Path, usual: float | None) -> LinkShape:
     mu = None if contact is None else contact.find("{*}mu_static")
     soft = None if contact is None else contact.find("{*}point_contact_stiffness")
     return replace(
-        _solid(next(iter(part.find("geometry") or ()), None), folder),
+        _solid(part.find("geometry/*"), folder),
         R=R,
         p=p,
         friction=usual if mu is None else float(attribute_numbers(mu, "value", 1)[0]),
