@@ -328,7 +328,9 @@ class _ClauseReader:
 
     def _question_frame(self, asks: Sequence[ph.Ask], remarks: Sequence[ph.Remark]) -> g.Frame:
         """A question without a verb: how heavy, what can you do with, why."""
-        ask = asks[0]
+        ask, *more = asks
+        if more:
+            raise unexpected_part(more[0], self._sentence)
         if not ask.whole:
             return RemarkReader(self._parts, remarks, self._lexicon, self._sentence).question(ask)
         if remarks:
