@@ -71,8 +71,13 @@ class Sampler:
         frames = tuple(self.draw_frame() for _ in range(1 if self._rng.random() < 0.8 else 2))
         if len(frames) > 1 and any(f.query or f.dialogue for f in frames):
             frames = frames[:1]
-        text = paraphrase(frames, self._lexicon, self._rng.choice)
+        vague = [f" {phrase}" for phrase in self._lexicon.vague if " " in phrase]
+        while any(phrase in (text := self._text_of(frames)) for phrase in vague):
+            continue  # "too" and "far" met by chance
         return Sample(text, frames)
+
+    def _text_of(self, frames: Sequence[g.Frame]) -> str:
+        return paraphrase(frames, self._lexicon, self._rng.choice)
 
     def draw_frame(self) -> g.Frame:
         """A frame that does not contradict itself."""

@@ -24,8 +24,6 @@ from planner.types.actions import Push
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import TableState
 from sim.collision.collision_scene import (
-    LEAST_CLEARANCE,
-    OBJECT_CLEARANCE,
     TABLE_CLEARANCE,
     CollisionScene,
     Obstacle,
@@ -41,6 +39,7 @@ from sim.motion.roadmap import (
     interpolate_joints,
     sample_configurations,
 )
+from sim.motion.search_effort import Effort
 from sim.motion.sweep_clearance import Sweep, first_obstacles
 from sim.motion.transit_clearance import TransitClearance
 from sim.paths.fingertip_path import BACK, FingertipPath
@@ -55,29 +54,7 @@ _MOST_AT_ONCE = 768  # hands that are looked at together
 _BEGUN, _LOOKED, _ROAD = 1, 2, 1  # units of work: to begin, of some hands, of some arm poses
 _BACK_POINTS = 4  # places on the way back from a turned face that are looked at
 _BACK_STEP = 0.015  # between those on the way straight back [m]
-
-
-@dataclass(frozen=True)
-class Effort:
-    """Length of a search, and how near the hand may come to things.
-
-    Attributes:
-        clearance: of hand and arm from what is neither pushed nor fragile [m].
-        fine: whether the palm may lean to its sides by small angles and large ones.
-        most_hands: that are clear and for which the arm is asked.
-        most_transits: stances of some hands for which a way from home is looked for.
-        last_resorts: stances of all hands for which it is looked for among more places.
-    """
-
-    clearance: float
-    fine: bool
-    most_hands: int
-    most_transits: int
-    last_resorts: int
-
-
-USUAL = Effort(OBJECT_CLEARANCE, fine=False, most_hands=60, most_transits=2, last_resorts=3)
-THOROUGH = Effort(LEAST_CLEARANCE, fine=True, most_hands=600, most_transits=10, last_resorts=10)
+_BRUSH = 0.03  # by which a hand may reach through what it pushed as it goes back [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -359,6 +336,7 @@ class PushMotionSearch:
         """Which hands leave what they have pushed where it is, going straight back, shape (k,).
 
         They came to it over a few centimetres alone: what reaches beyond it would take it along.
+        One that only brushes it is better than none.
         """
         if self._push.ends_on != "stroke" or self._push.press > 0.0:
             return np.ones(len(solved), dtype=bool)
@@ -369,7 +347,10 @@ class PushMotionSearch:
         which, hand = np.unique(solved.hand, return_inverse=True)
         robot = hands[which].spheres_along(np.eye(3)[None], np.zeros((1, 3)))[:, 0]
         R_WD = np.broadcast_to(self._R_WD[0], (len(points), 3, 3))
-        clear = self._pushed[-1].is_clear_along(robot, R_WD, points, FACE_CLEARANCE)
+        for clearance in (FACE_CLEARANCE, -_BRUSH):
+            clear = self._pushed[-1].is_clear_along(robot, R_WD, points, clearance)
+            if clear.any():
+                break
         return np.asarray(clear[hand])
 
     def _transit_places(self, found: _Found) -> Array:

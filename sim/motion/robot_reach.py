@@ -32,7 +32,8 @@ from sim.motion.arm_configuration import ArmConfiguration
 from sim.motion.flip_motion_search import FlipConfiguration, FlipMotionSearch
 from sim.motion.grasp_motion_search import GraspMotion, best_grasp_motion
 from sim.motion.ik_search import in_range, solve_poses
-from sim.motion.push_motion_search import THOROUGH, USUAL, Effort, PushMotionSearch
+from sim.motion.push_motion_search import PushMotionSearch
+from sim.motion.search_effort import THOROUGH, USUAL, Effort
 from sim.paths.fingertip_path import FingertipPath
 from sim.paths.held_object_path import HeldObject
 from sim.rotations import Array, rot_z
