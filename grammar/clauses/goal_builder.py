@@ -154,6 +154,9 @@ def _place_goal_at(clause: Clause, place: ph.Place) -> g.Place:
     if place.relation == "from" and length is None:
         raise clause.does_not_apply_error(place, "needs a distance", "10 cm from the mug")
     objects, relation = isinstance(place.reference, tuple), place.relation
+    if relation == "under":
+        message = "is no place that this robot gets to"
+        raise clause.does_not_apply_error(place, message, "in front of the mug")
     words = clause.quote(place).strip('"').partition(" ")
     if length is not None and not objects and words[0].casefold() == "to":
         ways = (f"{clause.quote(length)} {way} {words[2]}".replace('"', "") for way in _MEASURED)

@@ -151,7 +151,7 @@ class _Speaker(Phrasing):
     # --- questions ----------------------------------------------------------------------------
 
     def _question_words(self, frame: g.Frame, query: g.Query) -> str:
-        if query == "value" and isinstance(frame.goal, g.Place | g.Upright):
+        if query == "value" and isinstance(frame.goal, g.Place | g.Upright | g.SetDown):
             return self._state_words(frame, frame.goal)
         if query == "value" and isinstance(frame.goal, g.Parameters):
             which = frame.goal.which
@@ -196,17 +196,22 @@ class _Speaker(Phrasing):
             raise no_words("a comparison of nothing")
         (which,), others = frame.goal.which, frame.goal.than
         if not others:
-            said = f"{which} {' '.join(frame.object.qualities)}"
-            return f"{self.phrase_for('WHICH_IS')} {self.phrase_for('SUPERLATIVE', said)}?"
+            most = self.phrase_for("SUPERLATIVE", f"{which} {frame.object.qualities[0]}")
+            name = frame.object.text.partition(" ")[2]
+            if name:
+                return f"{self.phrase_for('WHICH')} {name} {self.phrase_for('IS_IT')} the {most}?"
+            return f"{self.phrase_for('WHICH_IS')} {most}?"
         than, more = self.object_words(others[0]), self.phrase_for("COMPARATIVE", which)
         return f"{self.phrase_for('IS_IT')} {self.object_words(frame.object)} {more} than {than}?"
 
-    def _state_words(self, frame: g.Frame, state: g.Place | g.Upright) -> str:
+    def _state_words(self, frame: g.Frame, state: g.Place | g.Upright | g.SetDown) -> str:
         if frame.object is None:
             raise no_words("a question about nothing")
         is_it = f"{self.phrase_for('IS_IT')} {self.object_words(frame.object)}"
         if isinstance(state, g.Upright):
             return f"{is_it} {self.phrase_for('STANDING')}?"
+        if isinstance(state, g.SetDown):
+            return f"{is_it} {self.phrase_for('ON_TABLE')}?"
         return f"{is_it} {' '.join(self.goal_words(state))}?"
 
     def _distance_words(self, frame: g.Frame, goal: g.Parameters) -> str:

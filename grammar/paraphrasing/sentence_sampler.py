@@ -124,6 +124,12 @@ class Sampler:
         quality = self._lexicon.adjectives[adjective]
         return g.ObjectRef(text=f"{adjective} {noun}", qualities=(quality,), noun=noun)
 
+    def _draw_other(self, thing: g.ObjectRef) -> g.ObjectRef:
+        """A thing of another name."""
+        while (other := self._draw_thing()).text == thing.text:
+            pass
+        return other
+
     def _draw_counted(self) -> g.ObjectRef:
         """Which of a row: "the third box from the left", "the second tallest box"."""
         noun, quality = self._pick(self._nouns), self._pick(_RANKED)
@@ -190,7 +196,8 @@ class Sampler:
                 fraction = self._draw_perhaps(lambda: self._pick(_FRACTIONS), 0.2)
                 return g.Place(relation="at", reference=region, fraction=fraction)
             case 2:
-                things = (self._draw_thing(), self._draw_thing())
+                first = self._draw_thing()
+                things = (first, self._draw_other(first))
                 return g.Place(relation="between", reference=things)
             case _:
                 relation = self._pick(_RELATIONS)
@@ -250,8 +257,10 @@ class Sampler:
     # --- constraints --------------------------------------------------------------------------
 
     def _draw_constraints(self) -> tuple[g.Constraint, ...]:
-        count = self._pick((0, 0, 1, 1, 2, 3))
-        return tuple(map(self._draw_constraint, self._rng.sample([*CONSTRAINTS], count)))
+        kinds = self._rng.sample([*CONSTRAINTS], self._pick((0, 0, 1, 1, 2, 3)))
+        # "Without tilting it without tilting it more than 5 degrees" says one thing, with a slip.
+        forbidden = {CONSTRAINTS[kind].words.limit for kind in kinds}
+        return tuple(self._draw_constraint(kind) for kind in kinds if kind not in forbidden)
 
     def _draw_constraint(self, kind: str) -> g.Constraint:
         unit = CONSTRAINTS[kind].words.unit
@@ -326,10 +335,12 @@ class Sampler:
     def _draw_question(self) -> g.Frame:
         query = self._pick(get_args(g.Query))
         if query == "value" and self._rng.random() < 0.3:
-            other = (self._draw_thing(),)
-            state = self._pick((g.Upright(), g.Place(relation="behind", reference=other),
-                                g.Parameters(which=("distance",), than=other)))  # fmt: skip
-            return g.Frame(query="value", object=self._draw_thing(), goal=state)
+            thing = self._draw_thing()
+            other = (self._draw_other(thing),)
+            place = g.Place(relation="behind", reference=other)
+            apart = g.Parameters(which=("distance",), than=other)
+            state = self._pick((g.Upright(), g.SetDown(), place, apart))
+            return g.Frame(query="value", object=thing, goal=state)
         if query == "value":
             goal = g.Parameters(which=(self._pick(_PROPERTIES),))
             return g.Frame(query="value", object=self._draw_object(), goal=goal)

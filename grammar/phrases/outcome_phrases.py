@@ -8,6 +8,7 @@ from grammar.frames import command as g
 from grammar.frames.constraints import CONSTRAINTS, new_constraint
 from grammar.phrases import phrase_parts as ph
 from grammar.phrases.token_reader import Children, TokenReader, parts_in, things_in, tokens_in
+from grammar.words.phrase_lexer import Token
 
 _STOPS = {"moves": "moves", "slides": "moves", "tips": "tips", "about_to_tip": "about_to_tip",
           "tilts": "about_to_tip"}  # fmt: skip
@@ -219,10 +220,9 @@ class Questions(TokenReader):
             self.value_of(children, "COMPARATIVE") or self.value_of(children, "SUPERLATIVE")
         ).partition(" ")
         if superlative := tokens_in(children, "SUPERLATIVE"):
-            at = self.span_of(superlative)
-            word = superlative[0].split()[0]
-            one = g.ObjectRef(text=word, spans=(at,), qualities=(cast(g.Quality, quality),))
-            things = [ph.Thing(at, one)]
+            things = [
+                self._most(superlative, cast(g.Quality, quality), tokens_in(children, "WORD"))
+            ]
         elif len(things) < 2:  # "is the mug taller?"; "taller than the mug?"
             _, end = self.span_of(children[-1:])
             it = ph.Thing((end, end), g.ObjectRef(text="it", pronoun=True))
@@ -230,11 +230,28 @@ class Questions(TokenReader):
         others = tuple(thing.ref for thing in things[1:])
         return ph.Ask(span, "compare", thing=things[0], which=(which,), than=others, whole=True)
 
+    def _most(self, superlative: Children, quality: g.Quality, name: list[Token]) -> ph.Thing:
+        """The heaviest; of a name that is said before or behind, the one that is."""
+        at = self.span_of(superlative)
+        spans = tuple(sorted([at, self.span_of(name)])) if name else (at,)
+        written = [self.sentence.words_as_written(self.span_of([word])) for word in name]
+        told = [self.lexicon.adjectives[word] for word in name if word in self.lexicon.adjectives]
+        nouns = [said for said in written if said.casefold() not in self.lexicon.adjectives]
+        one = g.ObjectRef(
+            text=" ".join([superlative[0].split()[0], *written]),
+            spans=spans,
+            qualities=(quality, *told),
+            noun=" ".join(nouns),
+        )
+        return ph.Thing(at, one)
+
     def standing_part(self, children: Children) -> ph.Ask:
-        """Is the box standing; is it next to the mug."""
+        """Is the box standing; is it next to the mug; is it on the table."""
         span, thing, where = self.span_of(children), things_in(children)[0], children[-1]
-        state: g.Place | g.Upright = g.Upright(spans=(span,))
-        if isinstance(where, ph.Place):
+        state: g.Place | g.Upright | g.SetDown = g.Upright(spans=(span,))
+        if tokens_in(children, "ON_TABLE"):
+            state = g.SetDown(spans=(span,))
+        elif isinstance(where, ph.Place):
             if where.relation not in STANDS_BESIDE or not isinstance(where.reference, tuple):
                 hint = "is it next to the mug?"
                 raise self.does_not_apply_error(children, "is no place to ask about", hint)

@@ -341,7 +341,7 @@ class Ask(Part):
     thing: Thing | None = None
     which: tuple[str, ...] = ()
     than: tuple[g.ObjectRef, ...] = ()
-    state: g.Place | g.Upright | None = None
+    state: g.Place | g.Upright | g.SetDown | None = None
     whole: bool = False
     negated: bool = False
 

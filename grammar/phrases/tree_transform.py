@@ -145,6 +145,11 @@ class Parts(Names, Manners, Outcomes, Questions):
         region = cast(g.TableRegion, self.value_of(children, "CLEARED"))
         return [*self._everything_cleared(span), ph.Place(span, "clear_of", region)]
 
+    def rights_part(self, children: Children) -> list[ph.Part]:
+        """Right the box: stand it upright."""
+        span = self.span_of(children)
+        return [ph.Verb(span, "stand"), ph.Particle(span, "upright")]
+
     def makes_room_part(self, children: Children) -> list[ph.Part]:
         """Make room for the box; around the mug; next to it."""
         span = self.span_of(children[:1])

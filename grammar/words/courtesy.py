@@ -174,7 +174,8 @@ class Courtesy:
     def _instead(self, words: list[str], kinds: set[str], rest: str) -> str | None:
         """Words to say in place of a run; None if no command can begin behind it."""
         last = words[-1]
-        if "VERB_ING" in kinds and last in self._words["before_gerund"]:
+        gerund = "VERB_ING" in kinds and "THE_PROPERTY_OF" not in kinds  # "standing in the box"
+        if gerund and last in self._words["before_gerund"]:
             return "try "
         if kinds & _COMMAND and self._asks_for(words):
             return ""

@@ -7,7 +7,7 @@ and some phrases are the beginning of a name ("from the left", "from the left bo
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 from grammar.words.lexicon import Lexicon
 from grammar.words.phrase_places import BEFORE_NUMBERS, WORD, Phrases, stands_at
@@ -26,11 +26,15 @@ _ASKED = ("CAN_YOU", "HOW", "HOW_HARD", "HOW_MUCH_DOES", "SEEN", "WHAT_CAN", "WH
 _IS = ("is", "are", "gets", "goes")
 _TOWARDS = ("TOWARD_REGION", "AWAY_FROM_REGION")
 _PLACES = ("RELATION", "BETWEEN", "REGION_OF_TABLE", "TO_X", "INTO", "PARTICLE")
+_WHERE_TO = ("DIRECTION", *_TOWARDS, *_PLACES)
 _QUANTITIES = ("THE_SIDE_OF", "BOUND")
 _BEFORE_PARTICLES = ("VERB", "WORD", "IT", "QUOTED")
 _BEFORE_COMMANDS = ("", "FILLER", "SEPARATOR", "NEXT")
+_BEFORE_VERBS = (*_BEFORE_COMMANDS, "CAN_YOU", "POSSIBLE", "MANNER", "NO", "YOU")
 _AMOUNTS = ("FORCE_UNIT", "SPEED_UNIT", "LENGTH_UNIT")
 _MULTIPLES = frozenset({"twice", "double"})
+_TOWARDS_WAY = re.compile(r"(?<![^ ])(?:towards?|away from)(?= |$)")
+_IS_THE = re.compile(r"(?: [^ ,.;]+){1,4}? (?:is|are) (?:the )?")
 _NAMES_BEGIN = re.compile(r" (?:the|a|an|my|your|its) ")
 
 Rule = Callable[[str, str, int, str], bool]
@@ -40,7 +44,8 @@ class Lookahead:
     """The rules, by terminal, for a lexicon and its phrases."""
 
     def __init__(self, lexicon: Lexicon, phrases: Phrases) -> None:
-        self._any = phrases.has_terminal_at
+        self._any, self._one_of = phrases.has_terminal_at, phrases.has_any_at
+        self._follows = phrases.has_any_in_clause
         self._at = phrases.phrases_at
         self._from_sides = lexicon.phrases_of("FROM_SIDE")
         self._first_of_number = lexicon.numbers.first_words
@@ -68,23 +73,30 @@ class Lookahead:
                 end == len(text) or not (phrase.endswith("not") or phrase.startswith("leave"))
             ),
             "LETTING": lambda _phrase, text, end, _last: not _CONTACT.match(text, end),
-            "WHAT_DID": lambda _phrase, text, end, _last: not stands_at("first", text, end + 1),
-            "WHICH_IS": lambda _phrase, text, end, _last: (
-                self._any("COMPARATIVE", text, end + 1) or self._any("SUPERLATIVE", text, end + 1)
+            "WHICH": self._of_the_most,
+            "WHICH_IS": lambda _phrase, text, end, _last: self._one_of(
+                ("COMPARATIVE", "SUPERLATIVE"), text, end + 1
             ),
             "TO_BE": lambda phrase, text, end, _last: (
                 not phrase.endswith("get") or self._any("VERB_ED", text, end + 1)
             ),
-            "NEEDS": lambda _phrase, text, end, _last: (
-                self._any("STROKE", text, end + 1) or self._any("VERB_ING", text, end + 1)
+            "NEEDS": lambda _phrase, text, end, _last: self._one_of(
+                ("STROKE", "VERB_ING"), text, end + 1
             ),
-            "NEXT": lambda phrase, text, end, _last: (
-                not (phrase.endswith("next") and stands_at("to", text, end + 1))
+            "NEXT": lambda phrase, text, end, last: (
+                last != "WHAT_DID"
+                and not (phrase.endswith("next") and stands_at("to", text, end + 1))
+            ),
+            "RIGHTS": lambda _phrase, text, end, last: (
+                last in _BEFORE_VERBS and bool(_NAMED.match(text, end))  # not "right, the mug"
             ),
             "OR": self._in_a_list,
             "SAME": self._to_another_thing,
             "BE": lambda phrase, text, end, _last: (
                 phrase not in _IS or self._any("VERB_ED", text, end + 1)
+            ),
+            "EVENT_INFINITIVE": lambda phrase, text, end, _last: (
+                not (phrase.startswith("be ") and self._one_of(_WHERE_TO, text, end + 1))
             ),
             "EVENT": lambda phrase, text, end, _last: (
                 phrase not in _IS or not self._any("VERB_ED", text, end + 1)
@@ -141,17 +153,24 @@ class Lookahead:
         """Of things and amounts."""
         return {
             **dict.fromkeys(BEFORE_NUMBERS, self._before_a_number),
-            "AMOUNT": self._no_little_box,
+            "AMOUNT": lambda phrase, text, end, _last: (
+                not phrase.startswith("a ") or self._ends_name(text, end)  # no little box
+            ),
             "CONTENTS": lambda phrase, _text, _end, last: (
                 not phrase.startswith("what is") or last not in _BEFORE_QUESTIONS
             ),
-            "CUPS": self._no_cup,
+            "CUPS": lambda phrase, text, end, _last: (
+                self._last_goal(text, end - len(phrase)) in ("pour", "fill")
+            ),
             "THE": lambda phrase, text, end, _last: (
                 phrase != "its" or not self._any("SIDE_OF_OBJECT", text, end + 1)
             ),
             "EXCEPT": self._behind_several,
             "QUALITY": lambda _phrase, text, end, _last: text[end + 1 : end + 2] in ",.;",
-            **dict.fromkeys(("FILLED", "FILLED_WITH"), self._behind_fill),
+            **dict.fromkeys(
+                ("FILLED", "FILLED_WITH"),
+                lambda phrase, text, end, _last: self._last_goal(text, end - len(phrase)) == "fill",
+            ),
             "OR_MORE": lambda _phrase, text, end, _last: not stands_at("than", text, end + 1),
             "PART_OF": lambda _phrase, _text, _end, last: last == "VOLUME_UNIT",
             "PORTION": self._of_a_liquid,
@@ -204,6 +223,11 @@ class Lookahead:
 
     # --- rules --------------------------------------------------------------------------------
 
+    def _of_the_most(self, _phrase: str, text: str, end: int, _last: str) -> bool:
+        """Which box is the tallest; but not "which box is behind the mug"."""
+        named = _IS_THE.match(text, end)
+        return named is not None and self._any("SUPERLATIVE", text, named.end())
+
     def _before_a_number(self, _phrase: str, text: str, end: int, _last: str) -> bool:
         return self._begins_a_number(text, end + 1)
 
@@ -212,8 +236,9 @@ class Lookahead:
         named = phrase.startswith("on the") and not phrase.endswith(("side", "face"))
         if named and self._wants_a_place(text, end - len(phrase)):
             return False
-        word = phrase.rsplit(maxsplit=1)[-1]
-        return word not in self._adjectives or self._ends_name(text, end)
+        if stands_at("side", text, end + 1):
+            return False  # "at the front side of the box" is no "at the front"
+        return phrase.rsplit(maxsplit=1)[-1] not in self._adjectives or self._ends_name(text, end)
 
     def _wants_a_place(self, text: str, end: int) -> bool:
         """Check for a verb that puts something somewhere that is not said yet."""
@@ -226,29 +251,18 @@ class Lookahead:
 
     def _not_towards_a_name(self, phrase: str, text: str, end: int, _last: str) -> bool:
         """Towards the left, but not towards the left mug."""
-        return not phrase.startswith(("toward", "away from")) or self._ends_name(text, end)
+        return not _TOWARDS_WAY.search(phrase) or self._ends_name(text, end)
 
     def _no_name_nor_more(self, phrase: str, text: str, end: int, last: str) -> bool:
         """Further away from you, but not where a remark begins: that goes on farther."""
         goes_on = phrase.startswith(("further", "farther")) and last in _BEFORE_COMMANDS
         return not goes_on and self._not_towards_a_name(phrase, text, end, last)
 
-    def _no_little_box(self, phrase: str, text: str, end: int, _last: str) -> bool:
-        """A little, but not a little box."""
-        return not phrase.startswith("a ") or self._ends_name(text, end)
-
-    def _follows(self, kinds: Sequence[str], text: str, end: int) -> bool:
-        """Check for a phrase of some terminals in the rest of a clause."""
-        rest = re.compile(" , | [.;] |$").search(text, end)
-        words = WORD.finditer(text, end, rest.start() if rest else len(text))
-        return any(self._any(kind, text, word.start()) for word in words for kind in kinds)
-
     def _for_something(self, _phrase: str, text: str, end: int, _last: str) -> bool:
         """To make it slide; use the handle to open it, but not push it to open it."""
         if self._any("EVENT_INFINITIVE", text, end + 1):
             return True
-        words = list(WORD.finditer(text, 0, end))
-        held = any(self._any("USING", text, word.start()) for word in words)
+        held = any(self._any("USING", text, word.start()) for word in WORD.finditer(text, 0, end))
         return held and self._any("VERB", text, end + 1)
 
     def _behind_several(self, phrase: str, text: str, end: int, last: str) -> bool:
@@ -265,7 +279,7 @@ class Lookahead:
     def _no_can(self, phrase: str, text: str, end: int, _last: str) -> bool:
         """It can not topple, but not the soup can not below 3 cm."""
         verbs = ("AVOID", "AVOIDING", "TOUCH")
-        return not phrase.startswith("can") or any(self._any(v, text, end + 1) for v in verbs)
+        return not phrase.startswith("can") or self._one_of(verbs, text, end + 1)
 
     def _in_a_list(self, phrase: str, text: str, end: int, last: str) -> bool:
         """A comma stands for "or" in "do not tilt, turn or topple it"."""
@@ -273,9 +287,8 @@ class Lookahead:
 
     def _before_a_thing(self, phrase: str, text: str, end: int, _last: str) -> bool:
         """Over to the mug, in a box, but not away from the left, in a second, above the table."""
-        if phrase.rpartition(" ")[2] in _BEFORE_QUANTITIES and self._begins_a_quantity(
-            text, end + 1
-        ):
+        measured = phrase.rpartition(" ")[2] in _BEFORE_QUANTITIES
+        if measured and self._begins_a_quantity(text, end + 1):
             return False
         if phrase.endswith(("above", "below")) and stands_at("the table", text, end + 1):
             return False
@@ -292,8 +305,8 @@ class Lookahead:
 
     def _not_to_make(self, phrase: str, text: str, end: int, _last: str) -> bool:
         """Closer to the mug, but not closer, to make it tip."""
-        start = end - len("to")
-        purpose = self._any("TO_MAKE", text, start) or self._any("EVENT_INFINITIVE", text, end + 1)
+        to_make = self._any("TO_MAKE", text, end - len("to"))
+        purpose = to_make or self._any("EVENT_INFINITIVE", text, end + 1)
         return not (phrase.endswith(" to") and purpose)
 
     def _before_what_it_fills(self, phrase: str, text: str, end: int, _last: str) -> bool:
@@ -301,7 +314,7 @@ class Lookahead:
         if phrase.startswith("why not"):
             return self._any("VERB", text, end + 1)
         if phrase == "so":
-            return any(self._any(kind, text, end + 1) for kind in _ASKED)
+            return self._one_of(_ASKED, text, end + 1)
         if phrase.endswith((" way", " that", " this")) and phrase.count(" ") == 1:
             return self._any("WHY_DID", text, 0)
         return phrase != "go" or self._any("VERB", text, end + 1)
@@ -318,9 +331,8 @@ class Lookahead:
             return not last and the
         if phrase.endswith("with") and self._follows(("TOOL", *_AMOUNTS), text, end):
             return False
-        start = end - len("to")
         ways = ("DIRECTION", "REGION_OF_TABLE")
-        return not (phrase.endswith(" to") and any(self._any(way, text, start) for way in ways))
+        return not (phrase.endswith(" to") and self._one_of(ways, text, end - len("to")))
 
     def _some_of_a_liquid(self, phrase: str, text: str, end: int, last: str) -> bool:
         """A bit of the milk, but not a bit, of its front side; pour some milk, no little box."""
@@ -340,13 +352,10 @@ class Lookahead:
             phrase.startswith("all") or phrase.endswith("of") or bool(_NAMED.match(text, end))
         )
 
-    def _behind_fill(self, phrase: str, text: str, end: int, _last: str) -> bool:
-        """Fill it half with milk, but do not push it with the hand."""
-        return self._last_goal(text, end - len(phrase)) == "fill"
-
     def _put_there(self, phrase: str, text: str, end: int, _last: str) -> bool:
-        """Put it on the table, but not the box on the table, nor on the table mat."""
+        """Put it on the table; is it on the table? But not the box on the table, nor its mat."""
         put = self._last_goal(text, end - len(phrase)) in ("place", "set_down")
+        put = put or (self._any("IS_IT", text, 0) and text[end + 1 :] in ("", "."))
         return put and self._ends_name(text, end)
 
     def _makes_it_happen(self, phrase: str, text: str, end: int, _last: str) -> bool:
@@ -382,10 +391,6 @@ class Lookahead:
         """Put it back, but not back on the book."""
         onto = any(stands_at(word, text, end + 1) for word in ("on", "onto"))
         return not (phrase.endswith("back") and onto)
-
-    def _no_cup(self, phrase: str, text: str, end: int, _last: str) -> bool:
-        """A cup of milk to be poured, but not any other cup."""
-        return self._last_goal(text, end - len(phrase)) in ("pour", "fill")
 
     def _last_goal(self, text: str, end: int) -> str | None:
         """Goal of the last verb before a place in the text."""

@@ -16,7 +16,7 @@ from grammar.words.numerals import DIGITS
 from grammar.words.phrase_places import WORD, Phrases, stands_at
 
 _QUOTED = re.compile(r'"[^"]*[^" ][^"]*"(?= |$)')
-_DETERMINERS = frozenset({"THE", "A", "THAT", "VERB", "QUANTIFIER"})
+_DETERMINERS = frozenset({"THE", "A", "THAT", "VERB", "QUANTIFIER", "WHICH"})
 _UNITS = ("LENGTH_UNIT", "ANGLE_UNIT", "FORCE_UNIT", "SPEED_UNIT", "TIME_UNIT", "VOLUME_UNIT",
           "CUPS", "PERCENT", "SIDE_OF_OBJECT")  # fmt: skip
 
@@ -110,8 +110,10 @@ class PhraseLexer:
                     if kind == "VERB" and name.words and may_name:
                         return "WORD", end
                     return kind, after
-            # "Go" of "go home" is no filler, but a verb that is not understood.
+            # "Go" of "go home" is no filler, but an unknown verb; the "first" of "what did you move
+            # first" does not go on to something else.
             unknown = phrase in self._later_verbs and kinds[0] == "FILLER"
+            unknown = unknown or name.last == "WHAT_DID"
             fallback = fallback or ("UNKNOWN" if unknown else kinds[0], after)
         digits = DIGITS.match(text, start) if accepts("NUMBER") else None
         if digits and self._ends_number(text, digits.end()):
@@ -143,6 +145,8 @@ class PhraseLexer:
         if name.determined == "A":
             units = [unit for unit in _UNITS if accepts(unit)]
             return not any(self._stands_as(unit, text, end - len(word), name) for unit in units)
+        if name.determined == "VERB" and self._begins_a_way(text, end - len(word), name):
+            return False  # "topple right up to me"
         if name.adjectival and word in self._adjectives:
             follower = WORD.match(text, end + 1)
             return follower is not None and follower.group() not in self._ends_names
@@ -160,6 +164,15 @@ class PhraseLexer:
         """Check for a phrase of a unit, or of a share, that stands here."""
         return any(
             unit in kinds and self._ahead.can_be(unit, phrase, text, start + len(phrase), name.last)
+            for phrase, kinds in self._phrases.phrases_at(text, start)
+        )
+
+    def _begins_a_way(self, text: str, start: int, name: _Name) -> bool:
+        """Check for a direction of several words that stands here."""
+        return any(
+            " " in phrase
+            and "DIRECTION" in kinds
+            and self._ahead.can_be("DIRECTION", phrase, text, start + len(phrase), name.last)
             for phrase, kinds in self._phrases.phrases_at(text, start)
         )
 

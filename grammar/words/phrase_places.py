@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 
 from grammar.words.lexicon import NAME_TERMINALS, Lexicon
 
 WORD = re.compile(r"[^ ]+")
 """A word of the plain form."""
+
+_CLAUSE_END = re.compile(" , | [.;] |$")
 
 BEFORE_NUMBERS = frozenset({"BY", "BOUND", "RANGE", "FROM", "IS_AT"})
 """Terminals that stand before quantities only."""
@@ -22,6 +25,7 @@ _TRIED_FIRST = {
     "TO_DO",
     "OR",
     "EXCEPT",
+    "RIGHTS",
     "UPON",
     "USING",
 }
@@ -72,3 +76,13 @@ class Phrases:
     def has_terminal_at(self, kind: str, text: str, start: int) -> bool:
         """Check for a phrase of a terminal that stands here."""
         return any(kind in kinds for _, kinds in self.phrases_at(text, start))
+
+    def has_any_at(self, wanted: Iterable[str], text: str, start: int) -> bool:
+        """Check for a phrase of one of some terminals that stands here."""
+        return any(self.has_terminal_at(kind, text, start) for kind in wanted)
+
+    def has_any_in_clause(self, wanted: Iterable[str], text: str, start: int) -> bool:
+        """Check for a phrase of one of some terminals from here to the end of a clause."""
+        rest = _CLAUSE_END.search(text, start)
+        words = WORD.finditer(text, start, rest.start() if rest else len(text))
+        return any(self.has_any_at(wanted, text, word.start()) for word in words)

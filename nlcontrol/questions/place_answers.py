@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from grammar.frames import command as g
 from nlcontrol.questions.answer import Answer
 from nlcontrol.questions.asked_push import target_of
+from nlcontrol.questions.property_values import standing_text
 from nlcontrol.references.disambiguation_text import relation_text
 from nlcontrol.references.object_attributes import gap_between, stands_in_relation
 from nlcontrol.text_format import enumeration, quantity
@@ -30,11 +31,16 @@ def distance_answer(frame: g.Frame, state: WorldState) -> Answer:
 
 
 def state_answer(frame: g.Frame, state: WorldState) -> Answer:
-    """Whether an object stands upright, or in a relation to others."""
+    """Whether an object stands upright, on the table itself, or in a relation to others."""
     target, goal = target_of(frame, state), frame.goal
     if isinstance(goal, g.Place):
         assert isinstance(goal.reference, tuple)
         return _relation_answer(target, goal.relation, _seen(goal.reference, state))
+    if isinstance(goal, g.SetDown):
+        text = (
+            f"{_said(target.on is None)}, the {target.name} stands {standing_text(target, state)}."
+        )
+        return Answer(query="value", text=text, yes=target.on is None)
     yes = target.lies_on == "bottom"
     how = "stands upright" if yes else f"lies on {target.side_below}"
     return Answer(query="value", text=f"{_said(yes)}, the {target.name} {how}.", yes=yes)

@@ -106,7 +106,7 @@ def answer(
 def _value(frame: g.Frame, state: WorldState, position_sd: float) -> Answer:
     """What an object is like, how it stands, or how far from another one."""
     match frame.goal:
-        case g.Place() | g.Upright():
+        case g.Place() | g.Upright() | g.SetDown():
             return state_answer(frame, state)
         case g.Parameters(than=(_, *_)):
             return distance_answer(frame, state)

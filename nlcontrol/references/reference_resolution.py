@@ -32,6 +32,7 @@ from grammar.frames.command import (
     Place,
     Query,
     RelativeLength,
+    SetDown,
     Topple,
 )
 from nlcontrol.references.arrangements import arranged_frames, frames_to_clear
@@ -233,7 +234,7 @@ def _answered_alone(frame: Frame) -> bool:
     It cannot if it asks where the object is, or speaks of others, which would have to stand by.
     """
     goal = frame.goal
-    if isinstance(goal, Parameters) and "position" in goal.which:
+    if isinstance(goal, SetDown) or (isinstance(goal, Parameters) and "position" in goal.which):
         return False
     parts = [goal, *frame.constraints, *([frame.object] if frame.object else [])]
     return frame.query in _ALONE and not any(_references_in(part) for part in parts)

@@ -53,6 +53,22 @@ from grammar import ParseError, parse
         ("lift it until it is aligned with the jar", "lift it until it is in line with the jar"),
         ("lift it with one hand um at most 2 cm/s", "lift it with one hand at most 0.02 m/s"),
         ("the tin should go behind the jar", "move the tin behind the jar"),
+        ("push the tin below the jar", "push the tin in front of the jar"),
+        ("is the tin on the table?", "is the tin on the table?"),
+        ("is the tin on the book?", "is the tin on the book?"),
+        ("which red box is the heaviest?", "which red box is the heaviest?"),
+        ("which is the heaviest box?", "which box is the heaviest?"),
+        ("right it", "stand it upright"),
+        ("could you right the tin?", "stand the tin upright"),
+        ("push it to the right, then right it", "push it to the right, then stand it upright"),
+        ("right, push the tin", "push the tin"),
+        ("will the tin be moved to the middle?", "is it possible to move the tin to the middle?"),
+        ("will the tin be moved if you push it?", "will the tin move if you push it?"),
+        ("push it directly toward the left jar", "push it toward the left jar"),
+        ("what would be standing in the jar?", "what is in the jar?"),
+        ("which can you topple right close to me?", "which can you topple toward the robot?"),
+        ("lift the tin that is at the front side of the jar",
+         "lift the tin that is in front of the jar"),
     ],
 )  # fmt: skip
 def test_words_near_two_meanings_are_read_as_meant(text: str, meant: str) -> None:
@@ -74,6 +90,10 @@ def test_words_near_two_meanings_are_read_as_meant(text: str, meant: str) -> Non
         ("push the tin to the left, no", "no", "unexpected_words"),
         ("move the tin to the edge in front", "in front", "unexpected_words"),
         ("move the tin near the left", "near the left", "does_not_apply"),
+        ("put the tin under the jar", "under the jar", "does_not_apply"),
+        ("lift the tin right underneath the jar", "right underneath the jar", "does_not_apply"),
+        ("what did you move first?", "first", "unexpected_words"),
+        ("right it should be pushed", "pushed", "several_commands"),
     ],
 )
 def test_words_of_no_clear_meaning_are_refused_where_they_stand(

@@ -69,6 +69,11 @@ def test_in_a_bin_is_not_on_it_and_on_a_box_is_not_in_it() -> None:
     assert not told("in", "behind").yes
 
 
+def test_what_stands_on_another_thing_is_not_on_the_table() -> None:
+    assert state_answer(_asked(g.SetDown()), _state()).yes
+    assert not state_answer(_asked(g.SetDown()), _state(on="behind")).yes
+
+
 def test_what_lies_on_its_side_is_not_upright() -> None:
     state = _state()
     assert state_answer(_asked(g.Upright()), state).yes
