@@ -335,7 +335,8 @@ class FaceMap(Document):
         band: forces that lie closer together, as a share, leave the outcome undecided.
         level: probability that an outcome must have, instead of the band; null without.
         friction: which coefficient at the table decided.
-        probabilities: which tier they are of, `exact tier` or `closed form`.
+        probabilities: which tier they are of, `exact tier` or `closed form`, and whether they are
+            interpolated.
         contacts: all over the face.
     """
 

@@ -8,7 +8,8 @@ neither class reaches it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, Protocol, Self
 
@@ -37,8 +38,12 @@ MOST_EXACT = 5_000
 """Maps of more contacts take the exact tier only where the closed form may have the wrong class."""
 
 
-MOST_DRAWN = 8_000
-"""Contacts times support points up to which maps have the exact tier's probabilities: a second."""
+MOST_DRAWN = 16_000
+"""Contacts times support points whose probabilities the exact tier computes for a map: a second or
+two. Those of more contacts are interpolated between so many."""
+
+_PLACES = 9  # decimals to which contacts stand in one row [m]
+_SUREST = 1e-9  # from which on probabilities are not told apart
 
 
 class MappedObject(PushedBody, Protocol):
@@ -94,13 +99,26 @@ class OutcomeMap:
     def likelihood(self) -> Likelihood:
         """Probabilities of the outcomes at the onset, computed when first asked for.
 
-        They are the exact tier's where that is quick enough; its `method` says so. What does not
-        turn needs none.
+        They are the exact tier's. Where there are more contacts than are quick, on even pressure,
+        they are so in some rows and columns, and interpolated between them; `method` says so. Of
+        what does not turn the closed form is exact.
         """
+        if not np.isfinite(self.model.friction_radius):
+            return self.model.likelihood(self.points, self.directions, exact=False)
         points, _ = support_points(self.model.support, self.model.footprint)
-        quick = len(points) * len(self.points) <= MOST_DRAWN
-        exact = quick and bool(np.isfinite(self.model.friction_radius))
-        return self.model.likelihood(self.points, self.directions, exact=exact)
+        i = _some_contacts(self.lateral, self.height, MOST_DRAWN / len(points))
+        known = self.model.likelihood(self.points[i], self.directions[i], exact=True)
+        if len(i) == len(self.points):
+            return known
+        none, slide, topple = (
+            _between_contacts(self.lateral, self.height, i, each)
+            for each in (known.none, known.slide, known.topple)
+        )
+        total = none + slide + topple
+        method = f"{known.method}, interpolated between {len(i)} contacts"
+        return replace(
+            known, none=none / total, slide=slide / total, topple=topple / total, method=method
+        )
 
     @cached_property
     def outcome(self) -> NDArray[np.str_]:
@@ -182,6 +200,41 @@ def outcome_map(
         friction=t.friction,
         model=model,
     )
+
+
+def _some_contacts(lateral: Array, height: Array, most: float) -> NDArray[np.intp]:
+    """Indices of about so many contacts, in rows and columns, middle and borders among them."""
+    share = math.sqrt(min(1.0, most / max(len(lateral), 1)))
+    chosen = np.ones(len(lateral), dtype=bool)
+    for along in (lateral.round(_PLACES), height.round(_PLACES)):
+        lines = np.unique(along)
+        odd = 2 * round(0.5 * (share * len(lines) - 1.0)) + 1
+        at = np.linspace(0.0, len(lines) - 1.0, min(max(odd, 3), len(lines))).round()
+        chosen &= np.isin(along, lines[at.astype(np.intp)])
+    return np.flatnonzero(chosen)
+
+
+def _between_contacts(
+    lateral: Array, height: Array, known: NDArray[np.intp], probability: Array
+) -> Array:
+    """Probabilities at all contacts, shape (n,), by those of some that stand in rows.
+
+    Their log odds are linear along a row, and between two rows.
+    """
+    sure = np.clip(probability, _SUREST, 1.0 - _SUREST)
+    odds = np.log(sure / (1.0 - sure))
+    levels = height[known].round(_PLACES)
+    rows = np.unique(levels)
+    in_rows = np.array(
+        [np.interp(lateral, lateral[known[levels == row]], odds[levels == row]) for row in rows]
+    )
+    if len(rows) == 1:
+        return np.asarray(1.0 / (1.0 + np.exp(-in_rows[0])))
+    above = np.clip(np.searchsorted(rows, height), 1, len(rows) - 1)
+    share = np.clip((height - rows[above - 1]) / (rows[above] - rows[above - 1]), 0.0, 1.0)
+    at = np.arange(len(height))
+    found = (1.0 - share) * in_rows[above - 1, at] + share * in_rows[above, at]
+    return np.asarray(1.0 / (1.0 + np.exp(-found)))
 
 
 def _require_sense(face: Face, spacing: float, band: float, level: float | None) -> None:

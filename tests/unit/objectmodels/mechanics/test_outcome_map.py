@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import objectmodels.mechanics.outcome_map as outcome_map_module
 from objectmodels import ModelError, Registry
 from objectmodels.mechanics.outcome_map import OutcomeMap, outcome_map
 
@@ -52,12 +53,27 @@ def test_a_level_asks_for_probability_instead() -> None:
 
 
 def test_a_map_tells_by_what_its_probabilities_are() -> None:
-    """Few contacts have the exact tier's; many, on even pressure, the closed form's."""
-    for spacing, method in ((0.06, "exact tier"), (0.02, "closed form")):
-        m = chart(level=0.9, spacing=spacing)
-        assert m.likelihood.method == method
-        assert f"probabilities: {method}" in m._repr_html_()
+    """Few contacts have the exact tier's each; many, on even pressure, are in between."""
+    few, many = chart(level=0.9, spacing=0.06), chart(level=0.9, spacing=0.01)
+    assert few.likelihood.method == "exact tier"
+    assert many.likelihood.method.startswith("exact tier, interpolated between ")
+    for m in (few, many):
+        assert f"probabilities: {m.likelihood.method}" in m._repr_html_()
     assert "probabilities" not in chart(spacing=0.02)._repr_html_()  # by the band alone
+
+
+def test_what_is_interpolated_is_near_the_exact_tier(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(outcome_map_module, "MOST_DRAWN", 4_000)
+    m = chart(spacing=0.015)
+    assert "interpolated" in m.likelihood.method
+    exact = m.model.likelihood(m.points, m.directions, exact=True)
+    for name in ("none", "slide", "topple"):
+        off = np.abs(getattr(m.likelihood, name) - getattr(exact, name))
+        # A probability rises from 0 to 1 between two rows at worst; the closed form is off by 0.4.
+        assert off.max() < 0.2
+        assert off.mean() < 0.02
+    total = m.likelihood.none + m.likelihood.slide + m.likelihood.topple
+    np.testing.assert_allclose(total, 1.0, rtol=1e-12)  # rounding alone
 
 
 def test_safe_regions_shrink_as_more_is_asked() -> None:
