@@ -212,7 +212,7 @@ class Lift(BaseGoal):
 
 
 class SetDown(BaseGoal):
-    """Put what is held down where it is."""
+    """Put what is held down where it is; in a question, stand on the table itself."""
 
     words: ClassVar[GoalWords] = GoalWords(verbs={"place": "set"}, particle="down")
     kind: Literal["set_down"] = "set_down"

@@ -355,7 +355,7 @@ class Lookahead:
     def _put_there(self, phrase: str, text: str, end: int, _last: str) -> bool:
         """Put it on the table; is it on the table? But not the box on the table, nor its mat."""
         put = self._last_goal(text, end - len(phrase)) in ("place", "set_down")
-        put = put or (self._any("IS_IT", text, 0) and text[end + 1 :] in ("", "."))
+        put = put or self._any("IS_IT", text, 0)
         return put and self._ends_name(text, end)
 
     def _makes_it_happen(self, phrase: str, text: str, end: int, _last: str) -> bool:

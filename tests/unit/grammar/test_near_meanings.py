@@ -55,6 +55,7 @@ from grammar import ParseError, parse
         ("the tin should go behind the jar", "move the tin behind the jar"),
         ("push the tin below the jar", "push the tin in front of the jar"),
         ("is the tin on the table?", "is the tin on the table?"),
+        ("is the red tin on the table now?", "is the red tin on the table?"),
         ("is the tin on the book?", "is the tin on the book?"),
         ("which red box is the heaviest?", "which red box is the heaviest?"),
         ("which is the heaviest box?", "which box is the heaviest?"),
