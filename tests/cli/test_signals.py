@@ -53,7 +53,7 @@ def test_the_second_signal_ends_it_at_once(tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
 def test_no_worker_outlives_its_parent(number: signal.Signals, tmp_path: Path) -> None:
-    ending = interrupted([*MAP, "--json"], [number], 2.5, folder=tmp_path)
+    ending = interrupted([*MAP, "--json"], [number], 0.1, folder=tmp_path, after=" of ")
     assert ending.exit_code in (EXIT_CODES[signal.SIGINT], -signal.SIGKILL)
     assert (ending.orphans, list(tmp_path.iterdir())) == ((), [])
 
