@@ -23,8 +23,10 @@ from planner.geometry.footprints import footprint, travel_to_edge
 from planner.types.defaults import Defaults
 from planner.types.world_state import SeenObject, TableState
 
-EDGE_NAMES = {"away": "back", "toward": "front", "left": "left", "right": "right"}
-"""Names of the table's edges, by the direction in which they lie."""
+
+def edge_name(side: str) -> str:
+    """Name of the table's edge that lies in a direction of `HEADINGS`."""
+    return {"toward": "front", "away": "back"}.get(side, side)
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +46,7 @@ class Overhang:
     @property
     def edge(self) -> str:
         """Name of the edge."""
-        return EDGE_NAMES[self.side]
+        return edge_name(self.side)
 
 
 def overhangs(seen: SeenObject, table: TableState) -> Iterator[Overhang]:
@@ -72,13 +74,12 @@ def most_overhang(
 
 def table_with_room(table: TableState, over: Sequence[Overhang], room: float) -> TableState:
     """The table with so much more room beyond edges as what hangs over them takes [m]."""
-    fields = {"away": "x_max", "toward": "x_min", "left": "y_max", "right": "y_min"}
-    sign = {"away": 1.0, "toward": -1.0, "left": 1.0, "right": -1.0}
-    return replace(
-        table,
-        **{
-            fields[one.side]: getattr(table, fields[one.side])
-            + sign[one.side] * (one.length + room)
-            for one in over
-        },
-    )
+    borders = {
+        "away": ("x_max", 1.0), "toward": ("x_min", -1.0),
+        "left": ("y_max", 1.0), "right": ("y_min", -1.0),
+    }  # fmt: skip
+    moved = {}
+    for one in over:
+        border, sign = borders[one.side]
+        moved[border] = getattr(table, border) + sign * (one.length + room)
+    return replace(table, **moved)

@@ -21,6 +21,7 @@ from objectmodels.geometry.base_shapes import Array
 from planner.geometry.directions import HEADINGS, heading_of, unit
 from planner.geometry.footprints import footprint, gap
 from planner.problem.cleared_places import Aside, Beyond, InHalf
+from planner.problem.overhangs import edge_name
 from planner.problem.place_measures import Measure, Region
 from planner.problem.places_in_boxes import InBox
 from planner.problem.places_on_objects import OffObject, OnTop
@@ -325,7 +326,7 @@ class AtEdge(Region):
         found = [
             tuple(
                 Measure(
-                    f"{what} the table's {_edge_name(side)} edge",
+                    f"{what} the table's {edge_name(side)} edge",
                     "about", sign * self.gap, sign * self._room(own, side), self.tolerance,
                 )
                 for side in sides
@@ -365,10 +366,6 @@ def _origin_of(seen: SeenObject) -> Array:
 
 def _across_direction(u: Array) -> Array:
     return np.array([-u[1], u[0]])
-
-
-def _edge_name(side: str) -> str:
-    return {"toward": "front", "away": "back"}.get(side, side)
 
 
 def _nearest_first(here: Array, spots: Iterable[Array]) -> list[Array]:

@@ -60,7 +60,8 @@ _KEPT = 1.0  # time for which the hand's poses are kept; frames are not later [s
 def seen_share(vision: Vision, lever: float) -> float:
     """Weight of a new camera frame in where something is seen in the hand.
 
-    An even filter with share s leaves s / (2 − s) of the variance.
+    As small as leaves `_SEEN_TO` of the noise, by the law of
+    `sim.control.camera_noise.noise_left`.
 
     Args:
         vision: data sheet of the camera.

@@ -18,6 +18,7 @@ import numpy as np
 from objectmodels.containers.lid_geometry import lid_name
 from planner.types.world_state import SeenObject
 from sim.cell.cell_description import Vision
+from sim.control.camera_noise import noise_left
 from sim.control.grasping.held_object_sensing import HandSense
 from sim.control.trace_recorder import EarlyEndError, TraceRecorder
 from sim.motion.grasp_motion_search import GraspMotion
@@ -30,7 +31,7 @@ LEANS, MOVES, TURNS = float(np.radians(3.0)), 0.008, float(np.radians(6.0))
 
 _TURNING = 0.15  # time constant of the felt torque [s]
 _LID_SHARE, _POSE_SHARE = 0.3, 0.2  # weights of a new frame
-_LEFT = float(np.sqrt(_POSE_SHARE / (2.0 - _POSE_SHARE)))  # of a frame's noise, once filtered
+_LEFT = noise_left(_POSE_SHARE)  # of a frame's noise, once filtered
 _SIGMAS = 5.0  # of that, which noise in two directions exceeds in one of 270,000 frames
 
 

@@ -22,6 +22,7 @@ from planner.types.actions import Push
 from planner.types.motion_guide import StopCondition
 from planner.types.world_state import SeenObject, WorldState
 from sim.cell.cell_description import Vision
+from sim.control.camera_noise import noise_left
 from sim.control.pushing.push_guards import MOVED
 from sim.rotations import Array, rot_z, wrap, yaw_of
 from sim.traces.trace import EndReason
@@ -31,7 +32,7 @@ End = tuple[EndReason, str]
 
 _SHARE = 0.12  # weight of a new frame in the filtered place: 0.25 of a frame's noise is left
 _FASTER = 0.25  # the same for angles, which change faster: 0.4 is left
-_LEFT, _LEFT_FASTER = (float(np.sqrt(s / (2.0 - s))) for s in (_SHARE, _FASTER))
+_LEFT, _LEFT_FASTER = noise_left(_SHARE), noise_left(_FASTER)
 _SIGMAS = 2.0  # standard deviations of the estimate that are kept from a limit
 _OF_SMALL = 0.3  # but at most this share of a limit that is an angle
 _STOPPING = 0.001  # way until the object stands [m]

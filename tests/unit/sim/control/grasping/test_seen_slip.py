@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from sim.cell.cell_description import Vision
+from sim.control.camera_noise import noise_left
 from sim.control.grasping.held_object_sensing import DROPPED, SLIP, most_slip, seen_share
 from sim.rotations import rot_y
 
@@ -17,7 +18,7 @@ def false_slips(vision: Vision, share: float, most: float, draws: int = 200) -> 
     noise = np.hypot(vision.position_noise_m, np.radians(vision.angle_noise_deg) * LEVER)
     for _ in range(draws):
         bias = rng.normal(0.0, vision.position_bias_m, 3)
-        first = bias + rng.normal(0.0, noise * np.sqrt(share / (2.0 - share)), 3)
+        first = bias + rng.normal(0.0, noise * noise_left(share), 3)
         now, largest = first, 0.0
         for angle in np.radians(np.linspace(0.0, 105.0, FRAMES)):
             seen = rot_y(float(angle)).T @ bias + rng.normal(0.0, noise, 3)
