@@ -4,7 +4,7 @@
     python -m benchmarks.goals --cases 200 --record goals.jsonl --confirm 30
     python -m benchmarks.goals --cases 20 --kinds rotate,tilt --no-run
     python -m benchmarks.goals --alone --cases 10 --record alone.jsonl
-    python -m benchmarks.goals --hard --cases 40 --plan-only --record hard.jsonl --confirm 10
+    python -m benchmarks.goals --hard --cases 40 --execute-every 2 --record hard.jsonl --confirm 10
 
 A case depends on its seed and number alone: the options choose among them. With `--record` results
 are kept as they come, and a broken run goes on where it was.
@@ -17,9 +17,10 @@ import itertools
 import sys
 from collections.abc import Iterator
 from concurrent.futures import Executor
-from functools import partial
 from pathlib import Path
 from typing import get_args
+
+import numpy as np
 
 from benchmarks.goals.cases import Done, run
 from benchmarks.goals.confirm import confirmed
@@ -44,11 +45,19 @@ def chosen(options: argparse.Namespace) -> list[Job]:
 
 def _fitting(seed: int, end: int, options: argparse.Namespace) -> Iterator[Job]:
     for number in range(options.first, end):
-        job = Job(seed, number, options.bias, options.oblique, options.alone, options.hard)
+        executed = not options.plan_only and _is_drawn(seed, number, options.execute_every)
+        job = Job(
+            seed, number, options.bias, options.oblique, options.alone, options.hard, executed
+        )
         if kind_of(job) in options.kinds and (
             options.objects is None or target_of(job) in options.objects
         ):
             yield job
+
+
+def _is_drawn(seed: int, number: int, every: int) -> bool:
+    """Whether a case is among those, one of so many, that are carried out."""
+    return bool(np.random.default_rng((seed, number, 1)).random() * every < 1.0)
 
 
 def _listed(text: str) -> list[str]:
@@ -77,6 +86,9 @@ def _options() -> argparse.Namespace:
     )
     parser.add_argument("--hard", action="store_true", help="narrow, fallen, many, wide worlds")
     parser.add_argument("--plan-only", action="store_true", help="carry nothing out")
+    parser.add_argument(
+        "--execute-every", type=int, default=1, metavar="N", help="carry one of N out, by seed"
+    )
     parser.add_argument(
         "--cases", type=int, default=len(KINDS), help="of each seed; alone, of each object and kind"
     )
@@ -110,7 +122,7 @@ def main(executor: Executor | None = None) -> int:
         return 0
     record, workers = options.record, options.workers
     done = carried_out(
-        partial(run, plan_only=options.plan_only),
+        run,
         jobs,
         Done,
         executor=executor,
@@ -128,7 +140,6 @@ def main(executor: Executor | None = None) -> int:
             workers=workers,
             record=record,
             tries=options.tries,
-            plan_only=options.plan_only,
         )
         print("\n" + found)
     return 0

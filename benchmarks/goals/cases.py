@@ -195,7 +195,7 @@ class Watched(Controller):
         return checks
 
 
-def run(job: Job, *, plan_only: bool = False) -> Done:
+def run(job: Job) -> Done:
     """Carries out a case, or only plans it; what it stumbles over is a result too."""
     scene, sentence = said(job)
     done = Done(
@@ -209,7 +209,7 @@ def run(job: Job, *, plan_only: bool = False) -> Done:
     )
     controller = Watched(scene, registry=beliefs_of(job), seed=job.seed)
     try:
-        result = controller.say(sentence.text, plan_only=plan_only)
+        result = controller.say(sentence.text, plan_only=not job.executed)
         turns = scene.object(sentence.target).truth.radius_m is None
         stages = tuple(
             stage_of(step, watch, turns, controller.models)

@@ -79,13 +79,11 @@ class Doubt(NamedTuple):
         case: which case was refused.
         reason: its class.
         tries: roll-outs in each round of the search.
-        plan_only: whether nothing was carried out before.
     """
 
     case: Job
     reason: str
     tries: int
-    plan_only: bool = False
 
 
 class Confirmation(Kept[Doubt]):
@@ -112,7 +110,6 @@ def confirmed(
     workers: int | None,
     record: Path | None,
     tries: int,
-    plan_only: bool = False,
 ) -> str:
     """Looks into refusals, spread over the classes, and tells about them.
 
@@ -123,9 +120,8 @@ def confirmed(
         workers: how many.
         record: of the results; what is found is kept beside it.
         tries: roll-outs in each round of a search.
-        plan_only: whether the sentences were only planned.
     """
-    doubts = [Doubt(done.job, why, tries, plan_only) for done, why in _sample(results, most)]
+    doubts = [Doubt(done.job, why, tries) for done, why in _sample(results, most)]
     beside = record and record.with_name(f"{record.stem}.confirmed{record.suffix}")
     found = carried_out(
         confirm,
@@ -184,7 +180,7 @@ def confirm(doubt: Doubt) -> Confirmation:
     """Looks into one refusal."""
     scene, sentence = said(doubt.case)
     robot = Watched(scene, registry=beliefs_of(doubt.case), seed=doubt.case.seed)
-    result = robot.say(sentence.text, plan_only=doubt.plan_only)
+    result = robot.say(sentence.text, plan_only=not doubt.case.executed)
     made = partial(
         Confirmation,
         job=doubt,

@@ -57,6 +57,9 @@ TRIES = 30
 EXACT: tuple[Kind, ...] = ("displace", "rotate", "place", "topple", "tilt")
 """Goals of an object that stands alone."""
 
+COMPOUND: tuple[Kind, ...] = ("steps", "carry")
+"""What takes several actions."""
+
 _PLAIN = 0.35  # share of goals without any constraint
 _SECOND = 0.3  # share of the others with a second one
 _UPRIGHT = 0.4  # share of constraints that are "without toppling it"

@@ -32,6 +32,8 @@ _WAYS = {"away": (1.0, 0.0), "toward": (-1.0, 0.0), "left": (0.0, 1.0), "right":
 _BESIDE = {"left_of": (0.0, 1.0), "right_of": (0.0, -1.0), "behind": (1.0, 0.0),
            "in_front_of": (-1.0, 0.0)}  # fmt: skip
 _STANDS = math.radians(45.0)  # what tilts less has not toppled [rad]
+_HANGS = 0.003  # what is higher than this above the table may hang in the hand [m]
+_ASKEW = math.radians(30.0)  # by which it may hang there [rad]
 _SPACING = 20  # samples between those at which distances are looked at
 
 
@@ -69,9 +71,20 @@ class _Truth:
         self.trace, self.name, self._models = trace, name, models
         self.rotations = np.array([_rotation(q) for q in trace.poses[name][:, :4]])
         # In W, what of the object looked up at the start; it may lie on any of its faces.
-        self.upwards = self.rotations @ self.rotations[0, 2]
+        self.upwards = self.rotations @ self._up_at_start()
         self.tilts = np.arccos(np.clip(self.upwards[:, 2], -1.0, 1.0))
         self.moved = self.middle(name, -1) - self.middle(name, 0)
+
+    def _up_at_start(self) -> Array:
+        """What of the object looks up as it rests, shape (3,) in B.
+
+        What hangs in the hand as its step begins may hang askew; that counts as a tilt.
+        """
+        up = np.asarray(self.rotations[0, 2])
+        upright = np.zeros(3)
+        upright[np.argmax(abs(up))] = np.sign(up[np.argmax(abs(up))])
+        hangs = self.corners(self.name, 0)[:, 2].min() > _HANGS
+        return upright if hangs and up @ upright > math.cos(_ASKEW) else up
 
     def corners(self, name: str, sample: int) -> Array:
         """Corners of an upright prism around an object in W, shape (k, 3) [m]."""

@@ -41,6 +41,7 @@ class Job(NamedTuple):
         oblique: largest angle between a face and the robot's directions [degrees]; 45 for any.
         alone: whether one object stands there, and something exact is asked of it.
         hard: whether its world is one of `hard_worlds`.
+        executed: whether it is carried out; else it is planned only.
     """
 
     seed: int
@@ -49,6 +50,7 @@ class Job(NamedTuple):
     oblique: float = 45.0
     alone: bool = False
     hard: bool = False
+    executed: bool = True
 
 
 @cache

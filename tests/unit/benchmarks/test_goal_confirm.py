@@ -50,13 +50,13 @@ def test_what_works_for_some_of_what_is_believed_is_told_from_what_works_for_all
 def test_what_a_whole_hand_is_refused_is_planned_again_with_more_work(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    case, kitchen = Job(7, 0, False, 45.0, False), load_scene("kitchen")
+    case, kitchen = Job(7, 0, executed=False), load_scene("kitchen")
     found = {}
     for text in ("lift the mug 10 cm", "lift the mug 150 cm"):
         sentence = SimpleNamespace(text=text, target="mug")
         monkeypatch.setattr(confirm_module, "said", lambda _, it=sentence: (kitchen, it))
         monkeypatch.setattr(confirm_module, "beliefs_of", lambda _: Registry.built_in())
-        found[text] = confirm(Doubt(case, "out_of_reach", 1, plan_only=True)).verdict
+        found[text] = confirm(Doubt(case, "out_of_reach", 1)).verdict
     assert list(found.values()) == ["unconfirmed", "confirmed"]
 
 

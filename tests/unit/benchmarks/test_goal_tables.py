@@ -6,6 +6,7 @@ import math
 
 import pytest
 
+from benchmarks.goals.__main__ import _options, chosen
 from benchmarks.goals.cases import Done, Stage
 from benchmarks.goals.sentences import Kind
 from benchmarks.goals.tables import (
@@ -154,6 +155,23 @@ def test_times_and_failures() -> None:
         ["case", "5"],
     ]
     assert counts(RESULTS) in report(RESULTS)
+
+
+def test_what_was_planned_only_is_accepted_and_counts_as_neither_satisfied_nor_failed() -> None:
+    done = case(0, stage())
+    only = done.model_copy(update={"job": Job(0, 1, executed=False), "status": "planned"})
+    assert counts([done, only]).splitlines()[-1].split()[3:] == (
+        ["2", "of", "2", "100.0%", "1", "of", "1", "100.0%"]
+    )
+
+
+def test_cases_to_be_carried_out_are_drawn_by_seed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(
+        "sys.argv", ["goals", "--hard", "--seed", "3", "--cases", "400", "--execute-every", "2"]
+    )
+    jobs = chosen(_options())
+    assert 160 < sum(job.executed for job in jobs) < 240  # 200 ± 4 standard deviations of 10
+    assert jobs == chosen(_options())
 
 
 def test_nothing_at_all_is_no_failure() -> None:

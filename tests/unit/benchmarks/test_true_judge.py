@@ -74,5 +74,18 @@ def test_what_is_stirred_or_touched_breaks_a_clause() -> None:
     assert judged(alone, touched, models).broken == ("no_touch",)
 
 
+@pytest.mark.parametrize(("height", "broken"), [(0.1, ("max_tilt",)), (0.0, ())])
+def test_what_hangs_askew_counts_as_tilted_and_what_lies_does_not(
+    height: float, broken: tuple[str, ...]
+) -> None:
+    seen = trace(x=0.1)
+    poses = seen.poses[BOX].copy()
+    poses[:, :4] = (np.cos(8.5 * DEG), np.sin(8.5 * DEG), 0.0, 0.0)
+    poses[:, 6] = height + 0.01
+    askew = replace(seen, poses={BOX: poses})
+    asked = frame("push {} 10 cm away without tilting it more than 10 degrees")
+    assert judged(asked, askew, MODELS).broken == broken
+
+
 def test_what_poses_do_not_tell_is_left_open() -> None:
     assert judged(frame("push {} halfway to the left edge"), trace(x=0.1), MODELS).met is None
