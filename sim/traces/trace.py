@@ -215,10 +215,13 @@ class Trace:
 
     @property
     def _still(self) -> tuple[slice, slice]:
-        """The first look, and the time after the hand was home at the end."""
+        """The first look, and the time after the hand was home at the end.
+
+        Without one the first sample, or the last.
+        """
         looked = int(np.argmax(self.phase != "look"))
         settling = int(np.flatnonzero(self.phase != "settle")[-1]) + 1
-        return slice(looked), slice(settling, None)
+        return slice(max(looked, 1)), slice(min(settling, len(self.phase) - 1), None)
 
     def tilt(self, name: str) -> Array:
         """Angle between the object's axis B_z and the vertical over time, shape (n,) [rad]."""

@@ -69,6 +69,14 @@ def test_the_way_is_from_the_first_look_to_the_last() -> None:
     assert both.seen_displacement("box") == pytest.approx((0.1, 0.0, 0.0))
 
 
+def test_without_a_look_or_a_rest_the_first_and_the_last_sample_tell_the_way() -> None:
+    whole = trace(0.5, 0.04, 2, 0.0)
+    cut = replace(whole, phase=np.full(N, "push"))
+    p = cut.seen["box"][:, 4:]
+    assert cut.seen_displacement("box") == pytest.approx((p[-1] - p[0])[0] * np.array([1, 0, 0]))
+    assert cut.seen_turn("box") == pytest.approx(0.0)
+
+
 def test_one_that_ended_before_the_hand_got_there_has_no_fingers() -> None:
     first = trace(0.5, 0.04, 2, 0.0)
     ended = replace(trace(0.54, 0.0, 1, 1.0), tips={}, felt={}, end="unreachable")
