@@ -52,6 +52,9 @@ PICTURES: dict[str, tuple[View, ...]] = {
     "replay_into.png": (
         View("put the soup can into the bin", 15.5, scene="examples/storage_bin.yaml"),
     ),
+    "replay_edge.png": (
+        View("push the book over the left edge by 5 cm", 18.5, scene="examples/flat_book.yaml"),
+    ),
     "replay_phone.png": (
         View("open the jar", 8.4, size=PHONE, scene="pantry"),
         View("topple the ice tea box", 10.3, "dark", PHONE),

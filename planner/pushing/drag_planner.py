@@ -84,7 +84,7 @@ def _overhang_note(problem: PushProblem, push: PushAction, over: Overhang) -> st
         numbers = {"overhang": over.length, "most": most}
         raise no_plan("hangs_too_far", numbers, object=target.name, edge=over.edge)
     return (
-        f"it will hang {1e3 * over.length:.0f} mm over the table's {over.edge} edge, where it "
+        f"It will hang {1e3 * over.length:.0f} mm over the table's {over.edge} edge, where it "
         f"could hang {math.floor(1e3 * most):.0f} mm"
     )
 
