@@ -1,11 +1,11 @@
 """How many turns of whole dialogues are understood as they are meant.
 
     python -m benchmarks.dialogues developing
-    python -m benchmarks.dialogues judging --simulate
+    python -m benchmarks.dialogues eighth_developing --simulate
 
 Dialogues stand in `tests/data/dialogues`, each turn with what is meant; their first lines say how.
-Without `--simulate` everything is planned and nothing moves. Of the dialogues that judge only
-counts are printed.
+Without `--simulate` everything is planned and nothing moves. Of dialogues that judge, those with
+`judging` in their name, only counts are printed.
 """
 
 from __future__ import annotations
