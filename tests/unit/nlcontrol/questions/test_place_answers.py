@@ -59,6 +59,11 @@ def test_a_relation_is_as_it_is_seen(relation: g.Relation, other: str, *, yes: b
     assert state_answer(_stands(relation, other), _state()).yes is yes
 
 
+def test_a_relation_tells_the_gap() -> None:
+    found = state_answer(_stands("in_front_of", "behind"), _state())
+    assert found.numbers == pytest.approx({"gap": 0.2 - SIDE})
+
+
 def test_in_a_bin_is_not_on_it_and_on_a_box_is_not_in_it() -> None:
     def told(relation: g.Relation, other: str) -> Answer:
         return state_answer(_stands(relation, other), _state(on=other))
