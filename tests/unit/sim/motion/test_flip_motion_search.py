@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from objectmodels import Registry
 from objectmodels.containers.lid_geometry import THICKNESS
@@ -18,7 +19,7 @@ from planner.types.robot import ReachAnswer
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.arms.lwr.lwr_kinematics import LIMITS
 from sim.cell.cell_description import Vision
-from sim.control.grasping.flip_control import MOVES
+from sim.control.grasping.flip_control import LEANS, MOVES
 from sim.control.grasping.lid_sensing import LidEstimator
 from sim.execution.plan_execution import execute
 from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
@@ -164,13 +165,21 @@ def test_the_view_follows_what_is_seen() -> None:
 def test_noise_is_not_taken_for_motion() -> None:
     vision, rng = Vision(position_noise_m=0.005, angle_noise_deg=2.0), np.random.default_rng(0)
     cup = _state(0.24, 0.2, 0.1).objects[CUP]
-    view, shown = LidEstimator(cup, 0.0, vision), []
-    for noise in rng.normal(0.0, vision.position_noise_m, (3000, 3)):
-        pose = SeenPose(cup.pose.R_WB, cup.pose.p_WB + noise)
+    view, shown, leans = LidEstimator(cup, 0.0, vision), [], []
+    off = rng.normal(0.0, vision.position_noise_m, (3000, 3))
+    turns = rng.normal(0.0, np.radians(vision.angle_noise_deg), (3000, 3))
+    for noise, turn in zip(off, turns, strict=True):
+        R = Rotation.from_rotvec(turn).as_matrix()
+        pose = SeenPose(R @ cup.pose.R_WB, cup.pose.p_WB + noise)
         view.update_from_camera([Frame(0.0, 0.0, {CUP: pose}, {CUP: 0.0})])
         shown.append(view.displacement)
+        leans.append(view.tilt)
+    # Single frames are farther off than what ends the work; filtered ones must not be.
     assert MOVES < max(shown) < view.unsure
-    assert LidEstimator(cup, 0.0, Vision()).unsure < MOVES
+    assert max(leans) < max(LEANS, view.unsure_angle)
+    quiet = LidEstimator(cup, 0.0, Vision())
+    assert quiet.unsure < MOVES
+    assert quiet.unsure_angle < LEANS
 
 
 # -- in the simulated world ----------------------------------------------------------------------
