@@ -19,7 +19,7 @@ import numpy as np
 
 from benchmarks.arrangements.arranged_labels import is_sensible
 from benchmarks.arrangements.arranged_sentences import say
-from benchmarks.arrangements.arranged_worlds import draw_things
+from benchmarks.arrangements.arranged_worlds import draw_things, table_of
 from benchmarks.arrangements.wishes import Kind, Placed, Wish, harm, is_met, is_told
 from benchmarks.goals.worlds import believed, standing
 from benchmarks.record import Kept
@@ -187,6 +187,7 @@ def draw_case(job: Job) -> Asked:
         objects = [item if item.name in (*wish.moved, *wish.told) else _maybe_fragile(item, rng)
                    for item in objects]  # fmt: skip
         scene = scene_of(str(job), objects, Vision())
+        scene = scene.model_copy(update={"table": table_of(job.kind)})
         if sensible := is_sensible(wish, standing(scene)):
             break
     return Asked(scene, text, wish, sensible)

@@ -33,6 +33,7 @@ HIGHEST = 0.30
 
 _HEADINGS = np.radians(np.arange(0.0, 360.0, 15.0))
 _HIGH = 0.85  # share of its height at which something is pushed to fall
+_OVER = 0.02  # from the middle of what hangs over an edge to that edge, at least [m]
 _STEP = 0.02  # between places that are looked at [m]
 
 
@@ -211,6 +212,19 @@ def _flat(wish: Wish, things: Standing) -> bool:
     return not own.fragile and _way_is_free(wish, own, _staying(things, own.name))
 
 
+def _over(wish: Wish, things: Standing) -> bool:
+    """Its way straight to the edge is free, and its middle stays over the table by `_OVER`."""
+    assert wish.way is not None, "an edge has a side"
+    own, u = things[wish.moved[0]], np.array(WAYS[wish.way])
+    beyond = float((footprint(own) @ u).max()) - wish.edge
+    way = max(wish.distance, _STEP) - beyond
+    com = (own.pose.R_WB @ np.array(own.model.com) + own.pose.p_WB)[:2]
+    rest = _staying(things, own.name)
+    there = (footprint(_at(own, _here(own) + step * u)) for step in np.arange(0.0, way, _STEP))
+    free = all(gap(covered, footprint(other)) >= ROOM for covered in there for other in rest)
+    return not own.fragile and free and float(com @ u) + way <= wish.edge - _OVER
+
+
 def _lay(wish: Wish, things: Standing) -> bool:
     """Pushed high up on some side it tips before it slides, and there is room where it falls."""
     own = things[wish.moved[0]]
@@ -314,5 +328,6 @@ _LABELS: dict[Kind, Callable[[Wish, Standing], bool]] = {
     "all": _all,
     "back": _blocked,
     "restore": _restored,
+    "edge": _over,
     "asked": lambda wish, things: True,
 }

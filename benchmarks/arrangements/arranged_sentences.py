@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from benchmarks.arrangements.arranged_worlds import apart
+from benchmarks.arrangements.arranged_worlds import SMALL_TABLE, apart
 from benchmarks.arrangements.wishes import MIDDLE, WAYS, Kind, Way, Wish
 from nlcontrol.batches.drawn_scenes import Generator
 from objectmodels import CylinderModel
@@ -117,6 +117,22 @@ def _flat_push(things: Sequence[SeenObject], rng: Generator) -> tuple[str, Wish]
     return _moving(own, distance, way), wish
 
 
+def _over_edge(things: Sequence[SeenObject], rng: Generator) -> tuple[str, Wish]:
+    """Over one of the table's edges, by a length or until it hangs over."""
+    own, extent = things[0].name, SMALL_TABLE.extent
+    edges: dict[Way, tuple[str, float]] = {
+        "left": ("left", extent.y_max), "right": ("right", -extent.y_min),
+        "away": ("far", extent.x_max), "toward": ("front", -extent.x_min),
+    }  # fmt: skip
+    way = list(edges)[int(rng.integers(len(edges)))]
+    verb, hangs = ("pull", "push", "slide")[int(rng.integers(3))], int(rng.integers(2, 6))
+    words = f"{verb} the {own} over the {edges[way][0]} edge"
+    if rng.random() < 0.25:
+        return words, Wish("edge", (own,), way=way, edge=edges[way][1])
+    wish = Wish("edge", (own,), way=way, distance=hangs / 100.0, edge=edges[way][1])
+    return f"{words} by {hangs} cm", wish
+
+
 def _push_and_back(things: Sequence[SeenObject], rng: Generator) -> tuple[str, Wish]:
     own = things[0].name
     distance, way = _any_way(rng)
@@ -157,4 +173,5 @@ _MEASURED: dict[Kind, Callable[[Sequence[SeenObject], Generator], tuple[str, Wis
     "back": _push_and_back,
     "restore": _push_past,
     "asked": _question,
+    "edge": _over_edge,
 }

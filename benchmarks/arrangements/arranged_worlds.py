@@ -25,9 +25,13 @@ from planner.geometry.footprints import footprint, gap
 from planner.types.defaults import DEFAULTS as D
 from planner.types.world_state import PlanarPose, SeenObject
 from sim.rotations import rot_x, rot_y
+from sim.truth.scene_file import VaryingTable
 
 CLOSE = (0.05, 0.08)
 """Gap at which something stands that is to make room, or is in the way [m]."""
+
+SMALL_TABLE = VaryingTable(centre_m=(0.55, 0.0), size_m=(0.9, 1.0))
+"""A table whose edges are as near as those that a person at it would speak of."""
 
 _TRIES_INSIDE = 200  # places in a box that are tried for a thing
 
@@ -35,6 +39,11 @@ _TRIES_INSIDE = 200  # places in a box that are tried for a thing
 def draw_things(kind: Kind, rng: Generator) -> list[SeenObject]:
     """What stands there for a sentence of a kind."""
     return _DRAWN.get(kind, _stand_about)(kind, rng)
+
+
+def table_of(kind: Kind) -> VaryingTable:
+    """The table for a sentence of a kind."""
+    return SMALL_TABLE if kind == "edge" else VaryingTable()
 
 
 def apart(seen: SeenObject, other: SeenObject) -> float:
@@ -45,6 +54,7 @@ def apart(seen: SeenObject, other: SeenObject) -> float:
 _NEEDED: dict[Kind, int] = {
     "swap": 2, "row": 3, "together": 2, "between": 3, "clear": 2, "room": 1, "aside": 1,
     "blocked": 1, "facing": 2, "straight": 1, "stand": 1, "lay": 1, "flat": 1, "all": 2, "back": 1,
+    "edge": 1,
 }  # fmt: skip
 
 
@@ -52,7 +62,7 @@ def _models(kind: Kind, rng: Generator) -> list[ObjectModel]:
     """Different models, the first of which fits the kind."""
     found = list(pushable_models())
     models = [found[k] for k in rng.permutation(len(found)).tolist()]
-    if kind == "flat":
+    if kind in ("flat", "edge"):
         return [Registry.built_in().get("book"), *models]
     fits = _FITS.get(kind)
     first = next(model for model in models if fits is None or fits(model))

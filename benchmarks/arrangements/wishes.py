@@ -27,7 +27,7 @@ from planner.types.defaults import DEFAULTS as D
 Kind = Literal[
     "swap", "row", "together", "between", "clear", "room", "aside", "blocked", "facing",
     "straight", "stand", "on", "off", "into", "out of", "lay", "flat", "all", "back", "restore",
-    "asked",
+    "asked", "edge",
 ]  # fmt: skip
 Way = Literal["left", "right", "away", "toward"]
 
@@ -52,7 +52,8 @@ class Wish:
         moved: names of what is to be moved.
         told: names of what tells where; it stays where it is. Of a question, the answer.
         way: direction, or side of the table.
-        distance: to be moved [m].
+        distance: to be moved, or to hang over an edge; 0 if nobody says how far [m].
+        edge: where the table ends that way, from the origin of W [m].
     """
 
     kind: Kind
@@ -60,6 +61,7 @@ class Wish:
     told: tuple[str, ...] = ()
     way: Way | None = None
     distance: float = 0.0
+    edge: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -248,6 +250,17 @@ def _restored(wish: Wish, before: Things, after: Things) -> bool:
     return aside and moved and _is_back(other, before, after)
 
 
+def _hangs_over(wish: Wish, before: Things, after: Things) -> bool:
+    """Return True if it hangs over the edge as far as it should, and lies level on the table."""
+    assert wish.way is not None, "an edge has a side"
+    (name,) = wish.moved
+    over = float((after[name].outline @ np.array(WAYS[wish.way])).max()) - wish.edge
+    near = abs(over - wish.distance) <= SLACK * D.overhang_tolerance
+    far_enough = near if wish.distance else over >= D.overhang_tolerance
+    level = after[name].lowest >= -TOUCHES
+    return far_enough and level and _stand(wish, before, after)
+
+
 def _lies(wish: Wish, before: Things, after: Things) -> bool:
     own = after[wish.moved[0]]
     return abs(own.tilt - 0.5 * math.pi) <= SLACK * D.rest_tilt and own.lowest <= TOUCHES
@@ -328,4 +341,5 @@ _CONDITIONS: dict[Kind, Callable[[Wish, Things, Things], bool]] = {
     "all": _moved,
     "back": _returned,
     "restore": _restored,
+    "edge": _hangs_over,
 }

@@ -101,6 +101,17 @@ def turned(placed: Placed, R: np.ndarray) -> Placed:
             {"bin": BIN, "tin": at(TIN, 0.562, -0.2, 0.004)},
         ),
         (
+            # Half the book is 75 mm, an overhang may be off by 12.5 mm.
+            Wish("edge", ("book",), way="away", distance=0.03, edge=0.6),
+            {"book": at(BOOK, 0.567, -0.2)},
+            {"book": at(BOOK, 0.568, -0.2)},
+        ),
+        (
+            Wish("edge", ("book",), way="away", edge=0.6),  # nobody says how far: a centimetre
+            {"book": at(BOOK, 0.536, -0.2)},
+            {"book": at(BOOK, 0.534, -0.2)},
+        ),
+        (
             Wish("out of", ("tin",), ("bin",)),
             {"bin": BIN, "tin": at(TIN, 0.66, -0.2)},
             {"bin": BIN, "tin": at(TIN, 0.65, -0.2)},
@@ -120,6 +131,16 @@ def test_a_case_about_an_open_box_has_one(kind: Kind) -> None:
     assert asked.wish.told == ("storage bin",)
     inside = {item.name for item in asked.scene.objects if item.pose.z_m > 0.0}
     assert (asked.wish.moved[0] in inside) == (kind == "out of")
+
+
+def test_a_case_about_an_edge_keeps_the_middle_of_the_book_over_the_table() -> None:
+    asked = draw_case(Job(404, "edge", 0))
+    assert "the right edge" in asked.text
+    assert asked.wish.edge == -asked.scene.table.extent.y_min
+    alone = {name: seen for name, seen in standing(asked.scene).items() if name == "book"}
+    assert is_sensible(asked.wish, alone)
+    # Its middle is at most 133 mm from its farthest corner.
+    assert not is_sensible(replace(asked.wish, distance=0.12), alone)
 
 
 def test_an_answer_names_all_that_is_asked_for_and_nothing_else() -> None:
