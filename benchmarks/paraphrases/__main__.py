@@ -1,6 +1,7 @@
 """How many paraphrases of a command are read as the command itself.
 
     python -m benchmarks.paraphrases --seed 0              # the words it was made with
+    python -m benchmarks.paraphrases second --seed 0       # words that judged it once
     python -m benchmarks.paraphrases judging --seed 100    # words it was not made with
 
 Commands are said in other ways by the kinds of paraphrase that make vision-language models stumble:
@@ -38,8 +39,9 @@ def paraphrases(words: str, seed: int, count: int) -> Iterator[tuple[str, str, R
     rng, known = Random(seed), known_words()
     for i in range(count):
         kind = KINDS[i % len(KINDS)]
-        if words == "judging":
-            said, speaker = judging.drawn_phrases(rng), judging.JudgingSpeaker(rng, known)
+        if words != "developing":
+            file = "judging" if words == "judging" else "second_developing"
+            said, speaker = judging.drawn_phrases(rng), judging.JudgingSpeaker(rng, known, file)
             text, plain = speaker.paraphrase_of(said, kind), speaker.plain(said)
             names = {*judging.NAMES, *judging.OTHERS}
         else:
@@ -51,13 +53,13 @@ def paraphrases(words: str, seed: int, count: int) -> Iterator[tuple[str, str, R
 
 def main() -> None:
     options = argparse.ArgumentParser(description="How paraphrases of a command are read.")
-    options.add_argument("words", nargs="?", choices=("developing", "judging"),
+    options.add_argument("words", nargs="?", choices=("developing", "second", "judging"),
                          default="developing")  # fmt: skip
     options.add_argument("--seed", type=int, default=0)
     options.add_argument("--count", type=int, default=4200)
     options.add_argument("--show", type=int, default=0, help="failures of each kind to print")
     chosen = options.parse_args()
-    show = chosen.show if chosen.words == "developing" else 0
+    show = chosen.show if chosen.words != "judging" else 0
     table: Counter[tuple[str, str]] = Counter()
     for kind, text, came in paraphrases(chosen.words, chosen.seed, chosen.count):
         table[kind, came] += 1

@@ -1,4 +1,4 @@
-"""Says commands in the words of `judging_words.yaml`, in ways that the language was not made with.
+"""Says commands in the words of a file like `judging_words.yaml`.
 
 A command is drawn as phrases and said plainly; what that is read as is what a paraphrase of it has
 to be read as. Its kinds are those of `developing_speaker.py`, drawn otherwise: a sixth of the
@@ -9,15 +9,13 @@ keyboards and voice (letters beside each other, capitals, no punctuation).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from random import Random
-from typing import Any
+from typing import Any, cast
 
 import yaml
 
-WORDS: dict[str, Any] = yaml.safe_load(
-    Path(__file__).with_name("judging_words.yaml").read_text(encoding="utf-8")
-)
 NAMES = ("tea box", "milk carton", "blue mug", "vase", "pepper mill", "cookie jar", "stapler")
 OTHERS = ("bowl", "lamp", "teapot", "juice bottle")
 DIRECTIONS = ("away", "toward", "left", "right")
@@ -66,11 +64,18 @@ def drawn_phrases(rng: Random) -> Phrases:
     return Phrases(verb, rng.choice(NAMES), goal, how, rng.choice(OTHERS))
 
 
-class JudgingSpeaker:
-    """Says phrases in other words."""
+@cache
+def words_of(name: str) -> dict[str, Any]:
+    """The words of a file: those of verbs, slots, openings and so on."""
+    path = Path(__file__).with_name(f"{name}_words.yaml")
+    return cast("dict[str, Any]", yaml.safe_load(path.read_text(encoding="utf-8")))
 
-    def __init__(self, rng: Random, known: frozenset[str]) -> None:
-        self._rng, self._known = rng, known
+
+class JudgingSpeaker:
+    """Says phrases in other words, those of a file."""
+
+    def __init__(self, rng: Random, known: frozenset[str], words: str = "judging") -> None:
+        self._rng, self._known, self._words = rng, known, words_of(words)
 
     def paraphrase_of(self, said: Phrases, kind: str) -> str:
         """The command said in the way of a kind."""
@@ -83,10 +88,14 @@ class JudgingSpeaker:
         return " ".join(words.split()).replace(" ,", ",").replace(" .", ".").replace(" ?", "?")
 
     def _pick(self, key: str) -> str:
-        return str(self._rng.choice(WORDS[key]))
+        return str(self._rng.choice(self._words[key]))
 
     def _slot(self, said: Phrases, key: str, other: bool = False) -> str:
-        words = self._rng.choice(WORDS["slots"][key][1:]) if other else WORDS["slots"][key][0]
+        words = (
+            self._rng.choice(self._words["slots"][key][1:])
+            if other
+            else self._words["slots"][key][0]
+        )
         return str(words).format(n=said.other)
 
     def _rest(self, said: Phrases) -> str:
@@ -100,16 +109,18 @@ class JudgingSpeaker:
         keys = [*said.goal, *said.how]
         changed = set(self._rng.sample(range(-1, len(keys)), self._rng.choice((1, 1, 2))))
         verb = (
-            self._rng.choice(WORDS["verbs"][said.verb]["synonyms"]) if -1 in changed else said.verb
+            self._rng.choice(self._words["verbs"][said.verb]["synonyms"])
+            if -1 in changed
+            else said.verb
         )
         rest = " ".join(self._slot(said, key, i in changed) for i, key in enumerate(keys))
         return f"{verb} the {said.name} {rest}"
 
     def _structural(self, said: Phrases) -> str:
-        verb = WORDS["verbs"][said.verb]
-        templates = list(WORDS["structures"])
+        verb = self._words["verbs"][said.verb]
+        templates = list(self._words["structures"])
         if "noun" in verb and not set(PLACES) & set(said.goal):
-            templates += WORDS["nouns"]
+            templates += self._words["nouns"]
         return str(self._rng.choice(templates)).format(
             v=said.verb, ed=verb["ed"], ing=verb["ing"], a=verb.get("noun", ""),
             o=f"the {said.name}", o_bare=said.name, rest=self._rest(said),
@@ -143,11 +154,11 @@ class JudgingSpeaker:
                 words.insert(rng.randrange(len(words)), self._pick("fillers"))
             return " ".join(words)
         keys = (*said.goal, *said.how)
-        places = [1, *(i + 2 for i, key in enumerate(keys) if key in WORDS["mistaken"])]
+        places = [1, *(i + 2 for i, key in enumerate(keys) if key in self._words["mistaken"])]
         i = rng.choice(places)
         wrong = f"the {rng.choice([n for n in NAMES if n != said.name])}"
         if i > 1:
-            wrong = WORDS["mistaken"][keys[i - 2]]
+            wrong = self._words["mistaken"][keys[i - 2]]
         return " ".join([*phrases[:i], f"{wrong}{self._pick('corrections')}", *phrases[i:]])
 
     def _order(self, said: Phrases) -> str:

@@ -43,11 +43,16 @@ def reading(text: str, plain: str, kind: str, names: Collection[str]) -> Reading
 
 
 def _meaning(frames: Sequence[g.Frame]) -> str:
-    """Frames without the places of their words; constraints in any order, moving in any way."""
+    """Frames without the places of their words; constraints in any order, moving in any way.
+
+    All things stand on the table, so that "8 cm above the table" is as high as "8 cm".
+    """
     plain = []
     for frame in frames:
         dumped = _without_spans(frame.model_dump(exclude_defaults=True))
         dumped["constraints"] = sorted(map(repr, dumped.get("constraints", ())))
+        if frame.goal.kind == "lift" and frame.goal.above == "table":
+            del dumped["goal"]["above"]
         if dumped.get("action") in _MOVING and frame.goal.kind != "none":
             dumped["action"] = "move"
         plain.append(dumped)

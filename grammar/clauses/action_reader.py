@@ -60,6 +60,7 @@ class ActionReader:
         Raises:
             ParseError: with the words that do not fit.
         """
+        self._require_one_way()
         rest, constraints = constraints_of(
             _with_stop_as_constraint(self._with_line_as_stop()),
             thing,
@@ -79,6 +80,8 @@ class ActionReader:
         if verb.action == "push" and is_still(constraints) and not _says_more(goal):
             goal = g.NoGoal()  # a push need not move what it pushes
         action = goal.kind if isinstance(goal, g.Open | g.Close) else verb.action
+        if action == "lift" and isinstance(goal, g.Place) and goal.relation in ("on", "in"):
+            action = "place"  # "lift it onto the book"
         frame = g.Frame(
             action=cast(g.Action, action),
             query=self._query,
@@ -104,6 +107,20 @@ class ActionReader:
             else p
             for p in self._parts
         ]  # fmt: skip
+
+    def _require_one_way(self) -> None:
+        """Refuse "away until it touches the mug right": a way, where to stop, and another way."""
+        before = stopped = False
+        for part in self._parts:
+            way = isinstance(part, ph.Direction) and not part.implied
+            if way and stopped:
+                message = "is a second direction, behind where to stop"
+                raise self._sentence.error_at(
+                    part.span, "does_not_apply", message, "away and to the right until …"
+                )
+            before = before or way
+            stop = isinstance(part, ph.Constraint) and isinstance(part.constraint, g.Until)
+            stopped = stopped or (before and stop)
 
     def _require_no_touch(self, constraints: Sequence[g.Constraint], placed: bool) -> None:
         """Refuse where to touch an object in place of where to put it: "put it on its left side".

@@ -278,16 +278,20 @@ _OF_LIDS = ("on", "off", "from")
 """Relations of a lid to what it belongs to."""
 
 
-def with_lid_as_pronoun(clause: Parts, previous: Parts, lexicon: Lexicon) -> Parts:
+def with_lid_as_pronoun(
+    clause: Parts, previous: Parts, lexicon: Lexicon, sentence: Normalised
+) -> Parts:
     """Takes "it" in "…, and put it on the jar", "… take it off the jar" for the lid before it."""
     lid = next((part for part in previous if isinstance(part, ph.Thing)), None)
     it = next((part for part in clause if isinstance(part, ph.Thing)), None)
     placed = any(isinstance(part, ph.Place) and part.relation in _OF_LIDS for part in clause)
     if lid is None or it is None or not (it.ref.pronoun and placed):
         return clause
-    if lid.ref.text.casefold() not in lexicon.lids:
+    parted = part_and_owner(lid, lexicon, sentence)
+    name = parted[0] if parted else lid.ref.text.casefold()
+    if name not in lexicon.lids:
         return clause
-    named = ph.Thing(it.span, lid.ref.model_copy(update={"spans": it.ref.spans}))
+    named = ph.Thing(it.span, g.ObjectRef(text=name, spans=it.ref.spans))
     return [named if part is it else part for part in clause]
 
 

@@ -16,6 +16,9 @@ from grammar.words.normalisation import Normalised
 _NO_MOVE = "no_move"
 """Word of the lexicon for the kinds that together keep an object where it is."""
 
+_SAYS_HOW_FAR = (ph.Angle, ph.Length, ph.Place)
+_MANNERS = frozenset({"fast", "gentle", "hard", "slow"})
+
 
 def constraints_of(
     parts: Sequence[ph.Part], thing: ph.Thing, lexicon: Lexicon, sentence: Normalised
@@ -24,7 +27,7 @@ def constraints_of(
     rest: list[ph.Part] = []
     constraints: list[g.Constraint] = []
     previous: ph.Part | None = None
-    for part in _with_bounds(_with_ranges(parts)):
+    for part in _with_degrees(_with_bounds(_with_ranges(parts)), sentence):
         if isinstance(part, ph.Avoid | ph.FurtherNoTouch):
             _require_opened(part, previous, sentence)
         if isinstance(part, ph.Avoid):
@@ -38,6 +41,28 @@ def constraints_of(
             rest.append(part)
         previous = part
     return rest, tuple(join_equal(_one_contact(constraints, sentence)))
+
+
+def _with_degrees(parts: Sequence[ph.Part], sentence: Normalised) -> list[ph.Part]:
+    """Takes "5 cm to the left a bit slowly" for slowly, where something else says how far."""
+    if not any(isinstance(part, _SAYS_HOW_FAR) or _is_stop(part) for part in parts):
+        return list(parts)
+    out: list[ph.Part] = []
+    for part in parts:
+        before = out[-1] if out else None
+        if isinstance(part, ph.Constraint) and isinstance(before, ph.Amount):
+            kind, (start, end) = part.constraint.kind, (before.span[0], part.span[1])
+            between = sentence.original[before.span[1] : part.span[0]]
+            if kind in _MANNERS and not between.strip():
+                said = part.constraint.model_copy(update={"spans": ((start, end),)})
+                out[-1] = replace(part, span=(start, end), constraint=said)
+                continue
+        out.append(part)
+    return out
+
+
+def _is_stop(part: ph.Part) -> bool:
+    return isinstance(part, ph.Constraint) and isinstance(part.constraint, g.Until)
 
 
 def require_same(

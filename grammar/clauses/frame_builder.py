@@ -59,7 +59,7 @@ def frames_of(
         said = clause
         if frames and not headed:
             said = _complete_clause(clause, previous, lexicon, sentence)
-        said = with_lid_as_pronoun(said, previous, lexicon)
+        said = with_lid_as_pronoun(said, previous, lexicon, sentence)
         read = _ClauseReader(said, lexicon, sentence).read_frames()
         if frames and sets_lid_down(read[0], frames[-1], lexicon):
             opened = frames.pop()  # as it does anyway
@@ -74,6 +74,13 @@ def frames_of(
         previous = said
     require_countable(frames, sentence)
     return _with_ways_back(frames, sentence)
+
+
+def _goes_farther(frame: g.Frame) -> bool:
+    """Check for "push the mug further away", of which nothing has to be said before."""
+    thing, goal = frame.object, frame.goal
+    named = thing is not None and not thing.pronoun
+    return named and getattr(goal, "direction", None) == "away"
 
 
 def _only_takes(frame: g.Frame, then: g.Frame, sentence: Normalised) -> bool:
@@ -240,8 +247,10 @@ class _ClauseReader:
             self._require_emphasis(frames[0], remarks[-1])
         restored = dialogue == "repeat" and frames[0].goal.kind in _RESTORING
         anew = dialogue == "correct" and self._says_all(frames[0], remarks)
-        ends = any(isinstance(p, ph.Result) for p in self._parts)  # "so it is further left"
-        if restored or anew or dialogue == "do" or (dialogue == "more" and ends):
+        if dialogue == "more":
+            ends = any(isinstance(p, ph.Result) for p in self._parts)  # "so it is further left"
+            anew = ends or _goes_farther(frames[0])
+        if restored or anew or dialogue == "do":
             dialogue = None  # "stand it up again"; "go ahead, push it"
         spans = tuple(part.span for part in (*remarks, *excluded))
         if not spans:

@@ -267,11 +267,11 @@ def _parameters_goal(clause: Clause) -> g.Parameters:
 # --- goals of the whole hand -------------------------------------------------------------------
 
 
-def lift_goal(clause: Clause) -> g.Lift | g.Place:
-    """Lift the mug by 10 cm; take it off the book, out of the box."""
+def lift_goal(clause: Clause) -> g.Goal:
+    """Lift the mug by 10 cm; take it off the book, out of the box; lift it onto the book."""
     place = clause.first_part(ph.Place)
-    if place is not None and place.relation in _SOURCES:
-        return _taking_goal(clause)
+    if place is not None and place.relation in (*_SOURCES, "on", "in"):
+        return _taking_goal(clause) if place.relation in _SOURCES else _place_goal(clause)
     clause.take_all(ph.FromTable)
     length = clause.first_part(ph.Length)
     above = None if length is None else length.above

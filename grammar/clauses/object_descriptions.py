@@ -147,10 +147,10 @@ def _with_touching_as_place(parts: Sequence[ph.Part]) -> Parts:
 
 
 def _is_way_to(part: ph.Place, before: Parts, sentence: Normalised) -> bool:
-    """Check for words of going: "over to the left of it"; "take the mug to the left of it"."""
+    """Check for words of going: "over to the left of it", "onto it"; "take the mug to it"."""
     words = sentence.words_as_written(part.span).casefold()
-    verb = next((p.word for p in before if isinstance(p, ph.Verb)), "")
-    return words.startswith("over ") or (verb == "take" and words.startswith("to "))
+    taken = any(isinstance(p, ph.Verb) and p.word == "take" for p in before)
+    return words.startswith(("over ", "onto ", "up onto ", "to " if taken else "over "))
 
 
 def _of_same_sentence(parts: Parts, i: int, sentence: Normalised) -> Parts:

@@ -16,6 +16,7 @@ _PERCENT = re.compile(r"[^ %]+ ?(?:%|percent|per cent)(?= |$)")
 _NAMED = re.compile(r" (?:the|my|your|our|its|it|this|that|\")")
 _CONTACT = re.compile(r" (?:any )?contact with ")
 _ARTICLE = re.compile(r"an? ")
+_ONTO = re.compile(r" on(?:to)?(?= |$)")
 _BEFORE_QUESTIONS = ("", "FILLER", "TELL", "SEPARATOR")  # what is in it may be asked behind these
 _BEFORE_QUANTITIES = ("in", "under", "above", "below")
 _ASKED = ("CAN_YOU", "HOW", "HOW_HARD", "HOW_MUCH_DOES", "SEEN", "WHAT_CAN", "WHAT_DID", "WHAT_IF",
@@ -27,12 +28,10 @@ _IS = ("is", "are", "gets", "goes")
 _TOWARDS = ("TOWARD_REGION", "AWAY_FROM_REGION")
 _PLACES = ("RELATION", "BETWEEN", "REGION_OF_TABLE", "TO_X", "INTO", "PARTICLE")
 _WHERE_TO = ("DIRECTION", *_TOWARDS, *_PLACES)
-_QUANTITIES = ("THE_SIDE_OF", "BOUND")
 _BEFORE_PARTICLES = ("VERB", "WORD", "IT", "QUOTED")
 _BEFORE_COMMANDS = ("", "FILLER", "SEPARATOR", "NEXT")
 _BEFORE_VERBS = (*_BEFORE_COMMANDS, "CAN_YOU", "POSSIBLE", "MANNER", "NO", "YOU")
 _AMOUNTS = ("FORCE_UNIT", "SPEED_UNIT", "LENGTH_UNIT")
-_MULTIPLES = frozenset({"twice", "double"})
 _TOWARDS_WAY = re.compile(r"(?<![^ ])(?:towards?|away from)(?= |$)")
 _IS_THE = re.compile(r"(?: [^ ,.;]+){1,4}? (?:is|are) (?:the )?")
 _NAMES_BEGIN = re.compile(r" (?:the|a|an|my|your|its) ")
@@ -74,15 +73,11 @@ class Lookahead:
             ),
             "LETTING": lambda _phrase, text, end, _last: not _CONTACT.match(text, end),
             "WHICH": self._of_the_most,
-            "WHICH_IS": lambda _phrase, text, end, _last: self._one_of(
-                ("COMPARATIVE", "SUPERLATIVE"), text, end + 1
-            ),
             "TO_BE": lambda phrase, text, end, _last: (
                 not phrase.endswith("get") or self._any("VERB_ED", text, end + 1)
             ),
-            "NEEDS": lambda _phrase, text, end, _last: self._one_of(
-                ("STROKE", "VERB_ING"), text, end + 1
-            ),
+            "NEEDS": self._before(("STROKE", "VERB_ING")),
+            "WHICH_IS": self._before(("COMPARATIVE", "SUPERLATIVE")),
             "NEXT": lambda phrase, text, end, last: (
                 last != "WHAT_DID"
                 and not (phrase.endswith("next") and stands_at("to", text, end + 1))
@@ -116,11 +111,14 @@ class Lookahead:
             "USING": lambda _phrase, text, end, last: (
                 last in _BEFORE_COMMANDS and not self._follows(("TOOL", *_AMOUNTS), text, end)
             ),
+            **dict.fromkeys(
+                ("COMPARED", "COMPARATIVE"),
+                lambda phrase, text, end, _last: phrase != "lower" or not _NAMED.match(text, end),
+            ),
             **dict.fromkeys(("NOT", "WHY_DID"), lambda _phrase, text, end, _last: end < len(text)),
         }
 
     def _rules_of_places(self) -> dict[str, Rule]:
-        """Of places and directions."""
         return {
             **dict.fromkeys(("REGION", "FACE", "SIDE_QUALITY"), self._not_into_a_name),
             "REGION_OF_TABLE": lambda phrase, text, end, _last: (
@@ -146,7 +144,11 @@ class Lookahead:
             ),
             "RELATION": self._before_a_thing,
             "TOWARD": self._not_to_make,
-            "UNDO": self._not_back_on,
+            "UNDO": lambda phrase, text, end, _last: (
+                not (
+                    phrase.endswith("back") and _ONTO.match(text, end)  # put it back on the book
+                )
+            ),
         }
 
     def _rules_of_things(self) -> dict[str, Rule]:
@@ -209,9 +211,9 @@ class Lookahead:
         return (
             word[0] in "+-.0123456789"
             or word in self._first_of_number
-            or word in _MULTIPLES
+            or word in ("twice", "double")
             or (word == "its" and self._any("SIDE_OF_OBJECT", text, match.end() + 1))
-            or any(self._any(kind, text, start) for kind in _QUANTITIES)
+            or self._one_of(("THE_SIDE_OF", "BOUND"), text, start)
         )
 
     def _begins_a_quantity(self, text: str, start: int) -> bool:
@@ -221,7 +223,8 @@ class Lookahead:
             return self._begins_a_number(text, start)
         return any(self._any(unit, text, article.end()) for unit in ("TIME_UNIT", "LENGTH_UNIT"))
 
-    # --- rules --------------------------------------------------------------------------------
+    def _before(self, kinds: tuple[str, ...]) -> Rule:
+        return lambda _phrase, text, end, _last: self._one_of(kinds, text, end + 1)
 
     def _of_the_most(self, _phrase: str, text: str, end: int, _last: str) -> bool:
         """Which box is the tallest; but not "which box is behind the mug"."""
@@ -271,7 +274,6 @@ class Lookahead:
         return self._names_begin(text, end) and (not phrase.endswith("but") or listed)
 
     def _ends_with_name(self, text: str, end: int) -> bool:
-        """Check that the sentence ends with a name: "… but the red one"."""
         name = text[end:].split()[1:]
         told = self._adjectives.keys() | self._nobodies
         return bool(name) and all(w in told or w not in self._function_words for w in name)
@@ -309,14 +311,19 @@ class Lookahead:
         purpose = to_make or self._any("EVENT_INFINITIVE", text, end + 1)
         return not (phrase.endswith(" to") and purpose)
 
-    def _before_what_it_fills(self, phrase: str, text: str, end: int, _last: str) -> bool:
-        """So how heavy is it; go push it; why not push it; why did you push it that way."""
+    def _before_what_it_fills(self, phrase: str, text: str, end: int, last: str) -> bool:
+        """So how heavy is it; go push it; why not push it; move right, the mug a bit away."""
         if phrase.startswith("why not"):
             return self._any("VERB", text, end + 1)
         if phrase == "so":
             return self._one_of(_ASKED, text, end + 1)
+        if phrase == "right ,":
+            return last == "VERB" and self._follows(_WHERE_TO, text, end)
         if phrase.endswith((" way", " that", " this")) and phrase.count(" ") == 1:
             return self._any("WHY_DID", text, 0)
+        if phrase.endswith("quickly"):
+            verbs = (self._any("VERB", text, word.start()) for word in WORD.finditer(text, end))
+            return last in _BEFORE_COMMANDS and any(verbs)
         return phrase != "go" or self._any("VERB", text, end + 1)
 
     def _and_with_another_thing(self, _phrase: str, text: str, end: int, last: str) -> bool:
@@ -335,7 +342,6 @@ class Lookahead:
         return not (phrase.endswith(" to") and self._one_of(ways, text, end - len("to")))
 
     def _some_of_a_liquid(self, phrase: str, text: str, end: int, last: str) -> bool:
-        """A bit of the milk, but not a bit, of its front side; pour some milk, no little box."""
         if phrase.endswith("of"):
             of = end - len("of")
             return not any(
@@ -359,8 +365,7 @@ class Lookahead:
         return put and self._ends_name(text, end)
 
     def _makes_it_happen(self, phrase: str, text: str, end: int, _last: str) -> bool:
-        """Get the mug to slide, but not get the mug from the shelf."""
-        ends = (m.end() for m in re.finditer(" to ", text[end:]))
+        ends = (m.end() for m in re.finditer(" to ", text[end:]))  # not get it from the shelf
         return phrase != "get" or any(self._any("EVENT_INFINITIVE", text, end + i) for i in ends)
 
     def _not_off_a_thing(self, phrase: str, text: str, end: int, last: str) -> bool:
@@ -384,13 +389,8 @@ class Lookahead:
 
     def _onto_what_is_pushed(self, phrase: str, text: str, end: int, _last: str) -> bool:
         """Press on the mug, but not on the left side, nor put on the lid."""
-        pushed = self._last_goal(text, end - len(phrase)) in ("displace", "contact")
-        return pushed and self._names_begin(text, end)
-
-    def _not_back_on(self, phrase: str, text: str, end: int, _last: str) -> bool:
-        """Put it back, but not back on the book."""
-        onto = any(stands_at(word, text, end + 1) for word in ("on", "onto"))
-        return not (phrase.endswith("back") and onto)
+        goal = self._last_goal(text, end - len(phrase))
+        return goal in ("displace", "contact") and self._names_begin(text, end)
 
     def _last_goal(self, text: str, end: int) -> str | None:
         """Goal of the last verb before a place in the text."""

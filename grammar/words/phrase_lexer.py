@@ -65,7 +65,7 @@ class PhraseLexer:
         self._reserved = lexicon.reserved_words
         self._ends_names = lexicon.ends_names
         self._nobodies = lexicon.nobodies
-        self._later_verbs = frozenset(lexicon.later_verbs)
+        self._later = lexicon.later_words | lexicon.later_verbs.keys()
         self._openers = lexicon.openers
 
     def tokens(self, text: str, acceptance: Callable[[], Accepts]) -> Iterator[Token]:
@@ -110,9 +110,9 @@ class PhraseLexer:
                     if kind == "VERB" and name.words and may_name:
                         return "WORD", end
                     return kind, after
-            # "Go" of "go home" is no filler, but an unknown verb; the "first" of "what did you move
-            # first" does not go on to something else.
-            unknown = phrase in self._later_verbs and kinds[0] == "FILLER"
+            # "Go" of "go home" is no filler, but an unknown verb, and "through" goes before no
+            # number; the "first" of "what did you move first" does not go on to something else.
+            unknown = phrase in self._later and kinds[0] in ("BY", "FILLER")
             unknown = unknown or name.last == "WHAT_DID"
             fallback = fallback or ("UNKNOWN" if unknown else kinds[0], after)
         digits = DIGITS.match(text, start) if accepts("NUMBER") else None

@@ -246,6 +246,7 @@ FORMS = {
     "guide": ("guided", "guiding"),
     "skim": ("skimmed", "skimming"), "whirl": ("whirled", "whirling"),
     "scoop": ("scooped", "scooping"), "jack": ("jacked", "jacking"),
+    "lower": ("lowered", "lowering"),
 }  # fmt: skip
 """Participle and gerund of every verb, from the dictionary."""
 
