@@ -1,8 +1,9 @@
-"""Steps that clear what stands in the way of an object, as frames like those of a sentence.
+"""Steps that make room before a frame, as frames like those of a sentence.
 
 Model: what is in the way goes straight along one of eight directions to a place that leaves the
-object its way and the hand some room, the nearest first. Whether it can be pushed there, and
-whether the object then gets where it should, is planned as for any other frame.
+object its way and the hand some room, the nearest first. The object itself goes to where there is
+room around it, if only the hand does not get to it where it stands. Whether something can be pushed
+there, and whether the object then gets where it should, is planned as for any other frame.
 
 Frames: W, its table plane.
 """
@@ -35,6 +36,19 @@ _HAND = 0.05  # room that a hand has beside what was cleared [m]
 _BESIDE = 0.02  # a clearance, and what pushes miss by [m]
 _KEPT = frozenset({"no_touch", "gentle", "slow", "max_force", "max_speed", "no_lift"})
 """Constraints of a frame that a step before it keeps, too."""
+_KEPT_BY_ITSELF = _KEPT | {"no_topple", "no_tilt", "max_tilt", "no_turn", "max_turn", "no_spill"}
+"""The same of a step of the frame's own object; any other says where or when it is moved."""
+_FAR = (0.10, 0.20, 0.30)  # ways on which the hand gets to an object otherwise [m]
+_ROOMY = 0.10  # more room around it is no better [m]
+_ANYWHERE = (g.Open, g.Close, g.Lift, g.Upright, g.Pour)
+"""Goals that an object may reach wherever it stands."""
+_FROM_HERE = frozenset({"back", "clear_of", "out_of", "off", "over", "in_row", "together"})
+"""Relations that tell a place by where the object stands, or by what it stands on."""
+_BEYOND_HAND = frozenset(
+    {"grasps_blocked", "no_grasp_reached", "pushes_blocked", "no_push_reached"}
+    | {"blocked_in_hand", "no_reach_in_hand"}
+)
+"""Codes of refusals that name nothing but the hand's reach."""
 
 
 def obstacles(refusal: Refusal) -> tuple[str, ...]:
@@ -83,43 +97,113 @@ def clearing_frames(
         state: what is believed.
         defaults: margins.
     """
-    seen = state.objects[name]
     constraints = tuple(c for c in frame.constraints if c.kind in _KEPT)
-    for way, distance in _ways_out(seen, frame, state, defaults):
-        direction = way if len(way) == 2 else way[0]
-        yield g.Frame(
-            action="move",
-            object=g.ObjectRef(text=name, noun=name, id=name),
-            goal=g.Displace(direction=direction, distance=distance),
-            constraints=constraints,
-        )
+    for way, distance in _ways_out(state.objects[name], frame, state, defaults):
+        yield _step_of(name, way, distance, constraints)
+
+
+def is_beyond_hand(refusal: Refusal) -> bool:
+    """Return True if something is refused since the hand does not get there."""
+    return refusal.code in _BEYOND_HAND
+
+
+def may_be_brought(frame: g.Frame, state: WorldState) -> bool:
+    """Return True if the object of a frame may be moved first, so that the hand gets to it.
+
+    The frame must not say by where the object stands what becomes of it, nor how or when it moves.
+    """
+    goal, own = frame.goal, frame.object
+    anywhere = isinstance(goal, _ANYWHERE) or (
+        isinstance(goal, g.Place) and goal.fraction is None and goal.relation not in _FROM_HERE
+    )
+    kept = all(each.kind in _KEPT_BY_ITSELF for each in frame.constraints)
+    if own is None or own.id is None or not (anywhere and kept):
+        return False
+    return may_be_cleared(own.id, (frame,), state)
+
+
+def bringing_frames(frame: g.Frame, state: WorldState, defaults: Defaults) -> Iterator[g.Frame]:
+    """Frames that bring the object of a frame to other places, those with most room first.
+
+    Args:
+        frame: that cannot be carried out before, since the hand does not get to its object.
+        state: what is believed.
+        defaults: margins.
+    """
+    assert frame.object is not None, "what is about no object needs no hand"
+    seen = state.objects[frame.object.id or ""]
+    free = _free_ways(seen, state, defaults)
+    found = []
+    for number, way in enumerate(_WAYS):
+        for distance in _FAR:
+            room = _room_around(_place_along(seen, way, distance), seen, state)
+            if room >= _HAND and free.first_stop((_segment(way, distance),)) is None:
+                found.append((-round(min(room, _ROOMY), 2), distance, number, way))
+    for _, distance, _, way in sorted(found):
+        yield _step_of(seen.name, way, distance, frame.constraints)
+
+
+def _step_of(
+    name: str,
+    way: tuple[g.Direction, ...],
+    distance: float,
+    constraints: tuple[g.Constraint, ...],
+) -> g.Frame:
+    """The frame that moves an object along a way."""
+    return g.Frame(
+        action="move",
+        object=g.ObjectRef(text=name, noun=name, id=name),
+        goal=g.Displace(direction=way if len(way) == 2 else way[0], distance=distance),
+        constraints=constraints,
+    )
 
 
 def _ways_out(
     seen: SeenObject, frame: g.Frame, state: WorldState, defaults: Defaults
 ) -> list[tuple[tuple[g.Direction, ...], float]]:
     """Directions, and how far along each [m], the shortest way first."""
-    others = [other for name, other in state.objects.items() if name != seen.name]
-    kept = {other.name: _kept_apart(seen, other, defaults) for other in others}
-    free = Obstructions(seen, state, kept, defaults.clearance)
+    free = _free_ways(seen, state, defaults)
     lanes = _lanes(frame, state, defaults)
     here = [gap(footprint(seen), lane) for lane in lanes]
     found = []
     for way in _WAYS:
-        heading = bisector(way)
-        assert heading is not None, "neighbouring directions have a middle"
         for distance in _STEPS:
-            there = footprint(object_at(seen, (seen.pose.p_WB + distance * unit(heading))[:2]))
-            around = [gap(there, footprint(other)) for other in others]
-            if min([room_to_edge(there, state.table), *around]) < _HAND:
+            there = _place_along(seen, way, distance)
+            if _room_around(there, seen, state) < _HAND:
                 continue
             rooms = [gap(there, lane) for lane in lanes]
             if not any(map(_leaves_way, here, rooms)):
                 continue
-            if free.first_stop((PathSegment(heading, distance),)) is None:
+            if free.first_stop((_segment(way, distance),)) is None:
                 found.append((way, distance))
             break
     return sorted(found, key=lambda each: each[1])
+
+
+def _free_ways(seen: SeenObject, state: WorldState, defaults: Defaults) -> Obstructions:
+    """What stands in the ways of an object."""
+    others = (other for name, other in state.objects.items() if name != seen.name)
+    kept = {other.name: _kept_apart(seen, other, defaults) for other in others}
+    return Obstructions(seen, state, kept, defaults.clearance)
+
+
+def _segment(way: tuple[g.Direction, ...], distance: float) -> PathSegment:
+    """So much of a way [m]."""
+    heading = bisector(way)
+    assert heading is not None, "neighbouring directions have a middle"
+    return PathSegment(heading, distance)
+
+
+def _place_along(seen: SeenObject, way: tuple[g.Direction, ...], distance: float) -> Array:
+    """Outline of an object that went along a way, shape (k, 2) [m]."""
+    along = unit(_segment(way, distance).heading)
+    return footprint(object_at(seen, (seen.pose.p_WB + distance * along)[:2]))
+
+
+def _room_around(outline: Array, seen: SeenObject, state: WorldState) -> float:
+    """Least distance of an outline of an object from all others and from the table's edge [m]."""
+    others = (other for name, other in state.objects.items() if name != seen.name)
+    return min([room_to_edge(outline, state.table), *(gap(outline, footprint(o)) for o in others)])
 
 
 def _leaves_way(before: float, after: float) -> bool:

@@ -271,13 +271,15 @@ class FrameRun:
 
     def _plan_with_foresight(self, made: Plan | Reached, state: WorldState) -> PlanningResult:
         """The plan by which the later frames can be done, too, or why they cannot."""
-        if len(self.ahead) == 1 or self.result.trace is not None:
+        begun = self.result.trace is not None
+        if len(self.ahead) == 1 or (begun and not (isinstance(made, Plan) and made.task == "lift")):
             return made
         # One frame does without it.
         from nlcontrol.session.foresight.foreseen_steps import plan_with_foresight
 
         stop = self.supervisor.stop
-        return plan_with_foresight(self.controller, made, state, self.ahead, stop, self.kept)
+        found = plan_with_foresight(self.controller, made, state, self.ahead, stop, self.kept)
+        return made if begun and isinstance(found, Refusal) else found
 
     def _budget(self, made: Plan) -> int:
         """Pushes, or tries of a hand, that may be made; what is to be quick is not corrected."""

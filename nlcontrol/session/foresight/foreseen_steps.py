@@ -81,12 +81,23 @@ def plan_with_foresight(
 
     refused = _refused_ahead(plan_step, made, state, frames)
     if refused is not None and isinstance(made, Plan) and made.task == "lift":
-        robot = _ForesightedRobot(controller, frames, stop)
-        planner = controller.planner or planning.plan
-        other = planner(frames[0], state, robot, defaults=controller.defaults)
+        other = lasting_lift(controller, state, frames, stop, SearchBudget())
         if isinstance(other, Plan):
             return other
     return made if refused is None else refused
+
+
+def lasting_lift(
+    controller: StepPlanner,
+    state: WorldState,
+    frames: Sequence[g.Frame],
+    stop: StopToken,
+    budget: SearchBudget,
+) -> PlanningResult:
+    """A plan of the first of some frames, with a grasp after which the others can be done."""
+    robot = _ForesightedRobot(controller, frames, stop)
+    planner = controller.planner or partial(planning.plan, budget=budget)
+    return planner(frames[0], state, robot, defaults=controller.defaults)
 
 
 def _refused_ahead(

@@ -1,7 +1,8 @@
 """Steps by which a command can be done that cannot be done as it stands.
 
 Objects that are named together ("both", "all") are moved in any order, and what stands in the way
-is moved aside before (`planner.clearing`). The search is depth first over predicted states: each
+is moved aside before, or what the hand does not get to is brought to where it does
+(`planner.clearing`). The search is depth first over predicted states: each
 step is planned from where those before it leave everything, so that the whole is planned before
 anything moves, as far as what comes of a step is predicted. The first way that is found is taken;
 objects are moved aside as few as possible, since a way without that is looked for first.
@@ -15,9 +16,17 @@ from typing import TYPE_CHECKING
 
 from grammar import paraphrase
 from nlcontrol.errors import ControlError, refusal_error
+from nlcontrol.session.foresight.foreseen_steps import lasting_lift
 from nlcontrol.session.foresight.kept_denials import RecallingRobot
 from planner import planning
-from planner.clearing import clearing_frames, may_be_cleared, obstacles
+from planner.clearing import (
+    bringing_frames,
+    clearing_frames,
+    is_beyond_hand,
+    may_be_brought,
+    may_be_cleared,
+    obstacles,
+)
 from planner.predicted_states import state_after
 from planner.problem.search_budget import SearchBudget
 from planner.types.default_kinds import CLEARED
@@ -88,9 +97,12 @@ def ways_around(
         None if there are none; the error if they are not to be done without being asked.
     """
     left = frames[index:]
-    if refused is None or not (obstacles(refused[0]) or len(_next_frames(left)) > 1):
+    if refused is None:
         return None
     refusal, state = refused
+    brought = is_beyond_hand(refusal) and may_be_brought(left[0], state)
+    if not (obstacles(refusal) or brought or len(_next_frames(left)) > 1):
+        return None
     supervisor("plan", 0.0, f"looking for other steps, since {refusal.message}")
     moved = frozenset(f.object.id or "" for f in frames[:index] if f.object is not None)
     try:
@@ -125,6 +137,7 @@ class StepSearch:
     ) -> None:
         self._frames, self._moved = frames, moved
         self._defaults = controller.defaults
+        self._controller, self._stop = controller, stop
         self._robot = RecallingRobot(controller.robot, stop, controller.time_limit)
         self._planner = controller.planner
         self._left = MOST_WORK
@@ -150,13 +163,20 @@ class StepSearch:
         if not frames:
             return []
         refused: list[tuple[g.Frame, Refusal]] = []
+        beyond_hand: list[g.Frame] = []
         for frame in _next_frames(frames):
             rest = tuple(other for other in frames if other is not frame)
             made = self._plan(frame, state)
             if isinstance(made, Refusal):
                 refused.append((frame, made))
+                beyond_hand += [frame] if is_beyond_hand(made) else []
             elif found := self._joined(frame, made, rest, state, moved, most):
                 return found
+            elif rest and isinstance(made, Plan) and made.task == "lift":
+                made = self._lasting_lift(frame, rest, state)
+                if isinstance(made, Plan):
+                    return self._joined(frame, made, rest, state, moved, most)
+                beyond_hand.append(frame)
         about = {other.object.id for other in frames if other.object is not None}
         for frame, refusal in refused if most else ():
             for name in obstacles(refusal):
@@ -166,6 +186,29 @@ class StepSearch:
                     continue
                 if found := self._cleared(name, frame, state, moved, frames, most - 1):
                     return found
+        for frame in beyond_hand if most else ():
+            if self._may_be_brought(frame, state, moved) and (
+                found := self._brought(frame, state, moved, frames, most - 1)
+            ):
+                return found
+        return None
+
+    def _may_be_brought(self, frame: g.Frame, state: WorldState, moved: frozenset[str]) -> bool:
+        """Return True if the object of a frame is moved so that the hand gets to it."""
+        own = frame.object.id if frame.object is not None else None
+        kept = self._defaults.clear == CLEARED.index("no") or own in moved
+        return not kept and may_be_brought(frame, state)
+
+    def _brought(
+        self, frame: g.Frame, state: WorldState, moved: frozenset[str], frames: Frames, most: int
+    ) -> Steps | None:
+        """Steps for frames, the first of which brings the object of one to where it is reached."""
+        for step in bringing_frames(frame, state, self._defaults):
+            made = self._plan(step, state)
+            if not isinstance(made, Plan):
+                continue
+            if found := self._joined(step, made, frames, state, moved, most):
+                return found
         return None
 
     def _cleared(
@@ -206,6 +249,13 @@ class StepSearch:
         own = frame.object.id if frame.object is not None else None
         found = self._steps(rest, then, moved | {own or ""}, most)
         return None if found is None else [(frame, made), *found]
+
+    def _lasting_lift(self, frame: g.Frame, rest: Frames, state: WorldState) -> PlanningResult:
+        """The plan of a lift with a grasp after which the rest can be done."""
+        budget = SearchBudget(min(self._left, MOST_EACH))
+        made = lasting_lift(self._controller, state, (frame, *rest), self._stop, budget)
+        self._left -= budget.done
+        return made
 
     def _plan(self, frame: g.Frame, state: WorldState) -> PlanningResult:
         """The plan of a step, with no more work than is left."""
