@@ -73,6 +73,7 @@ class Answer(DocumentPart):
         query: what kind of question it was; None if a remark is answered.
         text: the answer in one sentence.
         lines: what stands below it, one thing in each line.
+        objects: of a question which one it is, or which ones can, their names in the scene.
         numbers: the figures behind it, by name [SI]; `force` is what a question about a force asks.
         probability: of what is asked, under the model's uncertainty; None if it has none.
         yes: of a yes-no question, what is more probable; of a question how hard or where, whether
@@ -87,6 +88,7 @@ class Answer(DocumentPart):
     query: Query | None = None
     text: str
     lines: tuple[str, ...] = ()
+    objects: tuple[str, ...] = ()
     numbers: dict[str, float] = Field(default={})
     probability: float | None = None
     yes: bool | None = None

@@ -52,7 +52,8 @@ def comparison_answer(frame: g.Frame, state: WorldState) -> Answer:
     """Which of two objects is believed to have more of something; of one, how much it has."""
     one, goal = target_of(frame, state), frame.goal
     if not isinstance(goal, g.Parameters) or not goal.than:
-        return property_answer(frame, state, 0.0).model_copy(update={"query": "compare"})
+        most = {"query": "compare", "objects": (one.name,)}
+        return property_answer(frame, state, 0.0).model_copy(update=most)
     (which,), than = goal.which, goal.than[0]
     assert than.id is not None, "the objects of a question are resolved"
     other, (word, unit) = state.objects[than.id], _MORE[which]
@@ -62,7 +63,7 @@ def comparison_answer(frame: g.Frame, state: WorldState) -> Answer:
     sure = "" if a - b > 2.0 * sd else ", as far as I know"
     figures = f"{quantity(a, unit)} to {quantity(b, unit)}"
     text = f"The {more.name} is {word} than the {less.name}{sure}: {figures}."
-    return Answer(query="compare", text=text, numbers={"more": a, "less": b})
+    return Answer(query="compare", text=text, objects=(more.name,), numbers={"more": a, "less": b})
 
 
 def _amount(seen: SeenObject, which: str) -> float:
@@ -85,7 +86,7 @@ def capable_answer(frame: g.Frame, state: WorldState, robot: Robot, defaults: De
     text = f"I can do that with {enumeration([f'the {name}' for name in can]) or 'none of them'}"
     text += f", not with {enumeration(cannot, 'or')}." if cannot and can else "."
     numbers = {"can": float(len(can)), "asked": float(len(names))}
-    return Answer(query="capable", text=text, numbers=numbers, yes=bool(can))
+    return Answer(query="capable", text=text, objects=tuple(can), numbers=numbers, yes=bool(can))
 
 
 def destination_answer(

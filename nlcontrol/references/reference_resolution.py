@@ -63,6 +63,8 @@ class Context:
         latest: those of the last sentence.
         moved: names of the objects that were moved, in that order.
         group: those that were handled or compared together last, if nothing else was since.
+        doubt: those of which a pronoun may mean any, since all were handled alike, or told as an
+            answer, or fit a name that was refused; None if it is clear.
     """
 
     last: tuple[str, ...] = ()
@@ -70,6 +72,7 @@ class Context:
     latest: tuple[str, ...] = ()
     moved: tuple[str, ...] = ()
     group: tuple[str, ...] = ()
+    doubt: tuple[str, ...] | None = None
 
 
 NOTHING_SAID = Context()
@@ -107,7 +110,8 @@ def resolve_references(
     for frame in command.frames:
         latest = tuple(n for f in frames for n in objects_spoken_of(f)) or context.latest
         it = _pronoun_meanings(frame, spoken, context.held)
-        before = Spoken(it, it[:1], latest, context.moved, context.group)
+        doubt = None if frames or it != spoken else context.doubt
+        before = Spoken(it, it[:1], latest, context.moved, context.group, doubt)
         each = [
             _resolve_frame(f, around, before) for f in _frames_of_several(frame, around, before)
         ]
@@ -198,7 +202,10 @@ def _resolve_frame(frame: Frame, around: Surroundings, before: Spoken) -> Frame:
         if target.pronoun:  # "push it next to the mug" is not about the mug
             beside = {ref.id for ref in _named_beside(frame, binder)}
             it = tuple(name for name in spoken if name not in beside)
-            binder = replace(binder, spoken=replace(before, it=it))
+            doubt = before.doubt and tuple(name for name in before.doubt if name not in beside)
+            if doubt and len(doubt) == 1:
+                it, doubt = doubt, None
+            binder = replace(binder, spoken=replace(before, it=it, doubt=doubt))
         asked = replace(binder, prefers_open=_is_about_inside(frame.goal))
         target = asked.bind_reference(target, alone=_answered_alone(frame))
     own = (target.id,) if target is not None and target.id is not None else ()
@@ -209,7 +216,9 @@ def _resolve_frame(frame: Frame, around: Surroundings, before: Spoken) -> Frame:
     goal_binder = replace(binder, own=own, spoken=around_goal, prefers_open=inside)
     goal = goal_binder.fill_part(frame.goal)
     named = tuple(ref.id for ref in _references_in(goal) if ref.id is not None)
-    within = replace(binder, own=own, spoken=replace(around_goal, it=(*named, *own, *others)))
+    said = (*named, *own)
+    about = replace(around_goal, it=(*said, *others), doubt=None if said else before.doubt)
+    within = replace(binder, own=own, spoken=about)
     constraints = tuple(within.fill_part(clause) for clause in frame.constraints)
     return frame.model_copy(update={"object": target, "goal": goal, "constraints": constraints})
 

@@ -46,6 +46,7 @@ class Spoken:
         moved: what was moved, in that order.
         group: of what "the taller one" and "the other one" are one, if they are several; else
             these are one of the two that were ever spoken of.
+        doubt: of what "it" may be any, and "the left one" is one; None if it is clear.
     """
 
     it: tuple[str, ...] = ()
@@ -53,6 +54,7 @@ class Spoken:
     latest: tuple[str, ...] = ()
     moved: tuple[str, ...] = ()
     group: tuple[str, ...] = ()
+    doubt: tuple[str, ...] | None = None
 
 
 @dataclass(frozen=True)
@@ -99,6 +101,8 @@ def find_object(
         return _object_by_id(ref.id, ref, around, alone)
     if ref.pronoun and not set(_SPOKEN) & set(ref.qualities):
         return _pronoun_object(ref, around, spoken, alone)
+    if (one := _one_of_doubtful(ref, around, spoken)) is not None:
+        return one
     if not _objects_named(ref, around):
         return _model_elsewhere(ref, around, alone)
     found = matching_objects(ref, around, spoken)
@@ -116,6 +120,15 @@ def find_object(
     if len(found) > 1:
         raise ambiguity_error(ref, found, lambda other: matching_objects(other, around, spoken))
     return found[0].name
+
+
+def _one_of_doubtful(ref: ObjectRef, around: Surroundings, spoken: Spoken) -> str | None:
+    """Name of "the ice tea one" among those of which one is to be told."""
+    name, _, one = ref.text.casefold().rpartition(" ")
+    if one != "one" or not name or not spoken.doubt:
+        return None
+    found = find_by_name(name, [c for c in around.on_table if c.name in spoken.doubt])
+    return found[0].name if len(found) == 1 else None
 
 
 def find_several(ref: ObjectRef, around: Surroundings, spoken: Spoken) -> list[str]:
@@ -155,10 +168,11 @@ def matching_objects(ref: ObjectRef, around: Surroundings, spoken: Spoken) -> li
         ControlError: `no_antecedent` if it needs one.
     """
     found, qualities = _objects_named(ref, around), _looked_for(ref, around)
-    if _is_one_of_group(ref):
+    doubtful = [c for c in found if c.name in (spoken.doubt or ())]
+    if len(doubtful) > 1 and ref.qualities and reference_noun(ref) in GENERIC:
+        found = doubtful
+    elif _is_one_of_group(ref):
         together = [c for c in found if c.name in spoken.group]
-        if len(together) < 2 and len(spoken.it) == 2:
-            together = [c for c in found if c.name in spoken.it]
         found = together if len(together) > 1 else found
         if len(found) > 2 and _compares_two(ref):
             return found
@@ -235,6 +249,14 @@ def _pronoun_object(ref: ObjectRef, around: Surroundings, spoken: Spoken, alone:
     """Object of a pronoun; if nothing was spoken of, the only one that there is."""
     if spoken == Spoken() and len(around.on_table) == 1:
         return around.on_table[0].name
+    if spoken.doubt is not None:
+        may = [name for name in around.names if name in spoken.doubt] or around.names
+        raise error(
+            "ambiguous_object" if spoken.doubt else "no_antecedent",
+            f"'{ref.text}' may mean {enumeration(may, 'or')}; say which",
+            span=whole_span(ref.spans),
+            suggestions=tuple(f"the {name}" for name in may),
+        )
     name = _first_spoken_of(spoken.it, ref, around)
     if name not in around.names and not alone:
         raise _not_on_table(f"'{ref.text}', the {name},", ref, around)

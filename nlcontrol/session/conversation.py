@@ -16,12 +16,7 @@ from typing import TYPE_CHECKING, Literal, TypedDict
 from grammar.frames import command as g
 from nlcontrol.errors import ControlError
 from nlcontrol.questions.answer import Answer
-from nlcontrol.references.object_names import name_words
-from nlcontrol.references.reference_resolution import (
-    Context,
-    names_together,
-    parts_within,
-)
+from nlcontrol.references.reference_resolution import Context
 from nlcontrol.reports.why_answers import deed_answer, why_answer
 from nlcontrol.results.result import result_with
 from nlcontrol.results.step_endings import status_of
@@ -31,6 +26,7 @@ from nlcontrol.session.frame_documents import text_of
 from nlcontrol.session.proposals import Approval, Intention, Proposal
 from nlcontrol.session.recipe import Deed
 from nlcontrol.session.remarks import follow_up_frames as follow_up
+from nlcontrol.session.remarks import spoken_objects as spoken
 from nlcontrol.session.remarks.follow_up_frames import nothing_before
 from nlcontrol.session.remarks.undo_frames import PastPush, WayBack, undo_frames, undo_text
 from nlcontrol.session.turns import in_turn
@@ -48,9 +44,6 @@ if TYPE_CHECKING:
 
 REMEMBERED = 50
 """Pushes that can be undone."""
-
-_BESIDE = ("than ", "from ", "to ", "of ", "behind ", "beside ", "near ", "touches ")
-"""Words before the name of something that a sentence is not about: "how far is it from the mug"."""
 
 
 class Options(TypedDict, total=False):
@@ -231,6 +224,7 @@ class Conversation:
         asks_on = self._asked_in_vain and follow_up.asks_further(command)
         if asks_on or (self._lost and follow_up.leaves_object_open(command)):
             nothing_before("what was said last was not understood, so this may be about that")
+        command = follow_up.with_clear_way_back(command, self._done)
         meant = follow_up.meant_command(command, self._said, self._done, self._exchange)
         joins, exchange = follow_up.joins_last(command), follow_up.exchange_of(meant)
         return Intention(meant, self._notes(command), joins=joins, exchange=exchange)
@@ -276,23 +270,12 @@ class Conversation:
         if not proposed and any(frame.query is None for frame in kept.frames):
             self._done = kept
             self._exchange = meant.exchange
-        self._speak_of(kept.frames, joins=meant.joins)
+        self.context = spoken.context_after(self.context, kept, joins=meant.joins)
         for step in kept.steps:
             if step.execution and step.plan and step.before:
                 self.past.append(PastPush.from_step(kept, step.plan, step.before, step.basis))
         del self.past[:-REMEMBERED]
         self.context = replace(self.context, moved=tuple(push.object for push in self.past))
-
-    def _speak_of(self, frames: Sequence[g.Frame], *, joins: bool = False) -> None:
-        parts = (part for frame in reversed(frames) for part in parts_within(frame))
-        names = [ref.id for ref in parts if isinstance(ref, g.ObjectRef) and ref.id is not None]
-        last = tuple(dict.fromkeys((*names, *self.context.last)))
-        group = tuple(dict.fromkeys(name for frame in frames for name in names_together(frame)))
-        if joins:
-            group = tuple(dict.fromkeys((*self.context.group, *group)))
-        elif set(group) <= set(self.context.group):
-            group = self.context.group
-        self.context = replace(self.context, last=last, latest=tuple(names), group=group)
 
     def _note_lost(self, text: str, code: str) -> None:
         """Remembers what was named where nothing else was understood.
@@ -300,25 +283,15 @@ class Conversation:
         A correction would be about that, if it may have been a command: it has a verb, or names
         another object; then so would any remark that names none.
         """
-        spoken, named = self.context.latest, self._recall_names(text)
+        latest, named = self.context.latest, spoken.names_said(text, self.controller.cell.names)
+        last = tuple(dict.fromkeys((*named, *self.context.last)))
+        doubt = () if spoken.asks_which(text) else None
+        self.context = replace(self.context, last=last, doubt=doubt)
         self._asked_in_vain = text.rstrip().endswith("?")
-        other = not self._asked_in_vain and not set(named) <= set(spoken)
+        other = not self._asked_in_vain and bool(named) and set(named) != set(latest)
         self._lost = self._lost or other
         if other or code == "unknown_verb" or follow_up.has_verb(text):
             self._said = None
-
-    def _recall_names(self, text: str) -> list[str]:
-        """The objects that are named, which are remembered; an "ice tea box" is no ice tea."""
-        words, names = " ".join(name_words(text)), sorted(self.controller.cell.names, key=len)
-        found = {words.find(name.casefold()): name for name in names}
-        named = [
-            name
-            for place, name in sorted(found.items(), reverse=True)
-            if place >= 0 and not words[:place].removesuffix("the ").endswith(_BESIDE)
-        ]
-        last = tuple(dict.fromkeys((*named, *self.context.last)))
-        self.context = replace(self.context, last=last)
-        return named
 
     # --- corrections ----------------------------------------------------------------------------
 
@@ -349,7 +322,7 @@ class Conversation:
     ) -> Result:
         """Remembers what came of an undoing, and returns that with its notes."""
         self._last = result_with(result, trace=None)
-        self._speak_of(result.frames)
+        self.context = spoken.context_after(self.context, result)
         done = [back.undoes[step.frame] for step in result.steps if step.status == "done"]
         if len(done) < len(back.frames):
             # What takes two steps is undone when both are done.

@@ -17,6 +17,7 @@ from nlcontrol.errors import error, whole_span
 from nlcontrol.session.remarks.merged_frames import (
     FAR_FIELDS,
     Rename,
+    are_alike,
     by_name,
     merge_frames,
     stated_fields,
@@ -24,10 +25,12 @@ from nlcontrol.session.remarks.merged_frames import (
     without_spans,
 )
 from nlcontrol.session.remarks.undo_frames import reversed_goal
+from nlcontrol.text_format import enumeration
 
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result
 
+_AS_COMMAND = {"query": None, "event": None, "negated": False}
 _ABOUT_DEEDS = ("why", "did", "seen")
 """Questions with which nothing else can be asked the same."""
 
@@ -59,7 +62,7 @@ def meant_command(
             case "correct":
                 frames += _corrected_frames(frame, said, done)
             case "more":
-                frames.append(_continued_frame(frame, frames, done))
+                frames += _continued_frames(frame, frames, said, done)
             case remark:
                 last = frames or followed_frames(frame, _frames(said), _frames(done))
                 last = last or nothing_before("there is nothing before that this could be about")
@@ -70,17 +73,22 @@ def meant_command(
     return command.model_copy(update={"frames": tuple(frames), "paraphrase": words})
 
 
-def _continued_frame(said: g.Frame, frames: Sequence[g.Frame], done: Result | None) -> g.Frame:
+def _continued_frames(
+    said: g.Frame, frames: Sequence[g.Frame], asked: Result | None, done: Result | None
+) -> tuple[g.Frame, ...]:
     before = frames or _frames(done)
     if not before and said.action and said.object and stated_fields(said.goal):
-        return said.model_copy(update={"dialogue": None})  # "further to the left"
+        return (said.model_copy(update={"dialogue": None}),)  # "further to the left"
+    if not before:  # "can you push it?", "a bit more"
+        possible = [frame for frame in _frames(asked) if frame.query == "possible"]
+        before = [frame.model_copy(update=_AS_COMMAND) for frame in possible]
     before = before or nothing_before("nothing was done that could go on")
-    last, heading = latest_matching(before, said), None
-    if not frames and done and done.plan:
+    meant, heading = frames_about(before, said), None
+    if not frames and done and done.plan and len(meant) == 1:
         heading = done.steps[-1].heading
-    if isinstance(last.goal, g.Place) and heading is None:
+    if heading is None and any(isinstance(last.goal, g.Place) for last in meant):
         nothing_before("nothing was pushed there yet, so there is no direction to go on in")
-    return continue_frame(last, said, heading)
+    return tuple(continue_frame(last, said, heading) for last in meant)
 
 
 def _corrected_frames(
@@ -95,7 +103,13 @@ def _corrected_frames(
     unresolved = last.error is not None and last.status == "not_understood"
     wrong = last.error.span if last.error and unresolved else None
     stopped = last.steps[-1].frame if last.steps else 0
-    return correct_frame(_frames(last, stopped), frame, wrong)
+    before = _frames(last, stopped)
+    if last.error is None and frame.object is None:
+        return tuple(merge_frames(without_spans(f), frame) for f in frames_about(before, frame))
+    if isinstance(frame.goal, g.Place):  # "take it and put it there", "rather in front of it"
+        while len(before) > 1 and isinstance(before[0].goal, g.Lift):
+            before.pop(0)
+    return correct_frame(before, frame, wrong)
 
 
 def _frames(result: Result | None, first: int = 0) -> list[g.Frame]:
@@ -111,14 +125,17 @@ def repeat_frames(before: Sequence[g.Frame], said: g.Frame) -> tuple[g.Frame, ..
     """
     if not (said.query or says_something(said)):
         return tuple(map(without_spans, before))
-    last = latest_matching(before, said)
-    merged = merge_frames(without_spans(last, _names_for_kept(last, said)), said)
-    if said.object and first_contradiction(merged):  # "the same with the jar", not to be touched
+    meant = frames_about(before, said)
+    places = all(isinstance(frame.goal, g.Place) for frame in meant)
+    if said.object and isinstance(said.goal, g.Place) and not (said.action or places):
+        nothing_before("nothing was put anywhere, so it is not clear what to do")
+    merged = [merge_frames(without_spans(f, _names_for_kept(f, said)), said) for f in meant]
+    if said.object and any(map(first_contradiction, merged)):  # "… with the jar", not to be touched
         nothing_before("together with what was said before, this contradicts itself")
     if said.query is None:
-        return (merged,)
+        return tuple(merged)
     asked = {"query": said.query, "event": said.event, "negated": said.negated}
-    return (merged.model_copy(update=asked),)
+    return tuple(frame.model_copy(update=asked) for frame in merged)
 
 
 def says_something(said: g.Frame) -> bool:
@@ -171,18 +188,18 @@ def _can_correct(last: g.Frame, said: g.Frame) -> bool:
 
 
 def reversed_frames(before: Sequence[g.Frame], said: g.Frame) -> tuple[g.Frame, ...]:
-    """The last frame the other way, as far as is said."""
-    last = latest_matching(before, said)
-    goal = reversed_goal(without_spans(last.goal))
-    merged = merge_frames(last.model_copy(update={"goal": goal}), said)
-    return (without_spans(merged),)
+    """The frames that are meant the other way, as far as is said."""
+    other = (
+        last.model_copy(update={"goal": reversed_goal(without_spans(last.goal))})
+        for last in frames_about(before, said)
+    )
+    return tuple(without_spans(merge_frames(last, said)) for last in other)
 
 
 def asked_as_commands(asked: Sequence[g.Frame], said: g.Frame) -> tuple[g.Frame, ...]:
     """What was asked about, to be done as far as is said besides ("do it slowly")."""
-    plain = {"query": None, "event": None, "negated": False}
     told = (merge_frames(without_spans(frame), said) for frame in asked)
-    return tuple(frame.model_copy(update=plain) for frame in told)
+    return tuple(frame.model_copy(update=_AS_COMMAND) for frame in told)
 
 
 _FOLLOW_UPS: dict[str, Callable[[Sequence[g.Frame], g.Frame], tuple[g.Frame, ...]]] = {
@@ -213,10 +230,25 @@ def _words_of(frames: Sequence[g.Frame], otherwise: str) -> str:
         return otherwise
 
 
-def latest_matching(before: Sequence[g.Frame], said: g.Frame) -> g.Frame:
-    """The frame that a remark is about: the last with its action, if it names one that fits."""
-    same = [frame for frame in before if frame.action == said.action]
-    return (same or list(before))[-1]
+def frames_about(before: Sequence[g.Frame], said: g.Frame) -> list[g.Frame]:
+    """The frames that a remark is about: the last, and those before it that say the same.
+
+    If it names an action, those with that action; "slowly" is about all of them. Where several
+    objects went different ways, it does not say which of them is meant.
+
+    Raises:
+        ControlError: `nothing_before`.
+    """
+    same = [frame for frame in before if frame.action == said.action] or list(before)
+    fitting = [frame for frame in same if frame.goal.kind == said.goal.kind] or same
+    if said.object is not None or said.query is not None or len(fitting) == 1:
+        return fitting[-1:]
+    if are_alike(same) or (said.goal.kind == "none" and said.constraints):
+        return same
+    objects = {frame.object.id: None for frame in fitting if frame.object and frame.object.id}
+    if len(objects) > 1:
+        nothing_before(f"it is not clear whether {enumeration([*objects], 'or')} is meant")
+    return fitting[-1:]
 
 
 def continue_frame(before: g.Frame, said: g.Frame, heading: float | None) -> g.Frame:
@@ -284,6 +316,33 @@ def _names_for_kept(frame: g.Frame, said: g.Frame) -> Rename:
         return instead if ref == own or stands_for_it else by_name(ref)
 
     return rename
+
+
+def with_clear_way_back(command: g.Command, done: Result | None) -> g.Command:
+    """The command, in which "back" is said of something that the last command moved.
+
+    By a length, it goes back on its way; without one it may be to where it was, or to the robot.
+
+    Raises:
+        ControlError: `nothing_before`.
+    """
+    frame, moved = command.frames[0], _frames(done)[-1:]
+    if len(command.frames) > 1 or not isinstance(frame.goal, g.Displace):
+        return command
+    said = [command.text[start:end].casefold() for start, end in frame.goal.spans]
+    if "back" not in said or not moved or not (frame.object and frame.object.pronoun):
+        return command
+    last = moved[0].goal
+    if not isinstance(last, g.Displace) or last.direction in ("away", None):
+        return command
+    if frame.goal.distance is None:
+        nothing_before("“back” may be to where it was (“undo that”), or toward the robot")
+    way = without_fields(reversed_goal(without_spans(last)), FAR_FIELDS)
+    told = {key: getattr(frame.goal, key) for key in ("distance", "bound", "spans")}
+    goal = way.model_copy(update=told)
+    back = frame.model_copy(update={"goal": goal})
+    words = _words_of([back], command.paraphrase)
+    return command.model_copy(update={"frames": (back,), "paraphrase": words})
 
 
 def leaves_object_open(command: g.Command) -> bool:

@@ -59,6 +59,12 @@ def without_fields(goal: Any, fields: Sequence[str]) -> Any:
     return goal.model_copy(update={k: there[k].get_default() for k in fields if k in there})
 
 
+def are_alike(frames: Sequence[g.Frame]) -> bool:
+    """Check for frames that say the same of different objects."""
+    first, *others = (without_spans(f.model_copy(update={"object": None})) for f in frames)
+    return all(other == first for other in others)
+
+
 # --- what is put in its place ----------------------------------------------------------------
 
 

@@ -1,0 +1,92 @@
+"""What was spoken of up to a sentence, and whether "it" would be clear after that.
+
+A pronoun is in doubt where it has more than one honest meaning: after several objects that were
+handled alike, after an answer that names several, and after a name that was refused, for which an
+object that was spoken of before would be a guess.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from grammar.frames import command as g
+from nlcontrol.errors import whole_span
+from nlcontrol.references.object_names import name_words
+from nlcontrol.references.reference_resolution import Context, names_together, parts_within
+from nlcontrol.session.remarks.merged_frames import are_alike
+
+if TYPE_CHECKING:
+    from nlcontrol.results.result import Result
+
+_BESIDE = ("than ", "from ", "to ", "of ", "behind ", "beside ", "near ", "touches ")
+"""Words before the name of something that a sentence is not about: "how far is it from the mug"."""
+
+_WHICH = frozenset({"which", "what", "who"})
+_NOT_FOUND = ("ambiguous_object", "no_antecedent", "not_on_table", "unknown_object")
+
+
+def context_after(context: Context, result: Result, *, joins: bool = False) -> Context:
+    """What was spoken of once a sentence is done or refused.
+
+    Args:
+        context: what was spoken of before.
+        result: what came of the sentence.
+        joins: whether its objects join those of the sentence before ("and the mug too").
+    """
+    frames = result.frames
+    parts = (part for frame in reversed(frames) for part in parts_within(frame))
+    names = [ref.id for ref in parts if isinstance(ref, g.ObjectRef) and ref.id is not None]
+    told = _told_objects(result)
+    group = tuple(dict.fromkeys(name for frame in frames for name in names_together(frame)))
+    if joins:
+        group = tuple(dict.fromkeys((*context.group, *group)))
+    elif len(told) > 1:
+        group = told
+    elif set(group) <= set(context.group):
+        group = context.group
+    last = tuple(dict.fromkeys((*(told if len(told) == 1 else ()), *names, *context.last)))
+    return replace(
+        context, last=last, latest=tuple(names), group=group, doubt=_doubt_after(result, told)
+    )
+
+
+def _told_objects(result: Result) -> tuple[str, ...]:
+    """What the answer to a question with "which" names."""
+    asks = not _WHICH.isdisjoint(result.text.casefold().replace("'", " ").split())
+    return result.answer.objects if result.answer and asks else ()
+
+
+def _doubt_after(result: Result, told: tuple[str, ...]) -> tuple[str, ...] | None:
+    if result.status == "not_understood" and _misses_its_object(result):
+        may = result.error.suggestions if result.error else ()
+        return tuple(each.removeprefix("the ") for each in may if each.startswith("the "))
+    done = [frame for frame in result.frames if frame not in result.aside]
+    handled = tuple(dict.fromkeys(f.object.id for f in done if f.object and f.object.id))
+    if len(told) > 1:
+        return told
+    return handled if len(handled) > 1 and are_alike(done) else None
+
+
+def _misses_its_object(result: Result) -> bool:
+    """Check for a refusal of what a sentence was about, and of no place beside it."""
+    spans = [whole_span(frame.object.spans) for frame in result.frames if frame.object]
+    refused = result.error
+    return refused is not None and refused.code in _NOT_FOUND and refused.span in spans
+
+
+def asks_which(text: str) -> bool:
+    """Check for a question whose answer would be an object."""
+    return text.rstrip().endswith("?") and text.split(maxsplit=1)[0].casefold() == "which"
+
+
+def names_said(text: str, names: Iterable[str]) -> list[str]:
+    """The objects that a text names as what it is about; an "ice tea box" is no ice tea."""
+    words = " ".join(name_words(text))
+    found = {words.find(name.casefold()): name for name in sorted(names, key=len)}
+    return [
+        name
+        for place, name in sorted(found.items(), reverse=True)
+        if place >= 0 and not words[:place].removesuffix("the ").endswith(_BESIDE)
+    ]
