@@ -101,8 +101,6 @@ def find_object(
         return _object_by_id(ref.id, ref, around, alone)
     if ref.pronoun and not set(_SPOKEN) & set(ref.qualities):
         return _pronoun_object(ref, around, spoken, alone)
-    if (one := _one_of_doubtful(ref, around, spoken)) is not None:
-        return one
     if not _objects_named(ref, around):
         return _model_elsewhere(ref, around, alone)
     found = matching_objects(ref, around, spoken)
@@ -117,18 +115,22 @@ def find_object(
     if ref.quantifier == "any" and found:
         nearest = with_attribute("near", [around.look().objects[c.name] for c in found])
         return nearest[0].name
+    found = _with_doubtful(ref, found, around, spoken)
     if len(found) > 1:
         raise ambiguity_error(ref, found, lambda other: matching_objects(other, around, spoken))
     return found[0].name
 
 
-def _one_of_doubtful(ref: ObjectRef, around: Surroundings, spoken: Spoken) -> str | None:
-    """Name of "the ice tea one" among those of which one is to be told."""
-    name, _, one = ref.text.casefold().rpartition(" ")
-    if one != "one" or not name or not spoken.doubt:
-        return None
-    found = find_by_name(name, [c for c in around.on_table if c.name in spoken.doubt])
-    return found[0].name if len(found) == 1 else None
+def _with_doubtful(
+    ref: ObjectRef, found: Sequence[Candidate], around: Surroundings, spoken: Spoken
+) -> list[Candidate]:
+    """What a name fits, and the one among those to be told apart of whose name it is a part.
+
+    After "the box", of which there are three, "the ice tea one" may be the ice tea box.
+    """
+    doubtful = [c for c in around.on_table if c.name in (spoken.doubt or ())]
+    parts = find_by_name(ref.text, doubtful)
+    return [*found, *parts] if len(parts) == 1 and parts[0] not in found else list(found)
 
 
 def find_several(ref: ObjectRef, around: Surroundings, spoken: Spoken) -> list[str]:
@@ -173,6 +175,8 @@ def matching_objects(ref: ObjectRef, around: Surroundings, spoken: Spoken) -> li
         found = doubtful
     elif _is_one_of_group(ref):
         together = [c for c in found if c.name in spoken.group]
+        if len(together) < 2 and len(spoken.it) == 2:
+            together = [c for c in found if c.name in spoken.it]
         found = together if len(together) > 1 else found
         if len(found) > 2 and _compares_two(ref):
             return found

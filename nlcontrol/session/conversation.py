@@ -226,8 +226,13 @@ class Conversation:
             nothing_before("what was said last was not understood, so this may be about that")
         command = follow_up.with_clear_way_back(command, self._done)
         meant = follow_up.meant_command(command, self._said, self._done, self._exchange)
-        joins, exchange = follow_up.joins_last(command), follow_up.exchange_of(meant)
-        return Intention(meant, self._notes(command), joins=joins, exchange=exchange)
+        return Intention(
+            meant,
+            self._notes(command),
+            joins=follow_up.joins_last(command),
+            corrects=follow_up.corrects_object(command),
+            exchange=follow_up.exchange_of(meant),
+        )
 
     def _do(
         self,
@@ -270,7 +275,9 @@ class Conversation:
         if not proposed and any(frame.query is None for frame in kept.frames):
             self._done = kept
             self._exchange = meant.exchange
-        self.context = spoken.context_after(self.context, kept, joins=meant.joins)
+        self.context = spoken.context_after(
+            self.context, kept, joins=meant.joins, corrects=meant.corrects
+        )
         for step in kept.steps:
             if step.execution and step.plan and step.before:
                 self.past.append(PastPush.from_step(kept, step.plan, step.before, step.basis))

@@ -35,6 +35,7 @@ class Intention:
         command: with each remark replaced by the frames that it means.
         notes: on how a remark was taken.
         joins: whether its objects join those of the sentence before ("and the mug too").
+        corrects: whether its object takes the place of one that was not meant.
         exchange: the command before its objects were resolved, if things change places.
         undone: what was pushed, if that is undone.
         back: the way back then.
@@ -43,6 +44,7 @@ class Intention:
     command: Command
     notes: tuple[str, ...] = ()
     joins: bool = False
+    corrects: bool = False
     exchange: Command | None = None
     undone: tuple[PastPush, ...] = ()
     back: WayBack | None = None

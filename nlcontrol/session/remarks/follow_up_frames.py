@@ -370,6 +370,12 @@ def joins_last(command: g.Command) -> bool:
     return first.dialogue in ("same", "repeat") and first.object is not None
 
 
+def corrects_object(command: g.Command) -> bool:
+    """Check for "no, the mug"."""
+    first = command.frames[0]
+    return first.dialogue == "correct" and first.object is not None
+
+
 def sole_remark(command: g.Command) -> str | None:
     """The remark that a whole sentence is; None if it is to be carried out as frames.
 

@@ -27,13 +27,16 @@ _WHICH = frozenset({"which", "what", "who"})
 _NOT_FOUND = ("ambiguous_object", "no_antecedent", "not_on_table", "unknown_object")
 
 
-def context_after(context: Context, result: Result, *, joins: bool = False) -> Context:
+def context_after(
+    context: Context, result: Result, *, joins: bool = False, corrects: bool = False
+) -> Context:
     """What was spoken of once a sentence is done or refused.
 
     Args:
         context: what was spoken of before.
         result: what came of the sentence.
         joins: whether its objects join those of the sentence before ("and the mug too").
+        corrects: whether they take the place of some that were not meant ("no, the mug").
     """
     frames = result.frames
     parts = (part for frame in reversed(frames) for part in parts_within(frame))
@@ -46,7 +49,8 @@ def context_after(context: Context, result: Result, *, joins: bool = False) -> C
         group = told
     elif set(group) <= set(context.group):
         group = context.group
-    last = tuple(dict.fromkeys((*(told if len(told) == 1 else ()), *names, *context.last)))
+    before = [name for name in context.last if not (corrects and name in context.latest)]
+    last = tuple(dict.fromkeys((*(told if len(told) == 1 else ()), *names, *before)))
     return replace(
         context, last=last, latest=tuple(names), group=group, doubt=_doubt_after(result, told)
     )

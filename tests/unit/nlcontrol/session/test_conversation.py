@@ -64,7 +64,7 @@ def test_remarks_may_follow_one_another(conversation: Conversation) -> None:
         conversation, AWAY, "a bit more to the right", "no, I meant the cereal box", "again"
     )
     assert goal(result) == ("cereal box", ("right", None, "little"))
-    assert conversation.context.last == ("cereal box", "coffee box")
+    assert conversation.context.last == ("cereal box",)
 
 
 def test_the_words_of_an_earlier_sentence_are_not_quoted_from_this_one(

@@ -1,0 +1,73 @@
+"""References with more than one honest meaning, which are asked back."""
+
+from __future__ import annotations
+
+import pytest
+
+from nlcontrol import Conversation
+
+BOTH = "push the mug and the coffee box 4 cm to the left"
+
+
+@pytest.mark.parametrize(
+    ("sentences", "named"),
+    [
+        ((BOTH, "now turn it by 30 degrees"), ("the coffee box", "the mug")),
+        ((BOTH, "now turn it by 30 degrees", "slowly"), ("the coffee box", "the mug")),
+        (
+            ("push the mug away", "push the box to the left", "push it away"),
+            ("the ice tea box", "the cereal box", "the coffee box"),
+        ),
+        (("push the box 5 cm away", "the ice tea one"), ("the ice tea box", "the ice tea")),
+    ],
+)
+def test_a_pronoun_that_may_mean_several_things_is_asked_back(
+    conversation: Conversation, sentences: tuple[str, ...], named: tuple[str, ...]
+) -> None:
+    result = [conversation.say(text, plan_only=True) for text in sentences][-1]
+    assert result.error is not None
+    assert result.error.code == "ambiguous_object"
+    assert set(result.error.suggestions) >= set(named)
+
+
+@pytest.mark.parametrize(
+    "sentences",
+    [
+        ("push the mug to the left by 5 cm", "push it back"),
+        ("push the coffee box left 5 cm and the cereal box right 5 cm", "8 cm"),
+        ("push the mug 5 cm away", "and next to it, the coffee box"),
+    ],
+)
+def test_a_remark_that_may_mean_several_things_is_asked_back(
+    conversation: Conversation, sentences: tuple[str, ...]
+) -> None:
+    result = [conversation.say(text, plan_only=True) for text in sentences][-1]
+    assert result.error is not None
+    assert result.error.code == "nothing_before"
+
+
+def test_what_a_question_with_which_names_is_spoken_of(conversation: Conversation) -> None:
+    said = (
+        "push the mug away",
+        "which is taller, the mug or the cereal box?",
+        "push that one away",
+    )
+    result = [conversation.say(text, plan_only=True) for text in said][-1]
+    assert [frame.object.id for frame in result.frames if frame.object] == ["cereal box"]
+
+
+def test_a_remark_goes_to_all_that_were_handled_alike(conversation: Conversation) -> None:
+    for remark, distance in (("slowly", 0.04), ("6 cm", 0.06)):
+        conversation.say(BOTH, plan_only=True)
+        frames = conversation.say(remark, plan_only=True).frames
+        told = [(f.object.id, f.goal.model_dump()["distance"]) for f in frames if f.object]
+        assert told == [("mug", distance), ("coffee box", distance)]
+
+
+def test_back_by_a_length_is_the_way_that_it_came(conversation: Conversation) -> None:
+    conversation.say("push the mug to the left by 5 cm", plan_only=True)
+    (frame,) = conversation.say("push it back 3 cm", plan_only=True).frames
+    assert frame.goal.model_dump(include={"direction", "distance"}) == {
+        "direction": "right",
+        "distance": 0.03,
+    }
