@@ -26,8 +26,9 @@ from nlcontrol.session.frame_documents import text_of
 from nlcontrol.session.proposals import Approval, Intention, Proposal
 from nlcontrol.session.recipe import Deed
 from nlcontrol.session.remarks import follow_up_frames as follow_up
+from nlcontrol.session.remarks import remark_aims as aims
 from nlcontrol.session.remarks import spoken_objects as spoken
-from nlcontrol.session.remarks.follow_up_frames import nothing_before
+from nlcontrol.session.remarks.remark_aims import nothing_before
 from nlcontrol.session.remarks.undo_frames import PastPush, WayBack, undo_frames, undo_text
 from nlcontrol.session.turns import in_turn
 
@@ -221,16 +222,16 @@ class Conversation:
             return self._plain_result(command, self._explain_last(command), "answered")
         if remark == "undo":
             return self._way_back(command)
-        asks_on = self._asked_in_vain and follow_up.asks_further(command)
-        if asks_on or (self._lost and follow_up.leaves_object_open(command)):
+        asks_on = self._asked_in_vain and aims.asks_further(command)
+        if asks_on or (self._lost and aims.leaves_object_open(command)):
             nothing_before("what was said last was not understood, so this may be about that")
         command = follow_up.with_clear_way_back(command, self._done)
         meant = follow_up.meant_command(command, self._said, self._done, self._exchange)
         return Intention(
             meant,
             self._notes(command),
-            joins=follow_up.joins_last(command),
-            corrects=follow_up.corrects_object(command),
+            joins=aims.joins_last(command),
+            corrects=aims.corrects_object(command),
             exchange=follow_up.exchange_of(meant),
         )
 

@@ -6,7 +6,7 @@ What is done with them is `nlcontrol.session.conversation`'s matter.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING
 
 from grammar import paraphrase
 from grammar.clauses.consistency import first_contradiction
@@ -17,22 +17,25 @@ from nlcontrol.errors import error, whole_span
 from nlcontrol.session.remarks.merged_frames import (
     FAR_FIELDS,
     Rename,
-    are_alike,
     by_name,
     merge_frames,
     stated_fields,
     without_fields,
     without_spans,
 )
+from nlcontrol.session.remarks.remark_aims import (
+    followed_frames,
+    frames_about,
+    frames_said,
+    nothing_before,
+    says_something,
+)
 from nlcontrol.session.remarks.undo_frames import reversed_goal
-from nlcontrol.text_format import enumeration
 
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result
 
 _AS_COMMAND = {"query": None, "event": None, "negated": False}
-_ABOUT_DEEDS = ("why", "did", "seen")
-"""Questions with which nothing else can be asked the same."""
 
 
 def meant_command(
@@ -64,7 +67,7 @@ def meant_command(
             case "more":
                 frames += _continued_frames(frame, frames, said, done)
             case remark:
-                last = frames or followed_frames(frame, _frames(said), _frames(done))
+                last = frames or followed_frames(frame, frames_said(said), frames_said(done))
                 last = last or nothing_before("there is nothing before that this could be about")
                 frames += _FOLLOW_UPS[remark](last, frame)
     if tuple(frames) == command.frames:
@@ -76,11 +79,11 @@ def meant_command(
 def _continued_frames(
     said: g.Frame, frames: Sequence[g.Frame], asked: Result | None, done: Result | None
 ) -> tuple[g.Frame, ...]:
-    before = frames or _frames(done)
+    before = frames or frames_said(done)
     if not before and said.action and said.object and stated_fields(said.goal):
         return (said.model_copy(update={"dialogue": None}),)  # "further to the left"
     if not before:  # "can you push it?", "a bit more"
-        possible = [frame for frame in _frames(asked) if frame.query == "possible"]
+        possible = [frame for frame in frames_said(asked) if frame.query == "possible"]
         before = [frame.model_copy(update=_AS_COMMAND) for frame in possible]
     before = before or nothing_before("nothing was done that could go on")
     meant, heading = frames_about(before, said), None
@@ -94,8 +97,8 @@ def _continued_frames(
 def _corrected_frames(
     frame: g.Frame, said: Result | None, done: Result | None
 ) -> tuple[g.Frame, ...]:
-    followed = followed_frames(frame, _frames(said), _frames(done))
-    last = said if followed == _frames(said) else done
+    followed = followed_frames(frame, frames_said(said), frames_said(done))
+    last = said if followed == frames_said(said) else done
     if last is None or not last.frames:
         if frame.action is None or frame.object is None:
             nothing_before("there is no sentence before that could be corrected")
@@ -103,18 +106,13 @@ def _corrected_frames(
     unresolved = last.error is not None and last.status == "not_understood"
     wrong = last.error.span if last.error and unresolved else None
     stopped = last.steps[-1].frame if last.steps else 0
-    before = _frames(last, stopped)
+    before = frames_said(last, stopped)
     if last.error is None and frame.object is None:
         return tuple(merge_frames(without_spans(f), frame) for f in frames_about(before, frame))
     if isinstance(frame.goal, g.Place):  # "take it and put it there", "rather in front of it"
         while len(before) > 1 and isinstance(before[0].goal, g.Lift):
             before.pop(0)
     return correct_frame(before, frame, wrong)
-
-
-def _frames(result: Result | None, first: int = 0) -> list[g.Frame]:
-    """The frames that were said, from one of a result's on; not what was moved out of the way."""
-    return [each for each in result.frames[first:] if each not in result.aside] if result else []
 
 
 def repeat_frames(before: Sequence[g.Frame], said: g.Frame) -> tuple[g.Frame, ...]:
@@ -138,11 +136,6 @@ def repeat_frames(before: Sequence[g.Frame], said: g.Frame) -> tuple[g.Frame, ..
     return tuple(frame.model_copy(update=asked) for frame in merged)
 
 
-def says_something(said: g.Frame) -> bool:
-    """Check for a remark that names an object, a goal, a way of doing it, or an action."""
-    return bool(said.object or said.constraints or said.action) or said.goal.kind != "none"
-
-
 def _repeats_plainly(command: g.Command) -> bool:
     """Check for "again" and nothing besides."""
     frame = command.frames[0]
@@ -156,35 +149,6 @@ def exchange_of(command: g.Command) -> g.Command | None:
     if not any(isinstance(goal, g.Place) and goal.relation == "place_of" for goal in goals):
         return None
     return command.model_copy(update={"frames": tuple(map(without_spans, command.frames))})
-
-
-def followed_frames(
-    said: g.Frame, asked: Sequence[g.Frame], done: Sequence[g.Frame]
-) -> Sequence[g.Frame]:
-    """The frames that a remark is about, given those said last and those of the last command."""
-    told = [frame for frame in asked if frame.action]
-    if said.dialogue == "do":
-        told = [frame for frame in told if frame.query] or told
-        return told or (done if says_something(said) else [])
-    if said.query is not None:
-        return told or done
-    if said.dialogue == "correct":
-        if not asked:  # what was not understood may have been about another object
-            return done if said.object and not said.object.pronoun else asked
-        return asked if _can_correct(asked[-1], said) else done
-    about_deeds = said.action or said.dialogue in ("same", "reverse", "more")
-    answered = [frame for frame in asked if frame.query not in _ABOUT_DEEDS]
-    if said.goal.kind != "none":  # to ask how it stands is not to ask where it goes
-        answered = [each for each in answered if each.action or each.goal.kind == "parameters"]
-    return done if about_deeds else answered or done
-
-
-def _can_correct(last: g.Frame, said: g.Frame) -> bool:
-    """Check for a frame in which what a remark says can take the place of something."""
-    if last.action is not None:
-        return last.query is None or said.action is None
-    asks = last.query == "value" and last.goal.kind == "parameters"  # not how it came to stand
-    return asks and said.goal.kind == "none" and not said.constraints
 
 
 def reversed_frames(before: Sequence[g.Frame], said: g.Frame) -> tuple[g.Frame, ...]:
@@ -211,44 +175,12 @@ _FOLLOW_UPS: dict[str, Callable[[Sequence[g.Frame], g.Frame], tuple[g.Frame, ...
 """Remark → the frames that it makes of those before it."""
 
 
-def nothing_before(message: str) -> NoReturn:
-    """Refuse a remark on what was not said or done.
-
-    Raises:
-        ControlError: `nothing_before`.
-    """
-    raise error(
-        "nothing_before", message, suggestions=("say first what to do, as “push the box away”",)
-    )
-
-
 def _words_of(frames: Sequence[g.Frame], otherwise: str) -> str:
     """Frames in plain words; other words if not everything that they say has any."""
     try:
         return ", then ".join(paraphrase(frame) for frame in frames)
     except ValueError:
         return otherwise
-
-
-def frames_about(before: Sequence[g.Frame], said: g.Frame) -> list[g.Frame]:
-    """The frames that a remark is about: the last, and those before it that say the same.
-
-    If it names an action, those with that action; "slowly" is about all of them. Where several
-    objects went different ways, it does not say which of them is meant.
-
-    Raises:
-        ControlError: `nothing_before`.
-    """
-    same = [frame for frame in before if frame.action == said.action] or list(before)
-    fitting = [frame for frame in same if frame.goal.kind == said.goal.kind] or same
-    if said.object is not None or said.query is not None or len(fitting) == 1:
-        return fitting[-1:]
-    if are_alike(same) or (said.goal.kind == "none" and said.constraints):
-        return same
-    objects = {frame.object.id: None for frame in fitting if frame.object and frame.object.id}
-    if len(objects) > 1:
-        nothing_before(f"it is not clear whether {enumeration([*objects], 'or')} is meant")
-    return fitting[-1:]
 
 
 def continue_frame(before: g.Frame, said: g.Frame, heading: float | None) -> g.Frame:
@@ -326,7 +258,7 @@ def with_clear_way_back(command: g.Command, done: Result | None) -> g.Command:
     Raises:
         ControlError: `nothing_before`.
     """
-    frame, moved = command.frames[0], _frames(done)[-1:]
+    frame, moved = command.frames[0], frames_said(done)[-1:]
     if len(command.frames) > 1 or not isinstance(frame.goal, g.Displace):
         return command
     said = [command.text[start:end].casefold() for start, end in frame.goal.spans]
@@ -345,35 +277,10 @@ def with_clear_way_back(command: g.Command, done: Result | None) -> g.Command:
     return command.model_copy(update={"frames": (back,), "paraphrase": words})
 
 
-def leaves_object_open(command: g.Command) -> bool:
-    """Check for a remark that takes its object from a sentence before, whichever that is."""
-    remarks = (f for f in command.frames if f.dialogue not in (None, "undo", "stop", "thank"))
-    return any(f.action is None and (f.object is None or f.object.pronoun) for f in remarks)
-
-
 def has_verb(text: str) -> bool:
     """Check for a word that may be a verb of a command."""
     lexicon, _ = installed_lexicon()
     return not lexicon.verb_words["VERB"].keys().isdisjoint(text.casefold().split())
-
-
-def asks_further(command: g.Command) -> bool:
-    """Check for a question that goes on with one before: "and the mug?"."""
-    first = command.frames[0]
-    asked = command.text.rstrip().endswith("?")
-    return asked and first.dialogue == "repeat" and first.query is None
-
-
-def joins_last(command: g.Command) -> bool:
-    """Check for a remark about one more object: "and the mug too"."""
-    first = command.frames[0]
-    return first.dialogue in ("same", "repeat") and first.object is not None
-
-
-def corrects_object(command: g.Command) -> bool:
-    """Check for "no, the mug"."""
-    first = command.frames[0]
-    return first.dialogue == "correct" and first.object is not None
 
 
 def sole_remark(command: g.Command) -> str | None:

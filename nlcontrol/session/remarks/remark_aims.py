@@ -1,0 +1,117 @@
+"""Which frames a remark is about: those asked last or those done, one of them or all.
+
+"Slowly" is about all that was said; "6 cm" too, if the same was said of each object; where several
+went different ways, it is asked back.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NoReturn
+
+from grammar.frames import command as g
+from nlcontrol.errors import error
+from nlcontrol.session.remarks.merged_frames import are_alike
+from nlcontrol.text_format import enumeration
+
+if TYPE_CHECKING:
+    from nlcontrol.results.result import Result
+
+_ABOUT_DEEDS = ("why", "did", "seen")
+"""Questions with which nothing else can be asked the same."""
+
+
+def nothing_before(message: str) -> NoReturn:
+    """Refuse a remark on what was not said or done.
+
+    Raises:
+        ControlError: `nothing_before`.
+    """
+    raise error(
+        "nothing_before", message, suggestions=("say first what to do, as “push the box away”",)
+    )
+
+
+def followed_frames(
+    said: g.Frame, asked: Sequence[g.Frame], done: Sequence[g.Frame]
+) -> Sequence[g.Frame]:
+    """The frames that a remark is about, given those said last and those of the last command."""
+    told = [frame for frame in asked if frame.action]
+    if said.dialogue == "do":
+        told = [frame for frame in told if frame.query] or told
+        return told or (done if says_something(said) else [])
+    if said.query is not None:
+        return told or done
+    if said.dialogue == "correct":
+        if not asked:  # what was not understood may have been about another object
+            return done if said.object and not said.object.pronoun else asked
+        return asked if _can_correct(asked[-1], said) else done
+    about_deeds = said.action or said.dialogue in ("same", "reverse", "more")
+    answered = [frame for frame in asked if frame.query not in _ABOUT_DEEDS]
+    if said.goal.kind != "none":  # to ask how it stands is not to ask where it goes
+        answered = [each for each in answered if each.action or each.goal.kind == "parameters"]
+    return done if about_deeds else answered or done
+
+
+def _can_correct(last: g.Frame, said: g.Frame) -> bool:
+    """Check for a frame in which what a remark says can take the place of something."""
+    if last.action is not None:
+        return last.query is None or said.action is None
+    asks = last.query == "value" and last.goal.kind == "parameters"  # not how it came to stand
+    return asks and said.goal.kind == "none" and not said.constraints
+
+
+def frames_about(before: Sequence[g.Frame], said: g.Frame) -> list[g.Frame]:
+    """The frames that a remark is about: the last, and those before it that say the same.
+
+    If it names an action, those with that action; "slowly" is about all of them. Where several
+    objects went different ways, it does not say which of them is meant.
+
+    Raises:
+        ControlError: `nothing_before`.
+    """
+    same = [frame for frame in before if frame.action == said.action] or list(before)
+    fitting = [frame for frame in same if frame.goal.kind == said.goal.kind] or same
+    if said.object is not None or said.query is not None or len(fitting) == 1:
+        return fitting[-1:]
+    if are_alike(same) or (said.goal.kind == "none" and said.constraints):
+        return same
+    objects = {frame.object.id: None for frame in fitting if frame.object and frame.object.id}
+    if len(objects) > 1:
+        nothing_before(f"it is not clear whether {enumeration([*objects], 'or')} is meant")
+    return fitting[-1:]
+
+
+def frames_said(result: Result | None, first: int = 0) -> list[g.Frame]:
+    """The frames that were said, from one of a result's on; not what was moved out of the way."""
+    return [each for each in result.frames[first:] if each not in result.aside] if result else []
+
+
+def leaves_object_open(command: g.Command) -> bool:
+    """Check for a remark that takes its object from a sentence before, whichever that is."""
+    remarks = (f for f in command.frames if f.dialogue not in (None, "undo", "stop", "thank"))
+    return any(f.action is None and (f.object is None or f.object.pronoun) for f in remarks)
+
+
+def asks_further(command: g.Command) -> bool:
+    """Check for a question that goes on with one before: "and the mug?"."""
+    first = command.frames[0]
+    asked = command.text.rstrip().endswith("?")
+    return asked and first.dialogue == "repeat" and first.query is None
+
+
+def joins_last(command: g.Command) -> bool:
+    """Check for a remark about one more object: "and the mug too"."""
+    first = command.frames[0]
+    return first.dialogue in ("same", "repeat") and first.object is not None
+
+
+def corrects_object(command: g.Command) -> bool:
+    """Check for "no, the mug"."""
+    first = command.frames[0]
+    return first.dialogue == "correct" and first.object is not None
+
+
+def says_something(said: g.Frame) -> bool:
+    """Check for a remark that names an object, a goal, a way of doing it, or an action."""
+    return bool(said.object or said.constraints or said.action) or said.goal.kind != "none"
