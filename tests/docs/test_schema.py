@@ -41,8 +41,8 @@ def test_the_answers_of_the_commands() -> None:
         _definition("Check")["properties"]
     )
     assert {
-        "query", "text", "lines", "objects", "numbers", "probability", "yes", "reason", "suggestions",
-        "push", "chart",
+        "query", "text", "lines", "objects", "numbers", "probability", "yes", "reason",
+        "suggestions", "push", "chart",
     } == set(_definition("Answer")["properties"])  # fmt: skip
     assert {"words", "field", "parameter", "value", "spans"} <= set(
         _definition("Row")["properties"]
