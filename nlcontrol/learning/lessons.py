@@ -42,6 +42,7 @@ CONTRADICTIONS: dict[EndReason, str] = {
     "force": "it did not move with the force that was to be enough",
     "tilted": "it tilted where it was to slide",
     "slid": "it slid where it was to tilt",
+    "slipped": "the fingertip slipped over it",
 }
 """Ends of a push that contradict its prediction, in words."""
 
@@ -116,14 +117,22 @@ def _from_turn(made: Plan, target: SeenObject, trace: Trace) -> tuple[ObjectMode
 
 def apply_lesson(model: ObjectModel, trial: Trial) -> Update:
     """The belief after a trial; one that the trial contradicts was too sure, and is widened."""
-    from objectmodels.identification.belief_update import (
-        update_belief,
-        update_without_motion,
-        widen_belief,
-    )
+    from objectmodels.identification.belief_update import update_without_motion
 
     if trial.moved == "none":
         return update_without_motion(model, trial)
+    if trial.moved == "slip":
+        # What stays behind a fingertip that slips over it withstands the force of that finger.
+        withstood = update_without_motion(model, replace(trial, moved="none", normal=None))
+        slipped = _explained(withstood.model, trial)
+        return replace(slipped, surprise=max(slipped.surprise, withstood.surprise))
+    return _explained(model, trial)
+
+
+def _explained(model: ObjectModel, trial: Trial) -> Update:
+    """The belief after a trial in which something moved."""
+    from objectmodels.identification.belief_update import update_belief, widen_belief
+
     first = update_belief(model, [trial], spread=SPREAD)
     if not first.is_contradiction:
         return first

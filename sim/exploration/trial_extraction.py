@@ -258,6 +258,7 @@ FORCE_SD = 0.03
 """Standard deviation of a pushing force as a share of it: speeds that change, joints that flex."""
 
 _AT_LIMIT = 0.5  # time at the end over which a force that moved nothing is averaged [s]
+_SLIPPING = 0.2  # time at the end in which a fingertip surely slips [s]
 _ONSET = 5  # samples before and after an onset over which its force is averaged
 
 _SHOWS: dict[str, Moved] = {
@@ -266,6 +267,7 @@ _SHOWS: dict[str, Moved] = {
     "slid": "slide",
     "stroke": "slide",
     "force": "none",
+    "slipped": "slip",
 }
 
 
@@ -295,6 +297,7 @@ def trial_from_push(push: Push, target: SeenObject, trace: Trace) -> Trial | Non
         point=(x, y, z),
         force=(f_x, f_y, f_z),
         force_sd=FORCE_SD * float(np.linalg.norm(force)),
+        normal=_triple(target.pose.R_WB.T @ np.array(push.normal_W)) if moved == "slip" else None,
         source="a push",
     )
 
@@ -305,6 +308,9 @@ def _chosen(
     """The samples whose force counts."""
     if moved == "none":
         return np.asarray(time > time[-1] - _AT_LIMIT)
+    if moved == "slip":
+        end = time[int(np.argmax(travel))]  # after it the finger springs back
+        return np.asarray((time > end - _SLIPPING) & (time <= end))
     if moved == "topple":
         onset = detect_onset(time, force, travel)
         if not onset.moved:

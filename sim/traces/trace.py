@@ -40,7 +40,7 @@ EndReason = Literal[
     "unreachable",  # the hand could not get to the contact
     "handled",  # all steps of the hand were made
     "no_grasp",  # the fingers closed on nothing, or on less than they should
-    "slipped",  # what was held slipped in the hand
+    "slipped",  # what was held slipped in the hand, or a fingertip over what it drew
     "missed",  # the lid did not follow the finger
     "nudged",  # another object was seen to be moved
     "stopped",  # it was told to stop

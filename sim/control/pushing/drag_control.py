@@ -125,7 +125,7 @@ class DragControl(ForceController):
             return "stroke", f"it was drawn along by {1e3 * come:.0f} mm"
         if travel - come > SLIPS:
             gone = f"it went {1e3 * travel:.0f} mm, and the {push.object} stayed behind"
-            return "guard", f"the fingertip slips over it: {gone}"
+            return "slipped", f"the fingertip slips over it: {gone}"
         if self._tilt > largest_tilt(push):
             return "tilted", f"the object was seen to tilt by {np.degrees(self._tilt):.0f}°"
         if lost > _LOST_TIME:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from nlcontrol import Controller
+from nlcontrol.batches.drawn_scenes import scene_of
 from nlcontrol.learning.learning_reports import Change, Lesson
 from nlcontrol.learning.lessons import (
     CONTRADICTIONS,
@@ -16,14 +17,17 @@ from nlcontrol.learning.lessons import (
     lesson_from_push,
     parameter_changes,
 )
-from objectmodels import BoxModel
+from objectmodels import BoxModel, Registry
 from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.identification import Trial
 from objectmodels.identification.belief_update import SURPRISING
 from objectmodels.mechanics.turning_push import turning_motion
 from planner.types.plan import Plan
 from planner.types.world_state import SeenObject
+from sim.cell.cell_description import Vision
 from sim.traces.trace import EndReason
+from sim.truth.scene_file import Pose, SceneObject
+from sim.truth.truth_from_model import truth_as_believed
 from tests.unit.nlcontrol.pushes import TraceMaker, stuck
 
 BELIEF = BoxModel(
@@ -140,7 +144,7 @@ def planned() -> tuple[Plan, SeenObject]:
     return plan, state.objects["ice tea box"]
 
 
-@pytest.mark.parametrize("end", sorted(CONTRADICTIONS))
+@pytest.mark.parametrize("end", sorted(CONTRADICTIONS.keys() - {"slipped"}))
 def test_ends_that_contradict(
     planned: tuple[Plan, SeenObject], make_trace: TraceMaker, end: EndReason
 ) -> None:
@@ -170,6 +174,38 @@ def test_a_push_that_went_as_predicted_teaches_too(
     model, lesson = found
     assert (lesson.moved, lesson.contradicts, lesson.why) == ("slide", False, None)
     assert model.friction < target.model.friction
+
+
+def test_a_drag_that_slips_teaches_both_frictions(make_trace: TraceMaker) -> None:
+    truth = truth_as_believed(Registry.built_in().get("book"))
+    book = SceneObject(name="book", model="book", pose=Pose(x_m=0.5, y_m=0.0), truth=truth)
+    controller = Controller(scene_of("a book", [book], Vision()), seed=1)
+    command = controller.resolve(controller.parse("push the book 10 cm to the left"))
+    state = controller.look()
+    plan = controller.plan(command.frames[0], state)
+    assert isinstance(plan, Plan)
+    model, press = state.objects["book"].model, plan.push.press
+    ratio = 0.8 * model.finger_friction
+    trace = make_trace(force=ratio * press, end="slipped")
+    felt = {name: force.copy() for name, force in trace.felt.items()}
+    tips = {name: place.copy() for name, place in trace.tips.items()}
+    pushing = np.flatnonzero(trace.phase == "push")
+    for name, force in felt.items():
+        force[pushing, 2] = -press / len(felt)
+        force[pushing[: len(pushing) // 2], :2] *= 0.5  # before it slips
+        # In the end it has sprung back, and presses no more.
+        force[pushing[-10:]], tips[name][pushing[-10:]] = 0.0, tips[name][0]
+    trace = replace(trace, felt=felt, tips=tips)
+    found = lesson_from_push(plan, state.objects["book"], trace)
+    assert found is not None
+    after, lesson = found
+    assert (lesson.moved, lesson.contradicts) == ("slip", True)
+    assert lesson.force == pytest.approx(ratio * press)
+    # Between what was believed and felt, nearer to the felt ratio, which is the surer one.
+    assert ratio < after.finger_friction < 0.9 * model.finger_friction
+    assert after.finger_friction_sd < model.finger_friction_sd
+    # The table held the book against that force, under its weight and the fingertip's.
+    assert after.friction * after.mass > model.friction * model.mass
 
 
 def test_what_lies_on_another_face_teaches_of_the_whole_object(
