@@ -23,6 +23,7 @@ _SIDES = {
     "back_half": "away",
 }
 _WAYS = np.arange(8) * np.pi / 4.0  # headings in which something is moved away [rad]
+_ASIDE = (0.0, 0.06, -0.06, 0.12, -0.12, 0.18, -0.18, 0.24, -0.24)  # along the middle [m]
 _STEP, _FARTHEST = 0.005, 0.6  # of places along them [m]
 
 
@@ -41,9 +42,12 @@ class InHalf(Region):
     tolerance: float
 
     def spots(self, own: SeenObject) -> list[Array]:
-        """Straight across, just so far that none of it is in the other half; or where it is."""
-        here = np.array([own.pose.x, own.pose.y])
-        return [here + max(self._reach_over(own) + self.tolerance, 0.0) * self._way]
+        """Just so far across that none of it is in the other half, straight first; or where it is."""
+        here, across = np.array([own.pose.x, own.pose.y]), self._reach_over(own) + self.tolerance
+        if across <= 0.0:
+            return [here]
+        along = np.array([-self._way[1], self._way[0]])
+        return [here + across * self._way + aside * along for aside in _ASIDE]
 
     def measures(self, own: SeenObject) -> tuple[Measure, ...]:
         """How far it reaches into the other half."""

@@ -228,6 +228,23 @@ def test_every_region_of_the_language_has_a_meaning() -> None:
         assert table_region(name, state.table, DEFAULTS).spots(state.objects["ice tea box"])
 
 
+@pytest.mark.parametrize("half", ["left_half", "back_half"])
+def test_a_half_has_places_beside_the_one_straight_across(half: str) -> None:
+    state = _three()
+    tea = state.objects["ice tea box"]
+    place = table_region(half, state.table, DEFAULTS)
+    found = place.spots(object_at(tea, np.array([0.40, -0.05])))
+    # Straight across first, then as far along the middle of the table to both sides.
+    along, across = (0, 1) if half == "left_half" else (1, 0)
+    assert found[0][along] == pytest.approx((0.40, -0.05)[along])
+    off = np.array(found) - found[0]
+    assert off[:, across] == pytest.approx(0.0)
+    assert off[:, along].sum() == pytest.approx(0.0)
+    assert np.ptp(off[:, along]) > 0.3  # room to go around what stands there
+    assert all(place.holds(object_at(tea, spot)) for spot in found)
+    assert len(place.spots(object_at(tea, found[0]))) == 1
+
+
 def test_in_something_is_no_place_yet() -> None:
     assert region(g.Place(relation="in", reference=(CEREAL,)), _three(), DEFAULTS) is None
 
