@@ -42,7 +42,7 @@ class InHalf(Region):
     tolerance: float
 
     def spots(self, own: SeenObject) -> list[Array]:
-        """Just so far across that none of it is in the other half, straight first; or where it is."""
+        """So far that none of it is in the other half, straight first, or where it is."""
         here, across = np.array([own.pose.x, own.pose.y]), self._reach_over(own) + self.tolerance
         if across <= 0.0:
             return [here]
