@@ -132,7 +132,9 @@ def confirmed(
         record=beside,
         told=_tell,
     )
-    return table(list(found.values()))
+    refused = sum(done.refused is not None for done in results)
+    told = list(found.values())
+    return f"{table(told)}\n{wrong_share(told, refused, len(results))}"
 
 
 def _tell(found: Confirmation) -> None:
@@ -174,6 +176,23 @@ def table(found: Sequence[Confirmation]) -> str:
                 f"\n  found: {each.found}"
             )
     return "\n".join(lines)
+
+
+def wrong_share(found: Sequence[Confirmation], refused: int, cases: int) -> str:
+    """Which share of all cases was wrongly refused, by those that were looked into.
+
+    Args:
+        found: about some refusals.
+        refused: how many there were.
+        cases: of which these were refused.
+    """
+    looked = sum(each.verdict != "not looked for" for each in found)
+    wrong = sum(each.verdict == "unconfirmed" for each in found)
+    share = wrong / max(looked, 1) * refused / max(cases, 1)
+    return (
+        f"wrongly refused: {wrong} of {looked} that were looked into, of {refused} refused of"
+        f" {cases} cases: {share:.1%} of all cases"
+    )
 
 
 def confirm(doubt: Doubt) -> Confirmation:

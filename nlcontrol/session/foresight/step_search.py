@@ -46,8 +46,8 @@ if TYPE_CHECKING:
     Frames = tuple[g.Frame, ...]
     Steps = list[tuple[g.Frame, Plan | Reached]]
 
-MOST_WORK, MOST_EACH = 22_000, 12_000
-"""Work of all plans of a search, and of each: some seven seconds of a core, and four."""
+MOST_WORKS = 2
+"""Work of all plans of a search, in that of one plan."""
 
 MOST_ASIDE = 3
 """Objects that are moved aside for one command."""
@@ -140,7 +140,7 @@ class StepSearch:
         self._controller, self._stop = controller, stop
         self._robot = RecallingRobot(controller.robot, stop, controller.time_limit)
         self._planner = controller.planner
-        self._left = MOST_WORK
+        self._left = MOST_WORKS * controller.defaults.most_work
         self._kept = kept
 
     def ways(self, state: WorldState, why: str) -> Ways | None:
@@ -252,7 +252,7 @@ class StepSearch:
 
     def _lasting_lift(self, frame: g.Frame, rest: Frames, state: WorldState) -> PlanningResult:
         """The plan of a lift with a grasp after which the rest can be done."""
-        budget = SearchBudget(min(self._left, MOST_EACH))
+        budget = SearchBudget(min(self._left, self._defaults.most_work))
         made = lasting_lift(self._controller, state, (frame, *rest), self._stop, budget)
         self._left -= budget.done
         return made
@@ -264,7 +264,7 @@ class StepSearch:
         return self._kept.plan(frame, state, lambda: self._new_plan(frame, state))
 
     def _new_plan(self, frame: g.Frame, state: WorldState) -> PlanningResult:
-        budget = SearchBudget(min(self._left, MOST_EACH))
+        budget = SearchBudget(min(self._left, self._defaults.most_work))
         planner = self._planner or partial(planning.plan, budget=budget)
         made = planner(frame, state, self._robot, defaults=self._defaults)
         self._left -= budget.done

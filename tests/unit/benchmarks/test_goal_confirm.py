@@ -9,7 +9,15 @@ import pytest
 
 from benchmarks.drake_strokes import DrakeBench
 from benchmarks.goals import confirm as confirm_module
-from benchmarks.goals.confirm import Confirmation, Doubt, Verdict, confirm, likeliest, table
+from benchmarks.goals.confirm import (
+    Confirmation,
+    Doubt,
+    Verdict,
+    confirm,
+    likeliest,
+    table,
+    wrong_share,
+)
 from benchmarks.goals.search import Asked, Found
 from benchmarks.goals.worlds import Job
 from benchmarks.rollouts import OBJECT, world
@@ -82,3 +90,12 @@ def test_whatever_is_not_confirmed_is_told_in_full(verdict: Verdict) -> None:
     assert counts.split()[0:2] == ["blocked", "1"]
     assert counts.endswith("1, 2")
     assert told == [f"7-2 {verdict}: “push it”: no", "  found: a way"]
+
+
+def test_the_share_of_wrong_refusals_is_of_all_cases() -> None:
+    verdicts: tuple[Verdict, ...] = ("confirmed", "unconfirmed", "unlikely", "not looked for")
+    found = [_verdict(k, "blocked", verdict) for k, verdict in enumerate(verdicts)]
+    # One of three that were looked into is wrong; so would be four of twelve, of a hundred cases.
+    told = wrong_share(found, 12, 100)
+    assert told.startswith("wrongly refused: 1 of 3 ")
+    assert "4.0%" in told
