@@ -253,6 +253,9 @@ _TASKS: dict[str, set[str]] = {
 }  # fmt: skip
 """Task → goals that its sentences are about."""
 
+_TAKEN: Pattern = {"goal": {"kind": "place", "relation": {"off", "out_of"}}}
+"""What a thing stands in or on it is taken from first: "slide it out of the block, and …"."""
+
 _SLOTS = {"%s": "red", "%d": "2"}
 
 
@@ -262,7 +265,8 @@ def _rlbench(data: Path) -> Iterator[Sentence]:
         for text in sorted(texts):
             goals = _goals_of_task(path.stem)
             meant: list[list[Pattern]] = [[{"goal": {"kind": goals}}]] if goals else []
-            meant += [[_HELD, *meant[0]]] if goals else []
+            if goals:
+                meant += [[_HELD, *meant[0]], [_TAKEN, *meant[0]]]
             family = "in the domain" if goals else "out of the domain"
             yield Sentence("RLBench", family, text, meant, refusable=not goals)
 

@@ -6,7 +6,7 @@ The parser is built with the first sentence and kept.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from copy import copy
 from functools import cache, lru_cache
@@ -111,10 +111,18 @@ class Parser:
         try:
             return self._command_of(sentence)
         except ParseError:
-            for said in self._names.readings(sentence) if self._names else ():
+            for said in self._other_readings(sentence):
                 with suppress(ParseError):
                     return self._command_of(said)
             raise
+
+    def _other_readings(self, sentence: Normalised) -> Iterator[Normalised]:
+        """What a sentence that is not read as it stands may say: known names, no hesitations."""
+        if self._names:
+            yield from self._names.readings(sentence)
+        fluent = self._asides.without_hesitations(sentence)
+        if fluent is not None:
+            yield fluent
 
     def _command_of(self, sentence: Normalised) -> Command:
         """The command of a sentence in plain form, without its asides."""

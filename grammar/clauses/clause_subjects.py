@@ -296,11 +296,18 @@ def with_lid_as_pronoun(
 
 
 def sets_lid_down(frame: g.Frame, before: g.Frame, lexicon: Lexicon) -> bool:
-    """Check for a lid that is set down once it is off: "…, and set it down"."""
-    opened = isinstance(before.goal, g.Open) and before.goal.part in lexicon.lids
+    """Check for a lid that is taken off, or set down, once it is off: "…, and set it down"."""
+    lid = before.goal.part if isinstance(before.goal, g.Open) else None
+    if lid not in lexicon.lids or frame.constraints or frame.query or frame.dialogue:
+        return False
+    if isinstance(frame.goal, g.Open) and frame.goal.part == lid:
+        return (
+            frame.object is not None
+            and before.object is not None
+            and (frame.object.text.casefold().endswith(before.object.text.casefold()))
+        )  # "unscrew the bottle cap and take it off the wine bottle"
     it = frame.object is not None and frame.object.pronoun
-    down = isinstance(frame.goal, g.SetDown) and not frame.constraints
-    return opened and it and down and not (frame.query or frame.dialogue)
+    return it and isinstance(frame.goal, g.SetDown)
 
 
 def _with_lid_of_known_object(

@@ -302,11 +302,10 @@ class _ClauseReader:
                 )  # fmt: skip
 
     def _points(self, there: ph.There) -> bool:
-        """Check for "here" of "this box here", if it is told elsewhere where that goes."""
+        """Check for "here" of "the box here", if it is told elsewhere where that goes."""
         said = self._sentence.original
         told = any(
-            said[: thing.span[0]].rstrip().casefold().endswith(("this", "that"))
-            and not said[thing.span[1] : there.span[0]].strip()
+            not thing.ref.pronoun and not said[thing.span[1] : there.span[0]].strip()
             for thing in self._parts
             if isinstance(thing, ph.Thing)
         )

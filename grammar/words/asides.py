@@ -13,7 +13,7 @@ from dataclasses import replace
 from functools import cached_property
 
 from grammar.frames.command import Span
-from grammar.words.corrections import RESTATED, Corrections
+from grammar.words.corrections import RENAMED, RESTATED, Corrections
 from grammar.words.courtesy import Courtesy
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
@@ -27,6 +27,7 @@ _HESITATING = frozenset({",", "ah", "eh", "ehm", "er", "erm", "err", "oh", "uh",
 
 _SHAPES = {
     "corrections": r"(?:(?<= )[.,;] )??(?<![^ ])(?:{0})(?:(?: ,)? (?:{0}))*(?: ,)?(?= )",
+    "hesitations": r"(?:(?<=^the )|(?<= the )|(?<= a )|(?<= an ))(?:{0})(?: ,)?(?= [a-z])",
     "fillers": r"(?<![^ ])(?!(?<=you )like ,|(?<=do )you know|(?:, )?you know why|(?<=not )see ,)"
     r"(?:{0})(?:(?: ,)? (?:{0}))*(?= |$)",
     "reasons": r"(?:^(?!so (?!that ))|(?<= ))(?:{0})(?= |$)",
@@ -98,6 +99,21 @@ class Asides:
         kept = {column for span in said.columns for column in range(*span)}
         return replace(said, asides=_gaps(kept, sentence))
 
+    def without_hesitations(self, sentence: Normalised) -> Normalised | None:
+        """A sentence that is not read as it stands, without words that may hesitate; None if so."""
+        if self._first_words["hesitations"].isdisjoint(sentence.text.split()):
+            return None
+        said = self._without_all(sentence, "hesitations", self._hesitating)
+        if said is sentence or not said.text:
+            return None
+        kept = {column for span in said.columns for column in range(*span)}
+        return replace(said, asides=_gaps(kept, sentence))
+
+    @cached_property
+    def _hesitating(self) -> re.Pattern[str]:
+        said = "|".join(map(_pattern_of, self._lexicon.asides["hesitations"]))
+        return re.compile(rf"(?:(?<= ), )?(?<![^ ])(?<!not )(?:{said})(?: ,)?(?= [^,.;])")
+
     @cached_property
     def _first_words(self) -> dict[str, frozenset[str]]:
         """Words without one of which there is no aside of a kind."""
@@ -143,9 +159,12 @@ class Asides:
             return self._without_reason(said, start, end)
         if kind == "corrections":
             hesitates = _HESITATING.issuperset(match[0].split()) and "uh uh" not in match[0]
-            return self._corrections.correction(
-                said, start, end, RESTATED if hesitates else frozenset()
-            )
+            only = RESTATED if hesitates else frozenset[str]()
+            if match[0].strip(" ,") == "that is":
+                if match[0] != "that is":
+                    return None  # ", that is the plan"
+                only = RENAMED
+            return self._corrections.correction(said, start, end, only)
         restates = kind == "fillers" and "please" not in match[0]
         if restates and (corrected := self._corrections.correction(said, start, end, RESTATED)):
             return corrected
@@ -207,7 +226,9 @@ class Asides:
     def _says_too_little(self, kind: str, match: re.Match[str], left: Normalised) -> bool:
         """Check for a rest that needs what is left out: "to the right now", "no, right"."""
         after = match.string[match.end() :].lstrip(" .")
-        if match[0].strip(" .,") in ("over", "right", "straight away") and match.start():
+        tag = kind == "after" and left.question and match[0].startswith(",")
+        needed = match[0].strip(" .,") in ("over", "right", "straight away") and not tag
+        if needed and match.start():
             if not self._reasons.goes_somewhere(left.text):
                 return True  # "push it 5 cm, right"; "push it, over"; "push it straight away"
             if match.string[match.start()] == "." and after:

@@ -35,8 +35,11 @@ _UNITS = frozenset({"ANGLE_UNIT", "FORCE_UNIT", "LENGTH_UNIT", "SPEED_UNIT", "TI
 _MEASURES = _UNITS | {"TOOL"}
 """What tells groups with the same beginning apart: "with 5 N", "with one finger"."""
 
-RESTATED = frozenset({"NUMBER", "THING", "WHERE"}) | _UNITS
+RESTATED = frozenset({"NUMBER", "SENSE", "THING", "WHERE"}) | _UNITS
 """Kinds of groups of which a second one behind a pause can only correct the first."""
+
+RENAMED = RESTATED - {"WHERE"} | {"MANNER"}
+"""Those of which a second one behind "that is" can only be another word for the first."""
 
 
 class _Group(NamedTuple):

@@ -52,12 +52,7 @@ class Lookahead:
         self._nobodies = lexicon.nobodies
         self._function_words = lexicon.reserved_words | lexicon.first_words
         self._determiners = {p for n in ("THE", "A", "THAT", "IT") for p in lexicon.phrases_of(n)}
-        self._verbs = {
-            form: verb
-            for kind in ("VERB", "VERB_ING")
-            for form, verb in lexicon.verb_words[kind].items()
-        }
-        self._goals = {verb: asks.goal for verb, asks in lexicon.verbs.items()}
+        self._verbs, self._last_goal = phrases.verbs, phrases.last_goal
         self._rules = self._rules_of_actions() | self._rules_of_places() | self._rules_of_things()
 
     def _rules_of_actions(self) -> dict[str, Rule]:
@@ -87,14 +82,12 @@ class Lookahead:
             ),
             "OR": self._in_a_list,
             "SAME": self._to_another_thing,
-            "BE": lambda phrase, text, end, _last: (
-                phrase not in _IS or self._any("VERB_ED", text, end + 1)
-            ),
+            "BE": lambda phrase, text, end, _last: phrase not in _IS or self._done(text, end + 1),
             "EVENT_INFINITIVE": lambda phrase, text, end, _last: (
                 not (phrase.startswith("be ") and self._one_of(_WHERE_TO, text, end + 1))
             ),
             "EVENT": lambda phrase, text, end, _last: (
-                phrase not in _IS or not self._any("VERB_ED", text, end + 1)
+                phrase not in _IS or not self._done(text, end + 1)
             ),
             "MANNER": lambda phrase, text, end, _last: (
                 not (phrase == "with force" and self._any("BOUND", text, end - len("force")))
@@ -119,6 +112,7 @@ class Lookahead:
         }
 
     def _rules_of_places(self) -> dict[str, Rule]:
+        """Of places and directions."""
         return {
             **dict.fromkeys(("REGION", "FACE", "SIDE_QUALITY"), self._not_into_a_name),
             "REGION_OF_TABLE": lambda phrase, text, end, _last: (
@@ -139,7 +133,7 @@ class Lookahead:
             ),
             "FROM_SIDE": lambda _phrase, text, end, _last: self._ends_name(text, end),
             "FROM_TABLE": lambda phrase, text, end, last: (
-                last != "LENGTH_UNIT"
+                (last != "LENGTH_UNIT" or phrase.endswith("air"))
                 and not (phrase.startswith("up ") and self._last_goal(text, end) is None)
             ),
             "RELATION": self._before_a_thing,
@@ -342,6 +336,7 @@ class Lookahead:
         return not (phrase.endswith(" to") and self._one_of(ways, text, end - len("to")))
 
     def _some_of_a_liquid(self, phrase: str, text: str, end: int, last: str) -> bool:
+        """A bit of the milk, but not a bit, of its front side; pour some milk, no little box."""
         if phrase.endswith("of"):
             of = end - len("of")
             return not any(
@@ -365,8 +360,17 @@ class Lookahead:
         return put and self._ends_name(text, end)
 
     def _makes_it_happen(self, phrase: str, text: str, end: int, _last: str) -> bool:
-        ends = (m.end() for m in re.finditer(" to ", text[end:]))  # not get it from the shelf
-        return phrase != "get" or any(self._any("EVENT_INFINITIVE", text, end + i) for i in ends)
+        """Get the mug to slide, get it pushed, but not get the mug from the shelf."""
+        starts = [m.start() for m in WORD.finditer(text, end)]
+        done = (self._done(text, i) and not self._any("VERB", text, i) for i in starts)
+        made = (
+            self._any("EVENT_INFINITIVE", text, i + 3) for i in starts if text[i : i + 3] == "to "
+        )
+        return phrase != "get" or any(done) or any(made)
+
+    def _done(self, text: str, start: int) -> bool:
+        left = self._one_of(("DIRECTION", "RELATION"), text, start)  # left of the mug
+        return self._any("VERB_ED", text, start) and not left
 
     def _not_off_a_thing(self, phrase: str, text: str, end: int, last: str) -> bool:
         """Take the lid off, but not off the jar; take off the lid; pull it open, and open it."""
@@ -391,9 +395,3 @@ class Lookahead:
         """Press on the mug, but not on the left side, nor put on the lid."""
         goal = self._last_goal(text, end - len(phrase))
         return goal in ("displace", "contact") and self._names_begin(text, end)
-
-    def _last_goal(self, text: str, end: int) -> str | None:
-        """Goal of the last verb before a place in the text."""
-        words = reversed(text[:end].replace("fill level", "").split())
-        verb = next((self._verbs[word] for word in words if word in self._verbs), None)
-        return None if verb is None else self._goals.get(verb)

@@ -44,7 +44,11 @@ def _word_end(text: str, start: int) -> int:
 
 
 class Phrases:
-    """The phrases of a lexicon, each with the terminals that it may be."""
+    """The phrases of a lexicon, each with the terminals that it may be.
+
+    Attributes:
+        verbs: infinitive or gerund → its verb.
+    """
 
     def __init__(self, lexicon: Lexicon) -> None:
         names = [*lexicon.terminals, *NAME_TERMINALS]
@@ -54,6 +58,9 @@ class Phrases:
         for name in names:
             for phrase in lexicon.words_of(name):
                 self._kinds.setdefault(phrase, []).append(name)
+        forms = (lexicon.verb_words[kind] for kind in ("VERB", "VERB_ING"))
+        self.verbs = {form: verb for words in forms for form, verb in words.items()}
+        self._goals = {verb: asks.goal for verb, asks in lexicon.verbs.items()}
         self._most: dict[str, int] = {}
         for phrase in self._kinds:
             first, _, more = phrase.partition(" ")
@@ -86,3 +93,9 @@ class Phrases:
         rest = _CLAUSE_END.search(text, start)
         words = WORD.finditer(text, start, rest.start() if rest else len(text))
         return any(self.has_any_at(wanted, text, word.start()) for word in words)
+
+    def last_goal(self, text: str, end: int) -> str | None:
+        """Goal of the last verb before a place in the text."""
+        words = reversed(text[:end].replace("fill level", "").split())
+        verb = next((self.verbs[word] for word in words if word in self.verbs), None)
+        return None if verb is None else self._goals.get(verb)

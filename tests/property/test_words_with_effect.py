@@ -91,6 +91,8 @@ _ASIDES = Asides(LEXICON, PhraseLexer(LEXICON).phrases)
 def without_effect(command: Command) -> Iterator[Token]:
     """Yield each phrase without which the same frames are read."""
     sentence = _ASIDES.left_out(normalise(command.text, LEXICON.contractions))
+    if command.asides != sentence.asides:
+        sentence = _ASIDES.without_hesitations(sentence) or sentence
     mark = "?" if sentence.question else ""
     twice = _columns_of_joined(command)
     for token in _PARSER.parse(sentence.text).leaves() if sentence.text else ():
