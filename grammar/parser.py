@@ -117,7 +117,7 @@ class Parser:
             raise
 
     def _other_readings(self, sentence: Normalised) -> Iterator[Normalised]:
-        """Other readings of a sentence that is not read as it stands: known names, no hesitations."""
+        """Other readings of a sentence that is not read as it stands: names, no hesitations."""
         if self._names:
             yield from self._names.readings(sentence)
         fluent = self._asides.without_hesitations(sentence)
