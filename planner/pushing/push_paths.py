@@ -13,14 +13,20 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels.geometry.base_shapes import Disc
 from planner.geometry.directions import angle_between, heading_of, unit
-from planner.geometry.footprints import Separations, footprint, leading_point, travel_to_edge
+from planner.geometry.footprints import (
+    Separations,
+    footprint,
+    free_travel,
+    leading_point,
+    travel_to_edge,
+)
 from planner.problem.place_regions import object_at
 from planner.refusals.refusal_marks import length_mark
 from planner.types.actions import Aim
@@ -72,6 +78,25 @@ class SegmentEnd:
 def moved_along(target: SeenObject, segment: PathSegment) -> SeenObject:
     """The object after a segment."""
     return object_at(target, (target.pose.p_WB + segment.displacement)[:2])
+
+
+def heading_at_contact(
+    target: SeenObject, path: tuple[PathSegment, ...], other: NDArray[np.float64]
+) -> float:
+    """Heading in which an object has come where the last push ends as it meets another [rad].
+
+    Args:
+        target: the object, before the first segment.
+        path: its way; the last segment may go on to beyond where they touch.
+        other: corners of what is met in W, shape (k, 2) [m].
+    """
+    *before, last = path
+    there = target
+    for segment in before:
+        there = moved_along(there, segment)
+    way = free_travel(footprint(there), other, unit(last.heading)[:2], 0.0)
+    met = moved_along(there, replace(last, distance=min(way, last.distance)))
+    return heading_of(met.pose.p_WB - target.pose.p_WB)
 
 
 def largest_obliqueness(target: SeenObject, sigmas: float, *, steep: bool = False) -> float:

@@ -14,7 +14,7 @@ from itertools import islice
 
 import numpy as np
 
-from planner.geometry.directions import heading_of, unit
+from planner.geometry.directions import angle_between, heading_of, unit
 from planner.geometry.footprints import CLOSER, footprint, gap, kept_gap, room_to_edge
 from planner.geometry.visibility_graph import shortest_detour
 from planner.problem.place_regions import object_at
@@ -43,6 +43,7 @@ _LEAST = 0.01  # a shorter way is not worth proposing [m]
 _CLOSE = 0.004  # what is nearer is corrected by a push right there, or counts as there [m]
 _SQUARED_UP = math.radians(6.0)  # a turn up to this is made while the object is pushed straight
 _SQUARE = math.radians(0.2)  # a turn below this is not
+_SURELY = 0.7  # share of the tolerance of a direction that is kept where it ends by an event
 
 
 class PushSequencePlanner:
@@ -228,7 +229,7 @@ class PushSequencePlanner:
         first_stop = self._first_stops(target)
         free = (
             path
-            for path in self._paths_to_aim(target)
+            for path in self._ordered_paths(target)
             if not self._denied.cover_path(target, path) and first_stop(path) is None
         )
         for path in islice(free, _PATHS):
@@ -255,6 +256,18 @@ class PushSequencePlanner:
             return
         aside = push_paths.sidestep_paths(target, self._aim, self._within, self._largest)
         yield from sorted([*self._detour_paths(target), *aside], key=_path_cost)
+
+    def _ordered_paths(self, target: SeenObject) -> Iterator[tuple[PathSegment, ...]]:
+        """Paths to the aim; first those on which what is met is met in the asked direction."""
+        paths = self._paths_to_aim(target)
+        goal = self._problem.goal
+        if goal.meets is None or goal.heading is None:
+            return paths
+        other = footprint(self._problem.state.objects[goal.meets])
+        most = _SURELY * self._problem.defaults.direction_tolerance
+        met = {path: push_paths.heading_at_contact(target, path, other) for path in paths}
+        off = {path: abs(angle_between(at, goal.heading)) for path, at in met.items()}
+        return iter(sorted(off, key=lambda path: off[path] > most))
 
     def _detour_paths(self, target: SeenObject) -> Iterator[tuple[PathSegment, ...]]:
         headings = push_paths.push_headings(target, self._aim)

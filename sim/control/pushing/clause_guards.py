@@ -23,6 +23,7 @@ from planner.types.motion_guide import StopCondition
 from planner.types.world_state import SeenObject, WorldState
 from sim.cell.cell_description import Vision
 from sim.control.camera_noise import noise_left
+from sim.control.pushing.bystander_guard import BystanderGuard
 from sim.control.pushing.push_guards import MOVED
 from sim.rotations import Array, rot_z, wrap, yaw_of
 from sim.traces.trace import EndReason
@@ -41,6 +42,7 @@ _HELD = float(np.radians(10.0))  # turn by which two fingers show that they do n
 
 _MET, _DEEPEST = 0.001, 0.007  # seen overlap at which two objects surely touch, and at most [m]
 _NEAR = 0.015  # seen gap below which a rising force tells that they do [m]
+_GONE = 4.0  # standard deviations that noise of tens of frames does not show in a standing object
 _STEP, _STEP_SHARE = 0.15, 0.05  # rise of the force that does [N], and as a share of it
 _SLIDING = 0.5  # time constant of the force while it slides freely [s]
 _CLEARLY_MOVED = 1.5 * MOVED  # so that it has moved by that in spite of what fingers give way [m]
@@ -138,11 +140,15 @@ class LimitGuards:
         unknown = _SIGMAS * float(np.sqrt(2.0)) * vision.position_bias_m
         self._met = -min(_MET + unknown, _DEEPEST)
         self._shoved = 0.0
+        # Where it stands is the mean of a look of a second and of the frames since.
+        self._looks = max(1.0, vision.rate_hz)
+        self._noise = vision.position_noise_m
         self._turn = _turn_limit(push, state.objects[push.object])
         self._others = {name: footprint(state.objects[name]) for name in others}
         self._stood = {name: state.objects[name].pose.p_WB[:2] for name in others}
         here = footprint(state.objects[push.object])
         first = {name: gap(here, other) for name, other in self._others.items()}
+        self._bystanders = BystanderGuard(push, state, self._doubt)
         # What is too close from the start may be pushed away, but not closer.
         self._closest = {
             name: min(clearance + self._doubt + _STOPPING, first[name] - 2.0 * self._doubt)
@@ -168,6 +174,7 @@ class LimitGuards:
         return (
             self._event(felt)
             or self._too_close()
+            or self._bystanders.end(self.follower.footprint)
             or self._turned_off()
             or self._tilt_end()
             or self._too_long(elapsed)
@@ -216,10 +223,18 @@ class LimitGuards:
                 return None
 
     def _watch_other(self, frame: Frame) -> None:
-        """Takes in how far what is to be met was seen to go along the push."""
-        if self._push.meets is not None:
-            gone = frame.poses[self._push.meets].p_WB[:2] - self._stood[self._push.meets]
-            self._shoved += _SHARE * (float(gone @ self._u) - self._shoved)
+        """Takes in how far what is to be met was seen to go along the push.
+
+        As long as it is not near it stands, and is seen the better.
+        """
+        other = self._push.meets
+        if other is None:
+            return
+        gone = frame.poses[other].p_WB[:2] - self._stood[other]
+        if gap(self.follower.footprint, self._others[other]) >= _NEAR:
+            self._looks += 1.0
+            self._stood[other] = self._stood[other] + gone / self._looks
+        self._shoved += _SHARE * (float(gone @ self._u) - self._shoved)
 
     def _moves(self) -> End | None:
         travel = self.follower.travel @ self._u
@@ -235,7 +250,8 @@ class LimitGuards:
         room = gap(self.follower.footprint, self._others[other])
         if room < self._met:
             return "event", f"the object was seen to meet the {other}"
-        if room < _NEAR and self._shoved > MOVED + self._doubt:
+        doubt = _GONE * self._noise * float(np.hypot(_LEFT, 1.0 / np.sqrt(self._looks)))
+        if room < _NEAR and self._shoved > MOVED + doubt:
             return "event", f"the {other} was seen to go along"
         slides = self.follower.travel @ self._u > MOVED
         self._sliding += (self._share if slides else 1.0) * (felt - self._sliding)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from planner import plan
-from planner.geometry.footprints import footprint, gap
+from planner.geometry.footprints import footprint, free_travel, gap
 from planner.types.actions import Aim, Push
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan, Reached
@@ -268,6 +268,26 @@ def test_until_it_touches_goes_on_to_where_it_would() -> None:
     assert made.push.stroke > 0.20 - 0.045 - 0.04
     aside = refused("push the ice tea box to the left until it touches the mug", state)
     assert aside.reason == "impossible"
+
+
+@pytest.mark.parametrize(
+    ("degrees", "away"), [(25.0, (0.2, 0.0)), (40.0, (0.16, -0.06)), (45.0, (0.19, 0.07))]
+)
+def test_of_two_pushes_the_one_comes_last_that_meets_in_the_asked_direction(
+    degrees: float, away: tuple[float, float]
+) -> None:
+    # In the other order they touch 15° off it, since the second push ends well before the aim.
+    mug = PlanarPose(0.45 + away[0], away[1])
+    state = world(ice_tea_box=PlanarPose(0.45, 0.0, math.radians(degrees)), mug=mug)
+    made = planned("push the ice tea box towards the mug until it touches the mug", state)
+    first, last = made.pushes
+    here, other = state.objects["ice tea box"], footprint(state.objects["mug"])
+    x, y, _ = (here.pose.p_WB + first.stroke * np.array(first.direction_W)).tolist()
+    there = replace(here, pose=replace(here.pose, x=x, y=y))
+    u = np.array(last.direction_W[:2])
+    went = np.array([x, y]) + free_travel(footprint(there), other, u, 0.0) * u - (0.45, 0.0)
+    off = math.atan2(*went[::-1]) - math.atan2(*away[::-1])
+    assert abs(off) < 0.7 * DEFAULTS.direction_tolerance
 
 
 def test_it_is_not_turned_into_what_it_is_to_meet() -> None:

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from objectmodels import Registry
+from planner.geometry.footprints import footprint
 from planner.types.actions import Limits, Push
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.cell.cell_description import Vision
+from sim.control.pushing.bystander_guard import BystanderGuard
 from sim.control.pushing.clause_guards import End, LimitGuards
 from sim.rotations import Array, rot_y, rot_z
 from sim.worlds.ports import Frame, SeenPose
@@ -18,13 +22,14 @@ from sim.worlds.ports import Frame, SeenPose
 PERIOD = 0.01
 SPEED = 0.03
 TIP = np.array([0.395, 0.0, 0.03])
+AWAY = 1.0  # of what nothing comes near [m]
 
 
-def _state() -> WorldState:
+def _state(x: float = 0.60) -> WorldState:
     """Two ice tea boxes of 90 mm, one 60 mm behind the other."""
     model = Registry.default().get("ice tea box")
     near = SeenObject("near", PlanarPose(0.45, 0.0), model)
-    return WorldState({"near": near, "far": SeenObject("far", PlanarPose(0.60, 0.0), model)})
+    return WorldState({"near": near, "far": SeenObject("far", PlanarPose(x, 0.0), model)})
 
 
 def _push(**changes: Any) -> Push:
@@ -57,6 +62,7 @@ class _Scripted:
         meets_at: displacement from which on another is pushed too [m].
         felt: rise of the force then [N].
         goes_along: the other is seen to be pushed.
+        far: where the other one stands [m].
         seed: of the noise.
     """
 
@@ -71,13 +77,15 @@ class _Scripted:
         meets_at: float = np.inf,
         felt: float = 0.6,
         goes_along: bool = False,
+        far: float = 0.60,
         seed: int = 0,
     ) -> None:
+        self.far = far
         self.vision, self.meets_at = vision, meets_at
         self.felt, self.goes_along = felt, goes_along
         self.turning, self.tilting, self.standing = turning, tilting, standing
         self.rng = np.random.default_rng(seed)
-        self.guards = LimitGuards(push, _state(), vision, TIP, PERIOD)
+        self.guards = LimitGuards(push, _state(far), vision, TIP, PERIOD)
         self.waiting: list[Frame] = []
         self.come = self.turn = self.tilt = self.time = 0.0
 
@@ -108,7 +116,7 @@ class _Scripted:
         p = np.array([0.45 + self.come, 0.0, 0.0])
         p += self.rng.normal(0.0, self.vision.position_noise_m, 3)
         shoved = max(0.0, self.come - self.meets_at) if self.goes_along else 0.0
-        far = np.array([0.60 + shoved, 0.0, 0.0])
+        far = np.array([self.far + shoved, 0.0, 0.0])
         far += self.rng.normal(0.0, self.vision.position_noise_m, 3)
         seen = {"near": SeenPose(R, p), "far": SeenPose(np.eye(3), far)}
         return Frame(self.time, self.time + self.vision.delay_s, seen)
@@ -120,7 +128,36 @@ CLEAN = Vision(position_noise_m=0.0, angle_noise_deg=0.0)
 
 @pytest.mark.parametrize("seed", range(5))
 def test_without_limits_nothing_ends(seed: int) -> None:
-    assert _Scripted(_push(), NOISY, seed=seed).run(3.0) is None
+    assert _Scripted(_push(), NOISY, far=AWAY, seed=seed).run(3.0) is None
+
+
+def test_what_stands_by_is_not_touched() -> None:
+    scripted = _Scripted(_push(), CLEAN)
+    end = scripted.run(3.0)
+    assert end is not None
+    assert end[0] == "too_close"
+    # It ends 3 mm short, and goes 1.5 mm from one look to the next.
+    assert 0.0015 < 0.06 - scripted.come <= 0.003
+
+
+def test_what_turns_into_another_ends() -> None:
+    push = _push(ends_on="turned", turn=0.5, fingers=1)
+    state = _state(0.55)  # its side 10 mm away; a corner that turns reaches 17 mm farther
+    guard = BystanderGuard(push, state, 0.0)
+    free = [_ends(guard, state, degrees) for degrees in (0.0, 3.0, 30.0)]
+    assert free == [False, False, True]
+    # What it is to meet, and what was nearly touched at first, are none of its concern.
+    meeting = BystanderGuard(push.model_copy(update={"meets": "far"}), state, 0.0)
+    doubtful = BystanderGuard(push, state, 0.005)
+    assert not _ends(meeting, state, 30.0)
+    assert not _ends(doubtful, state, 30.0)
+
+
+def _ends(guard: BystanderGuard, state: WorldState, degrees: float) -> bool:
+    """Whether the guard ends a push that has turned the near one on the spot."""
+    near = state.objects["near"]
+    turned = replace(near, pose=replace(near.pose, yaw=math.radians(degrees)))
+    return any(guard.end(footprint(turned)) is not None for _ in range(10))
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -156,7 +193,7 @@ def test_what_is_too_close_from_the_start_may_be_left_alone() -> None:
 def test_angles_stop_before_their_limit(
     rates: dict[str, Any], limits: Limits, reason: str, seed: int
 ) -> None:
-    scripted = _Scripted(_push(limits=limits), NOISY, seed=seed, **rates)
+    scripted = _Scripted(_push(limits=limits), NOISY, far=AWAY, seed=seed, **rates)
     end = scripted.run(6.0)
     assert end is not None
     assert end[0] == reason
@@ -188,7 +225,7 @@ def test_a_millimetre_is_left_to_stop_in() -> None:
 def test_frames_may_be_most_of_a_second_late() -> None:
     limits = Limits(turn=np.radians(10.0))
     scripted = _Scripted(_push(limits=limits), CLEAN.model_copy(update={"delay_s": 0.8}),
-                         turning=0.1)  # fmt: skip
+                         turning=0.1, far=AWAY)  # fmt: skip
     end = scripted.run(4.0)
     assert end is not None
     assert end[0] == "turned_off"
@@ -198,17 +235,18 @@ def test_frames_may_be_most_of_a_second_late() -> None:
 
 
 def test_two_fingers_that_do_not_hold_the_heading_end() -> None:
-    end = _Scripted(_push(), NOISY, turning=0.06).run(4.0)  # 14° in all
+    end = _Scripted(_push(), NOISY, turning=0.06, far=AWAY).run(4.0)  # 14° in all
     assert end is not None
     assert end[0] == "turned_off"
     # One finger is steered, and what is to be quick is not corrected.
     for free in (_push(fingers=1), _push(limits=Limits(duration=9.0))):
-        assert _Scripted(free, NOISY, turning=0.06).run(4.0) is None
+        assert _Scripted(free, NOISY, turning=0.06, far=AWAY).run(4.0) is None
 
 
 def test_a_push_without_turn_or_tilt_is_left_alone() -> None:
     limits = Limits(turn=np.radians(10.0), tilt=np.radians(5.0))
-    assert all(_Scripted(_push(limits=limits), NOISY, seed=s).run(4.0) is None for s in range(5))
+    for seed in range(5):
+        assert _Scripted(_push(limits=limits), NOISY, far=AWAY, seed=seed).run(4.0) is None
 
 
 def test_it_ends_when_its_time_is_over() -> None:
@@ -268,6 +306,14 @@ def test_a_camera_with_a_constant_error_does_not_end_it_short(
     assert end[0] == "event"
     # Felt at once; seen once it has gone 1 mm and the noise's 1 mm, some frames late.
     assert 0.0625 < scripted.come < 0.064 + (0.0 if felt else 0.006)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_what_stands_does_not_seem_to_go_along(seed: int) -> None:
+    # Noise of 5 mm in a frame; once it is near, it is looked at for half a second.
+    coarse = NOISY.model_copy(update={"position_noise_m": 0.005})
+    scripted = _Scripted(_push(until="touching", meets="far"), coarse, seed=seed)
+    assert scripted.run(0.056 / SPEED) is None
 
 
 @pytest.mark.parametrize(
