@@ -223,16 +223,17 @@ class Lexicon:
 
     def phrases_for(self, terminal: str, value: str = "") -> list[str]:
         """The phrases by which a terminal says a value; paraphrases use the first."""
+        if terminal not in self._phrases_by_value:
+            said: dict[str, list[str]] = {}
+            for phrase, meant in self.terminals[terminal].items():
+                said.setdefault(meant, []).append(phrase)
+            self._phrases_by_value[terminal] = said
         return self._phrases_by_value[terminal].get(value, [])
 
     @cached_property
-    def _phrases_by_value(self) -> Mapping[str, Mapping[str, list[str]]]:
-        by_value: dict[str, dict[str, list[str]]] = {}
-        for terminal, known in self.terminals.items():
-            said = by_value[terminal] = {}
-            for phrase, value in known.items():
-                said.setdefault(value, []).append(phrase)
-        return by_value
+    def _phrases_by_value(self) -> dict[str, Mapping[str, list[str]]]:
+        """Of the terminals that were asked for."""
+        return {}
 
     def declarations(self) -> str:
         """The terminals, declared for a lark grammar whose lexer finds them itself."""

@@ -54,21 +54,23 @@ class Phrases:
         names = [*lexicon.terminals, *NAME_TERMINALS]
         # "Up to 5 cm" is a bound before it is a place.
         names.sort(key=lambda name: name not in _TRIED_FIRST)
-        self._kinds: dict[str, list[str]] = {phrase: ["WORD"] for phrase in lexicon.names}
+        self._kinds: dict[str, tuple[str, ...]] = dict.fromkeys(lexicon.names, ("WORD",))
         for name in names:
-            for phrase in lexicon.words_of(name):
-                self._kinds.setdefault(phrase, []).append(name)
+            words = lexicon.words_of(name)
+            known = {phrase: self._kinds[phrase] for phrase in self._kinds.keys() & words.keys()}
+            self._kinds |= dict.fromkeys(words, (name,))
+            self._kinds |= {phrase: (*kinds, name) for phrase, kinds in known.items()}
         forms = (lexicon.verb_words[kind] for kind in ("VERB", "VERB_ING"))
         self.verbs = {form: verb for words in forms for form, verb in words.items()}
         self._goals = {verb: asks.goal for verb, asks in lexicon.verbs.items()}
         self._most: dict[str, int] = {}
         for phrase in self._kinds:
-            first, _, more = phrase.partition(" ")
-            words = more.count(" ") + 2 if more else 1
-            if words > self._most.get(first, 0):
-                self._most[first] = words
+            first = phrase.partition(" ")[0]
+            words_in = phrase.count(" ") + 1
+            if words_in > self._most.get(first, 0):
+                self._most[first] = words_in
 
-    def phrases_at(self, text: str, start: int) -> list[tuple[str, list[str]]]:
+    def phrases_at(self, text: str, start: int) -> list[tuple[str, tuple[str, ...]]]:
         """The phrases that stand in a text from the start of a word, longest first."""
         found = []
         end = _word_end(text, start)

@@ -12,7 +12,10 @@ _MARK = re.compile(r"([()\[\]|])")
 
 def expand_template(template: str) -> list[str]:
     """The phrases of a template: `(a|b)` is a choice, `[c]` may be left out."""
-    return [" ".join(phrase.split()) for phrase in _choices_of(iter(_MARK.split(template)))]
+    spaced = " ".join(template.split())
+    choices = (phrase.strip() for phrase in _choices_of(iter(_MARK.split(spaced))))
+    # What is left out leaves the spaces on both its sides.
+    return [" ".join(each.split()) if "  " in each else each for each in choices]
 
 
 def _choices_of(pieces: Iterator[str]) -> list[str]:
