@@ -17,12 +17,14 @@ from nlcontrol.batches.row_result import RowResult
 from nlcontrol.errors import ErrorInfo
 from nlcontrol.json_document import SCHEMA_VERSION
 from nlcontrol.learning.learning_reports import ExplorationReport, FitReport, Lesson
+from nlcontrol.questions.drag_prediction import DragPrediction
 from nlcontrol.questions.push_prediction import PushPrediction
 from nlcontrol.results.result import Result
 from planner.types.defaults import settings
 
 _ANSWERS = (
-    Result, Command, PushPrediction, FitReport, ExplorationReport, RowResult, BatchSummary,
+    Result, Command, PushPrediction, DragPrediction, FitReport, ExplorationReport, RowResult,
+    BatchSummary,
 )  # fmt: skip
 _SCHEMA = "https://json-schema.org/draft/2020-12/schema"
 
@@ -69,11 +71,12 @@ def schema() -> dict[str, Any]:
 
     `Command` is what `parse` answers, `Result` what `plan` and `say` (its `answer` is that to a
     question, its steps carry a `Lesson` for what each push taught), `PushPrediction` what `predict`
-    does, `FitReport` what `fit` does, `ExplorationReport` what `explore` does, `RowResult` a line
-    of `batch` and `BatchSummary` its summary (`BatchRow` is a row that it takes), `Failure` what
-    any of them does where it got no further. Each document bears `schema_version` and `ok`; a later
-    minor version adds fields, a later major one renames or removes some. Numbers are in SI units,
-    angles in radians, spans are `[start, end)` in code points of the sentence as given.
+    does (`DragPrediction` with `--press`), `FitReport` what `fit` does, `ExplorationReport` what
+    `explore` does, `RowResult` a line of `batch` and `BatchSummary` its summary (`BatchRow` is a
+    row that it takes), `Failure` what any of them does where it got no further. Each document bears
+    `schema_version` and `ok`; a later minor version adds fields, a later major one renames or
+    removes some. Numbers are in SI units, angles in radians, spans are `[start, end)` in code
+    points of the sentence as given.
     `Defaults` is what a scene file's `defaults` and `--set` take, in the units that its names bear.
     """
     _, definitions = models_json_schema(

@@ -142,7 +142,7 @@ def predict_push(
         ControlError: `bad_push` if the place is not on the face, or the force does not press on it.
     """
     point, normal = _place(face_name, face, lateral, height)
-    u = -normal if direction is None else _unit(direction)
+    u = -normal if direction is None else unit_direction(direction)
     if u @ normal >= 0.0:
         raise error(
             "bad_push",
@@ -218,7 +218,12 @@ def _prediction_text(
     )
 
 
-def _unit(direction: tuple[float, float, float]) -> np.ndarray:
+def unit_direction(direction: tuple[float, float, float]) -> np.ndarray:
+    """A direction as a unit vector, shape (3,).
+
+    Raises:
+        ControlError: `bad_push` if it is none.
+    """
     v = np.asarray(direction, dtype=np.float64)
     if v.shape != (3,) or not np.isfinite(v).all() or not v.any():
         raise error(
@@ -330,7 +335,7 @@ def _moving(found: PushPrediction) -> list[str]:
     m = found.motion
     if not m:
         return []
-    way = _heading(m["heading"] + found.push.yaw)
+    way = heading_text(m["heading"] + found.push.yaw)
     if "angle_of_no_return" in m:
         angle = np.degrees(m["angle_of_no_return"])
         return [f"It tips {way} and falls by itself beyond {angle:.1f}°."]
@@ -347,13 +352,13 @@ def _towards(push: AskedPush) -> str:
     u = push.direction
     level = np.hypot(u[0], u[1])
     slope = np.degrees(np.arctan2(u[2], level))
-    words = _heading(heading_of(np.array(u)) + push.yaw) if level > 1e-9 else "straight"
+    words = heading_text(heading_of(np.array(u)) + push.yaw) if level > 1e-9 else "straight"
     if abs(slope) < 0.5:
         return words
     return f"{words}, {abs(slope):.0f}° {'upwards' if slope > 0 else 'downwards'}"
 
 
-def _heading(heading: float) -> str:
+def heading_text(heading: float) -> str:
     """A heading in words: the nearest name, and the angle off it."""
     off = {name: angle_between(heading, value) for name, value in HEADINGS.items()}
     name = min(off, key=lambda key: abs(off[key]))

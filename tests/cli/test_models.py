@@ -74,6 +74,26 @@ def test_predict_as_data_says_the_same(
     assert found["tier"] == "exact"
 
 
+def test_predict_a_drag_says_whether_it_goes_along(capsys: pytest.CaptureFixture[str]) -> None:
+    # A book of 0.65 kg, friction 0.3 at the table and 0.6 at the finger: pressed over its middle it
+    # takes μ (m g + N), and goes along from μ m g / (μ_f − μ) = 6.38 N on.
+    at = ["--at", "0,0", "--direction", "0,1,0"]
+    for press, outcome, words in ((6.3, "slips", "slips over it"), (6.5, "drags", "goes along")):
+        status, found = json_answer(capsys, "predict", "book", *at, "--press", str(press))
+        assert (status, found["outcome"], found["tier"]) == (0, outcome, "exact")
+        assert found["force"] == pytest.approx(0.3 * (0.65 * 9.81 + press), rel=1e-6)
+        assert found["grip"] == pytest.approx(0.6 * press)
+        assert words in found["text"]
+        assert 0.4 < found["probability"] < 0.6  # as believed it is at the limit
+    aside = ["--at", "0.03,0", "--direction", "0,1,0", "--press", "30"]
+    status, found = json_answer(capsys, "predict", "book", *aside)
+    assert found["probability"] > 0.8  # the frictions of finger and table are not known for sure
+    assert found["turning"] > 0.0
+    assert "turns left" in found["text"]
+    assert run(["predict", "book", *at, "--press", "6.5"]) == 0
+    assert "led left" in capsys.readouterr().out
+
+
 def test_predict_with_kinetic_friction_says_so(capsys: pytest.CaptureFixture[str]) -> None:
     push = ["--at", "0,0.05", "--friction", "kinetic"]
     status, found = json_answer(capsys, "predict", "coffee box", *push)
@@ -95,6 +115,12 @@ def test_predict_with_kinetic_friction_says_so(capsys: pytest.CaptureFixture[str
         (["predict", "mug", "--at", "0,0.05", "--direction", "-1,0,0"], 2, "bad_push", "press"),
         (["predict", "mug", "--at", "0,0.05", "--lying-on", "left"], 2, "unknown_face", "bottom"),
         (["predict", "mug", "--at", "0,0.05", "--force", "-1"], 2, "usage", "-1"),
+        (["predict", "book", "--at", "0.08,0", "--press", "9"], 2, "bad_push", "80 mm, 0 mm"),
+        (["predict", "book", "--at", "0,0", "--press", "9", "--direction", "1,0,1"], 2, "bad_push",
+         "level"),
+        (["predict", "book", "--at", "0,0", "--press", "9", "--force", "2"], 2, "usage", "leave"),
+        (["predict", "book", "--at", "0,0", "--press", "9", "--face", "left"], 2, "usage", "leave"),
+        (["predict", "book", "--at", "0,0", "--press", "0"], 2, "usage", "0"),
         (["map", "mug", "--spacing", "0"], 2, "bad_value", "spacing"),
         (["map", "mug", "--output", "map.gif"], 2, "usage", ".png"),
         (["map", "mug", "--output", "/nowhere/map.png"], 2, "cannot_write", "/nowhere"),

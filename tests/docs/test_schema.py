@@ -95,8 +95,8 @@ def test_every_answer_is_one_of_them() -> None:
     assert {answer["$ref"] for answer in answers} == {
         f"#/$defs/{name}"
         for name in (
-            "Result", "Command", "PushPrediction", "FitReport", "ExplorationReport", "RowResult",
-            "BatchSummary", "Failure",
+            "Result", "Command", "PushPrediction", "DragPrediction", "FitReport",
+            "ExplorationReport", "RowResult", "BatchSummary", "Failure",
         )
     }  # fmt: skip
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 from typing import Literal
 
 import click
+from click.core import ParameterSource
 
 from nlcontrol.cli.console.command_options import (
     Numbers,
     Settings,
     face_option,
+    find_model,
     find_model_and_face,
     lying_option,
     object_argument,
@@ -27,12 +29,18 @@ from nlcontrol.cli.console.console_output import json_option, print_answer
     type=Numbers(2),
     required=True,
     metavar="LATERAL,HEIGHT",
-    help="Where: along the face from its middle, rightwards for who looks at it, and up [m].",
+    help="Where: along the face from its middle, rightwards for who looks at it, and up [m]; on "
+    "the top, its x and y.",
 )
 @click.option(
     "--direction", type=Numbers(3), metavar="X,Y,Z", help="Of the force; straight in by default."
 )
 @click.option("--force", type=click.FloatRange(0.0, 1e6), help="Its size [N].")
+@click.option(
+    "--press",
+    type=click.FloatRange(0.0, 1e6, min_open=True),
+    help="Draw it along from above instead, pressed with so much [N].",
+)
 @click.option(
     "--friction",
     type=click.Choice(["static", "kinetic"]),
@@ -48,6 +56,7 @@ def predict(
     at: tuple[float, float],
     direction: tuple[float, float, float] | None,
     force: float | None,
+    press: float | None,
     friction: Literal["static", "kinetic"],
     lying_on: str,
     as_json: bool,
@@ -56,6 +65,13 @@ def predict(
 
     Directions are the robot's: x away from it, y to its left, z up.
     """
+    if press is not None:
+        _require_no_push(face, force)
+        from nlcontrol.questions.drag_prediction import predict_drag
+
+        model = find_model(name, lying_on)
+        drag = predict_drag(model, at, press=press, direction=direction, friction=friction)
+        return print_answer(drag.model_dump(mode="json"), [drag.text], as_json=as_json)
     from nlcontrol.questions.push_prediction import predict_push
 
     model, side = find_model_and_face(name, face, lying_on)
@@ -70,6 +86,13 @@ def predict(
         friction=friction,
     )
     return print_answer(found.model_dump(mode="json"), [found.text], as_json=as_json)
+
+
+def _require_no_push(face: str, force: float | None) -> None:
+    """Make sure that a drag from above is asked for without what only a push from a side has."""
+    given = click.get_current_context().get_parameter_source("face")
+    if force is not None or (face != "top" and given is not ParameterSource.DEFAULT):
+        raise click.UsageError("--press draws along from the top: leave out --force and --face")
 
 
 @click.command()

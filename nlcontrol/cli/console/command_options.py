@@ -269,10 +269,15 @@ def find_model_and_face(
     A model file takes the place of the registry's model.
     """
     from nlcontrol.references.object_names import face_of
+
+    model = find_model(name, lying_on, file)
+    return model, face_of(model, face)
+
+
+def find_model(name: str, lying_on: str, file: Path | None = None) -> ObjectModel:
+    """The model of an object, lying on a face of it; that of a file in place of the registry's."""
     from objectmodels.registry.model_files import load_model
 
     registry = open_registry()
     model = load_model(file, registry.kinds) if file else registry.find_one(name)
-    if lying_on != "bottom":
-        model = model.model_on_face(lying_on)
-    return model, face_of(model, face)
+    return model if lying_on == "bottom" else model.model_on_face(lying_on)
