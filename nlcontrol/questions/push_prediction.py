@@ -17,10 +17,11 @@ from pydantic import BaseModel, ConfigDict
 
 from nlcontrol.errors import error
 from nlcontrol.json_document import Document, finite_or_none
+from nlcontrol.questions.push_direction import heading_text, unit_direction
 from nlcontrol.text_format import aside_text
 from objectmodels import Face, ObjectModel
 from objectmodels.mechanics.outcome_probability import sample_at
-from planner.geometry.directions import HEADINGS, angle_between, heading_of
+from planner.geometry.directions import heading_of
 from planner.types.probability_text import probability_text
 
 Array = NDArray[np.float64]
@@ -218,22 +219,6 @@ def _prediction_text(
     )
 
 
-def unit_direction(direction: tuple[float, float, float]) -> np.ndarray:
-    """A direction as a unit vector, shape (3,).
-
-    Raises:
-        ControlError: `bad_push` if it is none.
-    """
-    v = np.asarray(direction, dtype=np.float64)
-    if v.shape != (3,) or not np.isfinite(v).all() or not v.any():
-        raise error(
-            "bad_push",
-            f"{direction} is no direction",
-            suggestions=("give three numbers of which one is not 0, like 1,0,0 for away",),
-        )
-    return np.asarray(v / np.linalg.norm(v))
-
-
 def _motion(model: ObjectModel, t: Any) -> dict[str, float]:
     """Beginning of the motion."""
     twist = t.twist[0]
@@ -356,16 +341,6 @@ def _towards(push: AskedPush) -> str:
     if abs(slope) < 0.5:
         return words
     return f"{words}, {abs(slope):.0f}° {'upwards' if slope > 0 else 'downwards'}"
-
-
-def heading_text(heading: float) -> str:
-    """A heading in words: the nearest name, and the angle off it."""
-    off = {name: angle_between(heading, value) for name, value in HEADINGS.items()}
-    name = min(off, key=lambda key: abs(off[key]))
-    degrees = np.degrees(off[name])
-    if abs(degrees) < 0.5:
-        return name
-    return f"{abs(degrees):.0f}° {'left' if degrees > 0 else 'right'} of '{name}'"
 
 
 def _triple(v: np.ndarray) -> tuple[float, float, float]:
