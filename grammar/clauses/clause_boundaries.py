@@ -35,10 +35,11 @@ def clauses_of(parts: Sequence[ph.Part], sentence: Normalised) -> list[Parts]:
         ParseError: `several_commands`, `unexpected_words`, `incomplete`, `unsupported_question`.
     """
     parts = _with_topic_in_place(_without_requests(parts, sentence))
-    parts = _require_joints_join(parts, sentence)
+    parts = _require_joints_join(_with_named_way(parts), sentence)
     if isinstance(parts[0], ph.Separator | ph.Next) and parts[0].word in ("and", "but", "then"):
         parts[0] = ph.Filler(parts[0].span, anywhere=False, goes_on=True)
     parts = _with_corrections_first(parts, sentence)
+    parts = _without_denied_ways(_with_open_condition(parts, sentence), sentence)
     if any(isinstance(part, ph.Ask) for part in parts):
         return [_question_parts(parts, sentence)]
     remarked = any(isinstance(part, ph.Remark) for part in parts) or _asks_further(parts)
@@ -54,6 +55,28 @@ def clauses_of(parts: Sequence[ph.Part], sentence: Normalised) -> list[Parts]:
     return _with_shared_way([_without_joints(clause, ph.Separator) for clause in clauses])
 
 
+def _with_open_condition(parts: Parts, sentence: Normalised) -> Parts:
+    """Takes "and if you push it?" for "what happens if you push it?"."""
+    said = [part for part in parts if not isinstance(part, ph.Filler | ph.Separator)]
+    asked = any(isinstance(part, ph.Ask) for part in parts)
+    if asked or not (sentence.question and said and isinstance(said[0], ph.If)):
+        return parts
+    return [ph.Ask(p.span, query="predict") if p is said[0] else p for p in parts]
+
+
+def _without_denied_ways(parts: Parts, sentence: Normalised) -> Parts:
+    """Takes "not to the right" behind "to the left" for emphasis."""
+    ways = {part.value for part in parts if isinstance(part, ph.Direction)}
+    for part in parts:
+        if isinstance(part, ph.NotThere) and (not ways or part.value in ways):
+            hint = "to the left, not to the right"
+            raise sentence.error_at(part.span, "unexpected_words", "says no way to go", hint)
+    return [
+        ph.Filler(part.span, anywhere=True) if isinstance(part, ph.NotThere) else part
+        for part in parts
+    ]
+
+
 def _with_shared_way(clauses: list[Parts]) -> list[Parts]:
     """Takes "push the mug and then the jar to the left" for both to the left."""
     for i, (clause, after) in enumerate(pairwise(clauses)):
@@ -65,6 +88,18 @@ def _with_shared_way(clauses: list[Parts]) -> list[Parts]:
     return clauses
 
 
+def _with_named_way(parts: Parts) -> Parts:
+    """Takes "the mug, 5 cm away" for the same with the mug, 5 cm away."""
+    said = [part for part in parts if not isinstance(part, ph.Filler)]
+    match said:
+        case [ph.Thing() as thing, ph.Separator(word=","), *way] if way and all(
+            isinstance(part, (ph.Direction, ph.Length, ph.Amount)) for part in way
+        ):
+            start = thing.span[0]
+            return [ph.Remark((start, start), "same"), *parts]
+    return parts
+
+
 def _goes_on(joint: ph.Part, clauses: list[Parts], rest: Parts) -> bool:
     """Check for a joint before a clause without its verb.
 
@@ -72,6 +107,9 @@ def _goes_on(joint: ph.Part, clauses: list[Parts], rest: Parts) -> bool:
     to the left"), or of a length and its direction ("10 cm away and 5 cm to the left").
     """
     if isinstance(joint, ph.Next):
+        paused = rest[:1] and isinstance(rest[0], ph.Separator) and not _heads(rest)
+        if paused and not any(isinstance(p, ph.Separator) for p in clauses[-1][-1:]):
+            return False  # "push it away then, gently"
         return joint.word == "then" and bool(_without_joints(clauses[-1]))
     if not isinstance(joint, ph.Separator):
         return False
@@ -193,6 +231,10 @@ def _with_topic_in_place(parts: Parts) -> Parts:
     match parts[:end], parts[end:]:
         case [ph.Thing(ref=ref), *told], [ph.Separator(word="," | "."), *rest]:
             row = (ph.Constraint, ph.Direction) if ref.ordinal else ()  # "from the right"
+            for ask in rest:  # "the box, is it heavy?"
+                if isinstance(ask, ph.Ask) and ask.thing and ask.thing.ref.pronoun and not told:
+                    about = replace(ask, thing=replace(ask.thing, ref=ref))
+                    return [about if part is ask else part for part in rest]
             it = next((p for p in rest if isinstance(p, ph.Thing) and p.ref.pronoun), None)
             if it is None or not all(isinstance(p, (*_TELLING, *row)) for p in told):
                 return parts

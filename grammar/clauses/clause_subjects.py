@@ -74,8 +74,6 @@ def clause_objects(
             message = "is the robot itself, and no object that it moves"
             hint = f'say what it should do: "{verb.word} the box"'
             raise sentence.error_at(thing.span, "no_object", message, hint)
-    if any(thing.ref.text.casefold() == "them" for thing in things):
-        raise several_objects(things[0], sentence)
     if things[0].ref.pronoun and (earlier := _object_of_constraints(things[0], parts)):
         return [earlier]
     if len(things) > 1 and not _is_list(things, lexicon, sentence):

@@ -343,14 +343,17 @@ class _ClauseReader:
             return RemarkReader(self._parts, remarks, self._lexicon, self._sentence).question(ask)
         if remarks:
             raise unexpected_part(remarks[0], self._sentence)
+        if ask.query == "why" and self._parts:
+            return RemarkReader(self._parts, remarks, self._lexicon, self._sentence).question(ask)
         Clause(self._parts, Verb("push", "contact"), self._sentence).require_all_taken(
             "this question"
         )
         goal: g.Goal = ask.state or g.NoGoal()
-        if ask.which:
+        if ask.which or ask.than:
             goal = g.Parameters(which=ask.which, than=ask.than, spans=(ask.span,))
         return g.Frame(
             query=ask.query,
+            dialogue="repeat" if ask.than and not ask.which else None,
             object=None if ask.thing is None else ask.thing.ref,
             goal=goal,
             spans=(ask.span,),

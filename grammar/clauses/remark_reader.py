@@ -31,7 +31,7 @@ _SAID_TOGETHER: tuple[set[g.Dialogue], ...] = ({"repeat", "more"}, {"repeat", "r
 
 """Remarks of which the second says how the first is meant."""
 
-_ASKED_OF_LAST = ("predict", "possible", "how_hard")
+_ASKED_OF_LAST = ("predict", "possible", "how_hard", "why")
 """Questions about an action, which may be the last one."""
 
 
@@ -91,6 +91,8 @@ class RemarkReader:
                 ('ask, for example, "will it topple if you push it at the top?"',),
             )
         frame = self._frames_as("repeat", ask)[0]
+        if ask.query == "why":
+            frame = frame.model_copy(update={"dialogue": None})
         asked = {"query": ask.query, "event": ask.event, "negated": ask.negated}
         return frame.model_copy(update=asked)
 

@@ -167,7 +167,7 @@ class _Speaker(Phrasing):
         if query == "compare":
             return self._comparison_words(frame)
         if query == "why" and frame.action is None:
-            return f"{self.phrase_for('WHY')}?"
+            return f"{' '.join([self.phrase_for('WHY'), *self._told_words(frame)])}?"
         if query == "predict":
             return f"{self._prediction_words(frame)}?"
         if query not in _OPENINGS:
@@ -248,6 +248,8 @@ class _Speaker(Phrasing):
             return "thank you"
         if dialogue in ("undo", "stop", "do"):
             return self.phrase_for(dialogue.upper())
+        if isinstance(frame.goal, g.Parameters) and frame.goal.than:
+            return f"{self.phrase_for('THAN')} {self.object_words(frame.goal.than[0])}?"
         if dialogue in ("same", "repeat") and frame.object is not None and frame.action is None:
             opening = "SAME" if dialogue == "same" else "MIND"
             about = self.phrase_for(opening, ending="" if opening == "SAME" else "about")
@@ -265,12 +267,16 @@ class _Speaker(Phrasing):
     def _correction_words(self, frame: g.Frame) -> str:
         if frame.action is not None:
             return self._command_words(frame)
-        words = [] if frame.object is None else [self.object_words(frame.object)]
-        goal = self.goal_words(frame.goal)
-        if words and isinstance(frame.goal, g.Place):
-            words.append(",")
-        words += [*goal, *self._constraint_words(frame.goal, frame.constraints)]
+        words = self._told_words(frame)
+        if frame.object is not None and isinstance(frame.goal, g.Place):
+            words.insert(1, ",")
         return " ".join(words).replace(" ,", ",")
+
+    def _told_words(self, frame: g.Frame) -> list[str]:
+        """What a frame without an action says: an object, where it goes, how."""
+        words = [] if frame.object is None else [self.object_words(frame.object)]
+        how = self._constraint_words(frame.goal, frame.constraints)
+        return [*words, *self.goal_words(frame.goal), *how]
 
 
 def _with_it(frame: g.Frame) -> g.Frame:

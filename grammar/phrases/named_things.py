@@ -12,6 +12,7 @@ from grammar.words.phrase_lexer import Token
 from grammar.words.plurals import singular
 
 _NOBODY = ("one", "ones")
+_SEVERAL = ("them", "they")
 _COMPARED = re.compile("(er|est|most)$")
 
 
@@ -31,7 +32,8 @@ class Names(TokenReader):
         own_contents = words[0].startswith("its ")
         if words[0].type in ("IT", "THAT"):
             text = "it" if own_contents else text
-            ref = g.ObjectRef(text=text, spans=((start, end),), pronoun=True)
+            several: g.Quantifier | None = "all" if str(words[0]) in _SEVERAL else None
+            ref = g.ObjectRef(text=text, spans=((start, end),), pronoun=True, quantifier=several)
         elif numbered := tokens_in(children, "NUMBER", "NUMBER_WORD"):
             _, end = self.span_of([*numbered, *tokens_in(children, "ON_IT")])
             text = f"{text} {self.numbers_in(numbered)[0]:f}"

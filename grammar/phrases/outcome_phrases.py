@@ -9,6 +9,7 @@ from grammar.frames.constraints import CONSTRAINTS, new_constraint
 from grammar.phrases import phrase_parts as ph
 from grammar.phrases.token_reader import Children, TokenReader, parts_in, things_in, tokens_in
 from grammar.words.phrase_lexer import Token
+from grammar.words.plurals import singular
 
 _STOPS = {"moves": "moves", "slides": "moves", "tips": "tips", "about_to_tip": "about_to_tip",
           "tilts": "about_to_tip"}  # fmt: skip
@@ -187,7 +188,7 @@ class Questions(TokenReader):
     def can_part(self, children: Children) -> list[ph.Part]:
         """Can the box be pushed; can it please be pushed."""
         span, parts = self.span_of(children[:1]), self._passive_parts(children)
-        if any(be.startswith("please") for be in tokens_in(children, "BE")):
+        if "please" in self.sentence.original.casefold():
             return [ph.Filler(span, anywhere=False, asks=True), *parts]
         return [ph.Ask(span, "possible"), *parts]
 
@@ -197,9 +198,13 @@ class Questions(TokenReader):
         word = self.lexicon.verb_words["VERB_ED"][str(token)]
         return [ph.Verb(self.span_of([token]), word, passive=True), *parts_in(children)]
 
-    def will_part(self, children: Children) -> ph.Ask:
-        """Will it topple."""
+    def will_part(self, children: Children) -> ph.Ask | list[ph.Part]:
+        """Will it topple; could it topple; can it be toppled."""
         event = self.value_of(children, "EVENT_INFINITIVE")
+        said = tokens_in(children, "EVENT_INFINITIVE")
+        if children[0].type == "CAN" and said[0].startswith("be "):
+            verb = ph.Verb(self.span_of(said), "topple" if event == "tips" else "move", True)
+            return [ph.Ask(self.span_of(children[:1]), "possible"), *things_in(children), verb]
         return self.question_part(children, query="predict", event=event)
 
     def can_you_part(self, children: Children) -> ph.Ask:
@@ -216,13 +221,18 @@ class Questions(TokenReader):
     def compare_part(self, children: Children) -> ph.Ask:
         """Which is heavier, the box or the mug; which is the heaviest."""
         span, things = self.span_of(children), things_in(children)
+        if children[0].type == "THAN":  # "and than the mug?"
+            return ph.Ask(span, "compare", than=(things[0].ref,), whole=True)
         which, _, quality = (
             self.value_of(children, "COMPARATIVE") or self.value_of(children, "SUPERLATIVE")
         ).partition(" ")
-        if superlative := tokens_in(children, "SUPERLATIVE"):
-            things = [
-                self._most(superlative, cast(g.Quality, quality), tokens_in(children, "WORD"))
-            ]
+        superlative = tokens_in(children, "SUPERLATIVE")
+        if not superlative and children[0].type in ("WHICH_IS", "WHICH_OF") and len(things) < 2:
+            superlative = tokens_in(children, "COMPARATIVE")  # "which of them is heavier?"
+            quality = self.lexicon.adjectives[str(superlative[0])]
+        if superlative:
+            word = tokens_in(children, "WORD", "CAN")
+            things = [self._most(superlative, cast(g.Quality, quality), word, things)]
         elif len(things) < 2:  # "is the mug taller?"; "taller than the mug?"
             _, end = self.span_of(children[-1:])
             it = ph.Thing((end, end), g.ObjectRef(text="it", pronoun=True))
@@ -230,9 +240,23 @@ class Questions(TokenReader):
         others = tuple(thing.ref for thing in things[1:])
         return ph.Ask(span, "compare", thing=things[0], which=(which,), than=others, whole=True)
 
-    def _most(self, superlative: Children, quality: g.Quality, name: list[Token]) -> ph.Thing:
+    def _most(
+        self,
+        superlative: Children,
+        quality: g.Quality,
+        name: list[Token],
+        among: list[ph.Thing],
+    ) -> ph.Thing:
         """The heaviest; of a name that is said before or behind, the one that is."""
         at = self.span_of(superlative)
+        if among:
+            ref = among[0].ref
+            noun = "" if ref.pronoun else singular(ref.noun or ref.text)
+            chosen = (quality, *ref.qualities)
+            text = f"{superlative[0].split()[0]} {noun or 'one'}"
+            spans = tuple(sorted([at, *ref.spans]))
+            one = g.ObjectRef(text=text, spans=spans, qualities=chosen, noun=noun)
+            return ph.Thing(at, one)
         spans = tuple(sorted([at, self.span_of(name)])) if name else (at,)
         written = [self.sentence.words_as_written(self.span_of([word])) for word in name]
         told = [self.lexicon.adjectives[word] for word in name if word in self.lexicon.adjectives]
@@ -303,6 +327,11 @@ class Questions(TokenReader):
         """More; bit more."""
         span, amount = self.span_of(children), self.value_of(children, "MORE")
         return [ph.Remark(span, "more"), *([ph.Amount(span, amount)] if amount else [])]
+
+    def not_there_part(self, children: Children) -> ph.NotThere:
+        """Not to the right."""
+        way = cast(g.Direction, self.value_of(children, "DIRECTION"))
+        return ph.NotThere(self.span_of(children), way)
 
     def not_this_part(self, children: Children) -> ph.NotThis:
         """Not the mug."""

@@ -371,6 +371,12 @@ class Remark(Part):
     dialogue: g.Dialogue
 
 
+class NotThere(Part):
+    """Not to the right: emphasis beside another way."""
+
+    value: g.Direction
+
+
 class NotThis(Part):
     """Not the mug: what was not meant."""
 

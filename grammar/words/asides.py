@@ -77,6 +77,8 @@ class Asides:
     def left_out(self, sentence: Normalised) -> Normalised:
         """The sentence without its asides, empty if it says nothing else."""
         said = sentence
+        if self._courtesy.is_remark(sentence.text):
+            return sentence
         spoken = sentence.text.split()
         words = set(spoken)
         if self._courtesy.is_closing(sentence):

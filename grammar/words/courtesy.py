@@ -32,11 +32,18 @@ _ARTICLES = frozenset({"a", "an", "our", "that", "the", "this", "your"})
 _BEGS = re.compile("(?:please )?(?:can|could|may|might) (?:i|we) (?:please )?(?:get|have|see)")
 """A request, if a thing and a participle follow: "could I have the jar pushed away"."""
 
+_ABOUT_IT = ("IS_IT", "HOW", "HOW_MUCH_DOES", "WHERE_IS", "CAN_YOU")
 _BEHIND_TOPIC = re.compile(r" (?:[,.;?!]|and)(?: (?:and|then|please|now|(?:could|would) you))* ")
 _READ = frozenset({"FILLER", "NEXT", "VOCATIVE"})
 _SAYS = frozenset({"AMOUNT", "DIRECTION", "FACE", "FROM_SIDE", "MANNER", "REGION",
                    "REGION_OF_TABLE", "SENSE", "SIDE_QUALITY", "WAY", "LENGTH_UNIT",
                    "ANGLE_UNIT", "FORCE_UNIT", "SPEED_UNIT", "TOOL"})  # fmt: skip
+_JOINING = ("and", "but", "so", "then")
+_OUTCOME = re.compile(
+    "(?:what|who|which|where|when|how|why) (?:is|are|was|will|would|could|should) "
+)
+"""The beginning of a question for what becomes of something: "what would be pushing it"."""
+
 _PAUSES = frozenset(",.;!?")
 _LONGEST_CLOSING = 8
 """Words of the longest courtesy behind a command without a pause before it."""
@@ -65,6 +72,11 @@ class Courtesy:
         asking = (m for m in WORD.finditer(said.text) if m[0] not in self._words["closing"])
         starts = (word.start() for word in asking)
         return not any(self._has_kind(_REMARKS, said.text, start) for start in starts)
+
+    def is_remark(self, text: str) -> bool:
+        """Check for a text that is "do it" and nothing else, in any of its words: "go on then"."""
+        found = self._phrases.phrases_at(text, 0)
+        return bool(found) and found[0][0] == text and "DO" in found[0][1]
 
     def put_plainly(self, said: Normalised) -> Normalised:
         """The sentence without the courtesy before its command and behind it."""
@@ -121,6 +133,8 @@ class Courtesy:
         """Check for the beginning of a question or a condition."""
         if "please" in words:
             return False
+        while words and words[0] in _JOINING:
+            words = words[1:]
         found = self._phrases.phrases_at(" ".join(words), 0)
         return bool(found) and not _ASKS.isdisjoint(found[0][1])
 
@@ -155,7 +169,7 @@ class Courtesy:
         if topic is None or not self._has_kind(_THING, said.text, topic.end()):
             return said
         for pause in _BEHIND_TOPIC.finditer(said.text, topic.end()):
-            if self._has_kind({"VERB"}, said.text, pause.end()):
+            if self._has_kind({"VERB", *_ABOUT_IT}, said.text, pause.end()):
                 text = f"{said.text[: pause.start()]} , {said.text[pause.end() :]}"
                 columns = said.columns[: pause.start()], said.columns[pause.end() :]
                 between = ((said.columns[pause.start() + 1]),) * 3
@@ -175,6 +189,8 @@ class Courtesy:
         """Words to say in place of a run; None if no command can begin behind it."""
         last = words[-1]
         gerund = "VERB_ING" in kinds and "THE_PROPERTY_OF" not in kinds  # "standing in the box"
+        if gerund and _OUTCOME.match(" ".join((*words, ""))):
+            return None
         if gerund and last in self._words["before_gerund"]:
             return "try "
         if kinds & _COMMAND and self._asks_for(words):

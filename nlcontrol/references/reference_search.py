@@ -139,6 +139,8 @@ def find_several(ref: ObjectRef, around: Surroundings, spoken: Spoken) -> list[s
     Raises:
         ControlError: `unknown_object` if there is none, or two are meant and there are not two.
     """
+    if ref.pronoun:
+        return _those_spoken_of(ref, spoken)
     excepted = {other.id for other in ref.exceptions}
     excepted |= set(spoken.latest) if ref.quantifier == "rest" else set()
     found = [c.name for c in matching_objects(ref, around, spoken) if c.name not in excepted]
@@ -152,6 +154,19 @@ def find_several(ref: ObjectRef, around: Surroundings, spoken: Spoken) -> list[s
         f" {enumeration(there)}",
         span=whole_span(ref.spans),
         suggestions=tuple(f"the {name}" for name in there),
+    )
+
+
+def _those_spoken_of(ref: ObjectRef, spoken: Spoken) -> list[str]:
+    """Names of "them", if several were handled or named together."""
+    names = list(spoken.doubt or spoken.group)
+    if len(names) > 1:
+        return names
+    raise error(
+        "no_antecedent",
+        f"'{ref.text}' — no objects were spoken of together",
+        span=whole_span(ref.spans),
+        suggestions=tuple(f"the {name}" for name in spoken.it) or ("all of them",),
     )
 
 

@@ -29,9 +29,22 @@ def why_answer(result: Result) -> Answer:
         return Answer(text=text, numbers=result.error.numbers)
     if result.plan:
         return Answer(text=plan_reason(result.plan), numbers=deciding_figures(result.plan))
+    if result.answer and result.answer.query == "possible":
+        named = [frame.object.id for frame in result.frames if frame.object and frame.object.id]
+        about = f"About {enumeration([f'the {name}' for name in named])}: " if named else ""
+        return result.answer.model_copy(update={"text": about + result.answer.text})
     if result.answer:
         return result.answer
     return Answer(text="There was nothing to be done.")
+
+
+def why_not_answer(result: Result) -> Answer:
+    """Why something that nobody asked for is not done: it was not asked for, or it cannot be."""
+    answer = why_answer(result)
+    if result.error or not result.plan:
+        return answer
+    told = f"It was not asked for, and could be done. {answer.text}"
+    return answer.model_copy(update={"text": told})
 
 
 def deed_answer(result: Result) -> Answer:

@@ -17,7 +17,7 @@ from grammar.frames import command as g
 from nlcontrol.errors import ControlError
 from nlcontrol.questions.answer import Answer
 from nlcontrol.references.reference_resolution import Context
-from nlcontrol.reports.why_answers import deed_answer, why_answer
+from nlcontrol.reports.why_answers import deed_answer, why_answer, why_not_answer
 from nlcontrol.results.result import result_with
 from nlcontrol.results.step_endings import status_of
 from nlcontrol.session.corrected_sentences import result_with_corrections
@@ -28,7 +28,7 @@ from nlcontrol.session.recipe import Deed
 from nlcontrol.session.remarks import follow_up_frames as follow_up
 from nlcontrol.session.remarks import remark_aims as aims
 from nlcontrol.session.remarks import spoken_objects as spoken
-from nlcontrol.session.remarks.remark_aims import nothing_before
+from nlcontrol.session.remarks.remark_aims import nothing_before, says_something
 from nlcontrol.session.remarks.undo_frames import PastPush, WayBack, undo_frames, undo_text
 from nlcontrol.session.turns import in_turn
 
@@ -363,17 +363,21 @@ class Conversation:
     def _explain_last(self, command: g.Command) -> Answer:
         """Why the last result is as it is; or another push would be, if that is asked about."""
         (frame,) = command.frames
+        if frame.action is None and says_something(frame):
+            command = aims.asked_of_last(command, self._said, self._done)
+            (frame,) = command.frames
         if frame.action is not None:
             asked = command.model_copy(
                 update={"frames": (frame.model_copy(update={"query": None, "event": None}),)}
             )
             with suppress(ControlError):
                 asked = self.controller.resolve(asked, self.context)
+                self.context = spoken.with_objects_of(self.context, asked)
             for told in (self._last, self._done):
                 frames = told.frames if told else ()
                 if told and any(follow_up.says_all_of(each, asked.frames[0]) for each in frames):
                     return why_answer(told)
-            return why_answer(self.controller.carry_out(asked, self.context, plan_only=True))
+            return why_not_answer(self.controller.carry_out(asked, self.context, plan_only=True))
         last = self._last
         if last and last.answer and last.answer.query in ("value", "seen", "did", "compare"):
             last = self._done or last  # facts have no reasons

@@ -13,6 +13,7 @@ from pydantic import BaseModel
 
 from grammar.frames import command as g
 from grammar.frames.conflicts import FORBIDS, FORBIDS_BELOW, HOW_FAR, SAME_MATTER
+from nlcontrol.errors import error
 
 Part = TypeVar("Part", bound=BaseModel)
 Rename = Callable[[g.ObjectRef], g.ObjectRef]
@@ -143,6 +144,8 @@ def _as_kind_of(last: g.Goal, new: g.Goal) -> g.Goal:
         values["height"] = values.pop("distance")
     if isinstance(values.get("direction"), tuple) or None in values.values():
         return new
+    if isinstance(last, g.Place) and last.relation in _BESIDE and "away_from" in values:
+        return _farther_from(last, values) or new
     if isinstance(last, g.Place) and values.keys() == {"direction"} and last.relation in _BESIDE:
         return last.model_copy(update={"relation": _BESIDE_ON[values["direction"]]})
     if not set(values) <= set(type(last).model_fields):
@@ -150,3 +153,21 @@ def _as_kind_of(last: g.Goal, new: g.Goal) -> g.Goal:
     if isinstance(last, g.Place):
         return last.model_copy(update=values)
     return type(last)(**values, spans=new.spans)
+
+
+def _farther_from(last: g.Place, values: dict[str, Any]) -> g.Place | None:
+    """A place beside something, "10 cm away from it"; None if it is of another thing.
+
+    Raises:
+        ControlError: `nothing_before`, if it does not say how far.
+    """
+    away = values["away_from"]
+    if not (isinstance(away, g.ObjectRef) and away.pronoun):
+        return None
+    if not isinstance(values.get("distance"), float):
+        raise error(
+            "nothing_before",
+            "it was put beside something, and how far from it is not said",
+            suggestions=("say how far, as “10 cm away from it”",),
+        )
+    return last.model_copy(update={"distance": values["distance"]})

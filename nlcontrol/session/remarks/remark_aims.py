@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 from grammar.frames import command as g
 from nlcontrol.errors import error
-from nlcontrol.session.remarks.merged_frames import are_alike
+from nlcontrol.session.remarks.merged_frames import are_alike, merge_frames, without_spans
 from nlcontrol.text_format import enumeration
 
 if TYPE_CHECKING:
@@ -40,6 +40,8 @@ def followed_frames(
     if said.dialogue == "do":
         told = [frame for frame in told if frame.query] or told
         return told or (done if says_something(said) else [])
+    if said.query == "compare":  # "and than the mug?"
+        return [frame for frame in asked if frame.query == "compare"]
     if said.query is not None:
         return told or done
     if said.dialogue == "correct":
@@ -115,3 +117,22 @@ def corrects_object(command: g.Command) -> bool:
 def says_something(said: g.Frame) -> bool:
     """Check for a remark that names an object, a goal, a way of doing it, or an action."""
     return bool(said.object or said.constraints or said.action) or said.goal.kind != "none"
+
+
+def asked_of_last(command: g.Command, said: Result | None, done: Result | None) -> g.Command:
+    """The question "why to the left?" with the command that it is about.
+
+    Raises:
+        ControlError: `nothing_before`.
+    """
+    (frame,) = command.frames
+    last = [each for each in (*frames_said(done), *frames_said(said)) if each.action]
+    if not last:
+        nothing_before("there is nothing before that this could be about")
+    plain = frame.model_copy(update={"query": None})
+    merged = merge_frames(without_spans(last[-1]), plain)
+    told = without_spans(last[-1].model_copy(update={"spans": ()}))
+    if frame.object is None and without_spans(merged) != told:
+        nothing_before("that was not said before, so it has no reason")
+    asked = {"query": "why", "negated": frame.negated, "dialogue": None}
+    return command.model_copy(update={"frames": (merged.model_copy(update=asked),)})

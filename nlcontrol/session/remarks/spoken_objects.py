@@ -56,6 +56,12 @@ def context_after(
     )
 
 
+def with_objects_of(context: Context, command: g.Command) -> Context:
+    """What was spoken of once a resolved command was asked about."""
+    named = [frame.object.id for frame in command.frames if frame.object and frame.object.id]
+    return replace(context, last=tuple(dict.fromkeys((*named, *context.last))), doubt=None)
+
+
 def _told_objects(result: Result) -> tuple[str, ...]:
     """What the answer to a question with "which" names."""
     asks = not _WHICH.isdisjoint(result.text.casefold().replace("'", " ").split())

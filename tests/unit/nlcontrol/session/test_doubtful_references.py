@@ -71,3 +71,19 @@ def test_back_by_a_length_is_the_way_that_it_came(conversation: Conversation) ->
         "direction": "right",
         "distance": 0.03,
     }
+
+
+def test_a_reason_is_told_for_what_was_said_alone(conversation: Conversation) -> None:
+    conversation.say("push the mug to the left by 5 cm", plan_only=True)
+    assert conversation.say("why to the left?", plan_only=True).status == "answered"
+    refused = conversation.say("why to the right?", plan_only=True)
+    assert refused.error is not None
+    assert refused.error.code == "nothing_before"
+
+
+def test_a_question_goes_on_with_what_it_compares(conversation: Conversation) -> None:
+    conversation.say("is the coffee box lighter than the cereal box?")
+    answer = conversation.say("and than the mug?").answer
+    assert answer is not None
+    assert answer.objects == ("coffee box",)
+    assert "mug" in answer.text
