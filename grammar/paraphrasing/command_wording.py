@@ -273,7 +273,7 @@ class _Speaker(Phrasing):
         return " ".join(words).replace(" ,", ",")
 
     def _told_words(self, frame: g.Frame) -> list[str]:
-        """What a frame without an action says: an object, where it goes, how."""
+        """Words for what a remark names: an object, where it goes, how."""
         words = [] if frame.object is None else [self.object_words(frame.object)]
         how = self._constraint_words(frame.goal, frame.constraints)
         return [*words, *self.goal_words(frame.goal), *how]
