@@ -295,8 +295,12 @@ def with_lid_as_pronoun(
 
 def sets_lid_down(frame: g.Frame, before: g.Frame, lexicon: Lexicon) -> bool:
     """Check for a lid that is taken off, or set down, once it is off: "…, and set it down"."""
-    lid = before.goal.part if isinstance(before.goal, g.Open) else None
-    if lid not in lexicon.lids or frame.constraints or frame.query or frame.dialogue:
+    if not isinstance(before.goal, g.Open) or frame.constraints or frame.query or frame.dialogue:
+        return False
+    lid, it = before.goal.part, frame.object is not None and frame.object.pronoun
+    if isinstance(frame.goal, g.Open) and it and frame.goal.part in (lid, None):
+        return True  # "open the jar, and leave it open"
+    if lid not in lexicon.lids:
         return False
     if isinstance(frame.goal, g.Open) and frame.goal.part == lid:
         return (
@@ -304,7 +308,6 @@ def sets_lid_down(frame: g.Frame, before: g.Frame, lexicon: Lexicon) -> bool:
             and before.object is not None
             and (frame.object.text.casefold().endswith(before.object.text.casefold()))
         )  # "unscrew the bottle cap and take it off the wine bottle"
-    it = frame.object is not None and frame.object.pronoun
     return it and isinstance(frame.goal, g.SetDown)
 
 

@@ -38,6 +38,9 @@ class Names(TokenReader):
             _, end = self.span_of([*numbered, *tokens_in(children, "ON_IT")])
             text = f"{text} {self.numbers_in(numbered)[0]:f}"
             ref = g.ObjectRef(text=text, spans=((start, end),))
+        elif words[0].isdigit() and tokens_in(children, "NUMBERED"):  # the 2 numbered block
+            text = f"{self._written(words[1:])} {words[0]}"
+            ref = g.ObjectRef(text=text, spans=((start, end),))
         else:
             ref = self._described_object(text, (start, end), children)
         if counted:
