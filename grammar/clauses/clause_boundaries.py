@@ -90,7 +90,7 @@ def _with_shared_way(clauses: list[Parts]) -> list[Parts]:
 
 def _with_named_way(parts: Parts) -> Parts:
     """Takes "the mug, 5 cm away" for the same with the mug, 5 cm away."""
-    said = [part for part in parts if not isinstance(part, ph.Filler)]
+    said = [part for part in parts if not isinstance(part, ph.Filler | ph.Next)]
     match said:
         case [ph.Thing() as thing, ph.Separator(word=","), *way] if way and all(
             isinstance(part, (ph.Direction, ph.Length, ph.Amount)) for part in way

@@ -56,7 +56,7 @@ class Naming:
         said = tuple(self.lexicon.adjectives[w] for w in words if w in self.lexicon.adjectives)
         plain = self.is_plain(ref.text) and said == ref.qualities[: len(said)]
         text = ref.text if ref.pronoun else f"the {ref.text}" if plain else f'"{ref.text}"'
-        if ref.quantifier or ref.ordinal:
+        if not ref.pronoun and (ref.quantifier or ref.ordinal):
             text = self._counted_words(ref, plain)
         told = [text]
         for quality in ref.qualities[len(said) :]:

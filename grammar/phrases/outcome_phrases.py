@@ -251,7 +251,8 @@ class Questions(TokenReader):
         at = self.span_of(superlative)
         if among:
             ref = among[0].ref
-            noun = "" if ref.pronoun else singular(ref.noun or ref.text)
+            named = "" if ref.pronoun or ref.quantifier else ref.text
+            noun = singular(ref.noun or named)
             chosen = (quality, *ref.qualities)
             text = f"{superlative[0].split()[0]} {noun or 'one'}"
             spans = tuple(sorted([at, *ref.spans]))

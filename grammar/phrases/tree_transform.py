@@ -260,6 +260,8 @@ class Parts(Names, Manners, Outcomes, Questions):
 
     def where_stands_part(self, children: Children) -> ph.Place:
         """To where the mug is."""
+        if children[1].ref.pronoun:  # "leave the mug where it is"
+            raise self.does_not_apply_error(children, "is no place to go to", "to where the jar is")
         return ph.Place(self.span_of(children), "place_of", (children[1].ref,))
 
     def facing_part(self, children: Children) -> ph.Facing:

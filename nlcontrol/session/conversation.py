@@ -293,7 +293,7 @@ class Conversation:
         """
         latest, named = self.context.latest, spoken.names_said(text, self.controller.cell.names)
         last = tuple(dict.fromkeys((*named, *self.context.last)))
-        doubt = () if spoken.asks_which(text) else None
+        doubt = () if spoken.asks_which(text) else None if named else self.context.doubt
         self.context = replace(self.context, last=last, doubt=doubt)
         self._asked_in_vain = text.rstrip().endswith("?")
         other = not self._asked_in_vain and bool(named) and set(named) != set(latest)

@@ -20,6 +20,9 @@ from grammar.errors import ParseError
         ("could it be moved?", "possible", None),
         ("and what about the jar, is it heavy?", "value", None),
         ("go on then", None, "do"),
+        ("leave it where it is", None, "stop"),
+        ("which boxes can you tip over?", "capable", None),
+        ("push them away by 3 cm", None, None),
         ("the mug, 5 cm away", None, "same"),
         ("away from you, not toward you", None, "correct"),
         ("please, could the mug be pushed to the left?", None, None),
@@ -31,7 +34,10 @@ def test_it_is_read_as_it_is_meant(text: str, query: str | None, dialogue: str |
     assert (frame.query, frame.dialogue) == (query, dialogue)
 
 
-@pytest.mark.parametrize("text", ["what would be pushing it?", "push it to the left, not left"])
+@pytest.mark.parametrize(
+    "text",
+    ["what would be pushing it?", "push it to the left, not left", "leave the mug where it is"],
+)
 def test_what_may_mean_something_else_is_refused(text: str) -> None:
     with pytest.raises(ParseError):
         parse(text)

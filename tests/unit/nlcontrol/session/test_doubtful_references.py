@@ -64,6 +64,16 @@ def test_a_remark_goes_to_all_that_were_handled_alike(conversation: Conversation
         assert told == [("mug", distance), ("coffee box", distance)]
 
 
+def test_them_is_what_was_handled_together(conversation: Conversation) -> None:
+    conversation.say(BOTH, plan_only=True)
+    frames = conversation.say("push them away by 3 cm", plan_only=True).frames
+    assert {frame.object.id for frame in frames if frame.object} == {"mug", "coffee box"}
+    conversation.say("push the cereal box away", plan_only=True)
+    refused = conversation.say("push them away by 3 cm", plan_only=True).error
+    assert refused is not None
+    assert refused.code == "no_antecedent"
+
+
 def test_back_by_a_length_is_the_way_that_it_came(conversation: Conversation) -> None:
     conversation.say("push the mug to the left by 5 cm", plan_only=True)
     (frame,) = conversation.say("push it back 3 cm", plan_only=True).frames
