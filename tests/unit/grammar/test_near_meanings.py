@@ -63,6 +63,7 @@ from grammar import ParseError, parse
         ("push the tin next to the jar that is behind the mug",
          "push the tin next to the jar that is behind the mug"),
         ("get the tin slid to the left", "slide the tin to the left"),
+        ("have the tin toppled to the left, there's a good robot", "topple the tin to the left"),
         ("push the tin so that it's left of the jar", "push the tin left of the jar"),
         ("push the just tin away", "push the tin away"),
         ("push the tin until it touches perhaps the jar", "push the tin until it touches the jar"),
