@@ -81,8 +81,11 @@ def _doubt_after(result: Result, told: tuple[str, ...]) -> tuple[str, ...] | Non
 
 def _misses_its_object(result: Result) -> bool:
     """Check for a refusal of what a sentence was about, and of no place beside it."""
-    spans = [whole_span(frame.object.spans) for frame in result.frames if frame.object]
     refused = result.error
+    told = [frame for frame in result.frames if frame.object]
+    if refused is not None and refused.code == "unknown_object":  # a question moves nothing
+        told = [frame for frame in told if frame.query is None]
+    spans = [whole_span(frame.object.spans) for frame in told if frame.object]
     return refused is not None and refused.code in _NOT_FOUND and refused.span in spans
 
 
