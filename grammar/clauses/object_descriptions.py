@@ -216,10 +216,10 @@ def _tells_reference(part: ph.Place, before: Parts, sentence: Normalised) -> boo
 
 def _last_reference(part: ph.Part) -> g.ObjectRef | None:
     """The one object that a place names, unless it is told apart already."""
-    if not isinstance(part, ph.Place) or not isinstance(part.reference, tuple):
-        return None
-    *others, last = part.reference
-    return None if others or last.pronoun or last.relation else last
+    match part:
+        case ph.Place(reference=(g.ObjectRef(pronoun=False, relation=None) as only,)):
+            return only
+    return None
 
 
 def _with_ordinals(parts: Parts, lexicon: Lexicon, sentence: Normalised) -> Parts:

@@ -106,7 +106,7 @@ class Naming:
         ends = lexicon.reserved_words | lexicon.first_words
         ends -= lexicon.openers | lexicon.verb_words["VERB"].keys() | lexicon.adjectives.keys()
         words = _name_words(name)
-        if words and words[-1].isdigit():
+        if words and (words[-1].isdigit() or words[0] in lexicon.hesitating_words):
             return False
         return not any(w in ends and not _is_joining_of(words, i) for i, w in enumerate(words))
 
@@ -118,7 +118,7 @@ class Naming:
         if (
             not words
             or not all(w.isascii() and w.isalnum() for w in words)
-            or words[0] in _NO_NAMES
+            or words[0] in (*_NO_NAMES, *self.lexicon.hesitating_words)
             or f"the {words[0]}" in self.lexicon.terminals["YOU"]
             or self._ends_a_phrase(words)
             or _is_said_twice(words)

@@ -105,7 +105,7 @@ class Asides:
         """A sentence that is not read as it stands, without words that may hesitate; None if so."""
         if self._first_words["hesitations"].isdisjoint(sentence.text.split()):
             return None
-        said = self._without_all(sentence, "hesitations", self._hesitating)
+        said = self._without_all(sentence, "anywhere", self._hesitating)
         if said is sentence or not said.text:
             return None
         kept = {column for span in said.columns for column in range(*span)}
@@ -159,6 +159,8 @@ class Asides:
         start, end = match.span()
         if kind == "reasons":
             return self._without_reason(said, start, end)
+        if kind == "hesitations" and self._corrections.begins_a_group(said.text, end + 1):
+            return None  # "push the like away"
         if kind == "corrections":
             hesitates = _HESITATING.issuperset(match[0].split()) and "uh uh" not in match[0]
             only = RESTATED if hesitates else frozenset[str]()

@@ -278,6 +278,12 @@ class Lexicon:
         return self.reserved_words - self.openers - self.verb_words["VERB"].keys()
 
     @cached_property
+    def hesitating_words(self) -> frozenset[str]:
+        """Words that may be left out behind an article, so that a name cannot begin with them."""
+        said = (p for said in self.asides["hesitations"] for p in expand_template(said))
+        return frozenset(phrase.split()[0] for phrase in said)
+
+    @cached_property
     def reserved_words(self) -> frozenset[str]:
         """Words that mean something by themselves; they end a name."""
         fillers = [phrase for said in self.asides["fillers"] for phrase in expand_template(said)]

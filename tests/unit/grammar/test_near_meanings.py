@@ -66,6 +66,8 @@ from grammar import ParseError, parse
         ("have the tin toppled to the left, there's a good robot", "topple the tin to the left"),
         ("push the tin so that it's left of the jar", "push the tin left of the jar"),
         ("push the just tin away", "push the tin away"),
+        ('push "like" away', 'push "like" away'),
+        ('lift "just right"', 'lift "just right"'),
         ("push the tin until it touches perhaps the jar", "push the tin until it touches the jar"),
         ("turn the tin clockwise, er, counterclockwise", "turn the tin counterclockwise"),
         ("lift the tin eight cm into the air", "lift the tin by 8 cm"),
@@ -131,6 +133,7 @@ def test_words_near_two_meanings_are_read_as_meant(text: str, meant: str) -> Non
         ("right it should be pushed", "pushed", "several_commands"),
         ("push the tin away until it touches the jar right", "right", "does_not_apply"),
         ("what if I tilt the tin, actually", "actually", "unexpected_words"),
+        ("move the tin out of the way left of the jar", "left of the jar", "said_twice"),
         ("do not just push the tin, lift it", "just", "unexpected_words"),
     ],
 )
