@@ -4,6 +4,7 @@
     python -m benchmarks.dialogues eighth_developing --simulate
 
 Dialogues stand in `tests/data/dialogues`, each turn with what is meant; their first lines say how.
+They take place in the scene `kitchen`, if they do not name another one.
 Without `--simulate` everything is planned and nothing moves. Of dialogues that judge, those with
 `judging` in their name, only counts are printed.
 """
@@ -28,14 +29,23 @@ def _asked(result: Result) -> list[Frame]:
     return [f for f in result.frames if f.query is None and f not in result.aside]
 
 
+def _in_words(value: Any) -> Any:
+    """A field of a goal with objects by their names, and numbers to six digits."""
+    if isinstance(value, dict):
+        return value.get("id") or {key: _in_words(field) for key, field in value.items()}
+    if isinstance(value, list | tuple):
+        return [_in_words(field) for field in value]
+    return round(value, 6) if isinstance(value, float) else value
+
+
 def has_steps(result: Result, steps: list[list[Any]]) -> bool:
     """Check for the frames that are meant, one for each step, and for nothing else."""
     frames = _asked(result)
     return len(frames) == len(steps) and all(
-        frame.action == action
+        frame.action in ([action] if isinstance(action, str) else action)
         and frame.object is not None
         and frame.object.id == name
-        and goal.items() <= frame.goal.model_dump().items()
+        and _in_words(goal).items() <= _in_words(frame.goal.model_dump()).items()
         and set(*kinds) <= {constraint.kind for constraint in frame.constraints}
         for frame, (action, name, goal, *kinds) in zip(frames, steps, strict=True)
     )
@@ -54,12 +64,21 @@ def is_told(result: Result, turn: dict[str, Any]) -> bool:
     )
 
 
+def is_undone(result: Result, name: str) -> bool:
+    """Check for a remark that takes back: where nothing has moved, for that it is read as one."""
+    if any(frame.dialogue == "undo" for frame in result.frames):
+        return True
+    return result.status == "done" and {f.object and f.object.id for f in result.frames} == {name}
+
+
 def is_right(result: Result, turn: dict[str, Any]) -> bool:
     """Check for a result that is what a turn means, any of it if it may mean several things."""
     if turn.get("refused") and result.status == "not_understood":
         return True
     if "tells" in turn:
         return is_told(result, turn)
+    if "undoes" in turn and is_undone(result, turn["undoes"]):
+        return True
     return any(has_steps(result, turn[key]) for key in ("steps", "or") if key in turn)
 
 
@@ -67,6 +86,7 @@ def acts_wrongly(result: Result, turn: dict[str, Any]) -> bool:
     """Check for something done, or planned to be done, with an object that was not meant."""
     acts = [f.object.id for f in _asked(result) if f.object and f.action]
     meant = {step[1] for key in ("steps", "or") for step in turn.get(key, ())}
+    meant |= {turn["undoes"]} if "undoes" in turn else set()
     return result.status != "not_understood" and not set(acts) <= meant
 
 
@@ -79,8 +99,11 @@ def main() -> None:
     text = (DIALOGUES / f"{chosen.dialogues}.yaml").read_text(encoding="utf-8")
     right = wrong = turns = 0
     for dialogue in yaml.safe_load(text):
-        conversation = Conversation(Controller("kitchen", seed=1))
-        for turn in dialogue:
+        scene, said = "kitchen", dialogue
+        if isinstance(dialogue, dict):
+            scene, said = dialogue["scene"], dialogue["turns"]
+        conversation = Conversation(Controller(scene, seed=1))
+        for turn in said:
             result = conversation.say(turn["say"], plan_only=not chosen.simulate)
             good = is_right(result, turn)
             turns, right, wrong = turns + 1, right + good, wrong + acts_wrongly(result, turn)

@@ -1,0 +1,360 @@
+"""How sentences of six more public sources are read, all of them for judging.
+
+    python -m benchmarks.task_sentences DATA
+
+DATA holds what was fetched of six repositories, each in a folder of its name: `LIBERO`
+(Lifelong-Robot-Learning), `Metaworld` (Farama-Foundation), `cliport` (cliport), `VIMABench`
+(vimalabs), `soar` (rail-berkeley) and `ManiSkill2_real2sim` (simpler-env, with the instructions of
+RT-1 and BridgeData). No text of theirs is kept here. Labels are made by rule, as in
+`public_sentences`, before any of the sentences is read.
+
+What can be held or stood on is renamed, by the tables below, to things that stand in the scene
+`kitchen`, so that what is read wrongly could be carried out. Furniture (drawers, stoves, shelves)
+keeps its name; no table has any, so what needs it may as well be refused.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import itertools
+import math
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import NamedTuple
+
+import yaml
+
+from benchmarks.public_sentences import Pattern, Sentence, tables
+
+_FURNITURE = re.compile(
+    r"\b(stove|cabinet|drawer|microwave|caddy|rack|shelf|machine|faucet|dial|door|window|hole|peg"
+    r"|goal|pallet|stand|kit|drying)"
+)
+
+
+def _renamed(text: str, names: Mapping[str, str]) -> str:
+    """A text with the names of a source replaced, the longest first."""
+    longest = sorted(names, key=len, reverse=True)
+    pattern = rf"\b({'|'.join(map(re.escape, longest))})\b"
+    return re.sub(pattern, lambda match: names[match[1]], text)
+
+
+# --- clauses ----------------------------------------------------------------------------------
+
+_PLACES = {
+    "on the top of": "on", "on top of": "on", "onto": "on", "on": "on",
+    "inside": "in", "into": "in", "in": "in",
+    "to the left of": "left_of", "to the right of": "right_of",
+    "to the front of": "in_front_of", "near": "next_to", "next to": "next_to", "to": "",
+}  # fmt: skip
+_OWN_PLACE = r"(?: (?:at the back|at the front|in the middle|on the left|on the right))"
+_PUT = re.compile(
+    rf"(?:put|place|stack|move|push|pack) (?P<what>.+?){_OWN_PLACE}?"
+    rf" (?P<where>{'|'.join(_PLACES)}) (?P<other>.+)"
+)
+_ASIDE = re.compile(r"move (?P<what>.+) to the (?P<side>left|right) side(?: of the table)?")
+_TAKEN = re.compile(r"remove (?P<what>.+) from (?:inside )?(?P<other>.+)")
+_PICKED = re.compile(r"pick (?:up )?(?P<what>.+)")
+_OPENED = re.compile(r"(?P<verb>open|close) (?P<what>.+)")
+
+
+class Clause(NamedTuple):
+    """What a clause means.
+
+    Attributes:
+        meanings: frames, any of which is meant; none if it is out of the domain.
+        picked: name of what it only picks up.
+    """
+
+    meanings: Sequence[Sequence[Pattern]]
+    picked: str = ""
+
+
+def _bare(words: str) -> str:
+    """A name without its article and without the place that tells it apart."""
+    name = re.split(r" (?:between|from|in|next to|on|at|near) ", words)[0]
+    return re.sub(r"^(both )?(the |an? )", "", name)
+
+
+def _clause(text: str) -> Clause:
+    """The meaning of an imperative clause by its verb and its preposition."""
+    if match := _ASIDE.fullmatch(text):
+        own: Pattern = {"text": _bare(match["what"])}
+        way = match["side"]
+        sides = {f"{way}_edge", f"{way}_half"}
+        goals: list[Pattern] = [
+            {"kind": "place", "reference": sides}, {"kind": "displace", "direction": way},
+            {"kind": "displace", "toward": sides},
+        ]  # fmt: skip
+        return Clause([[{"object": own, "goal": goal}] for goal in goals])
+    if match := _TAKEN.fullmatch(text):
+        own = {"text": _bare(match["what"])}
+        out: Pattern = {"kind": "place", "relation": {"out_of", "off"}}
+        return Clause([[{"object": own, "goal": out}]])
+    if match := _PUT.fullmatch(text):
+        return Clause([_put(match["what"], _PLACES[match["where"]], match["other"])])
+    if match := _PICKED.fullmatch(text):
+        name = _bare(match["what"])
+        return Clause([[{"action": "lift", "object": {"text": name}}]], name)
+    if match := _OPENED.fullmatch(text):
+        return Clause([[{"goal": {"kind": match["verb"]}}]])
+    return Clause(())
+
+
+def _put(what: str, relation: str, other: str) -> list[Pattern]:
+    """One frame for each thing that is named."""
+    goal: dict[str, object] = {"kind": "place"}
+    if relation:
+        goal["relation"] = relation
+    if not re.search(r"\b(of|in|at|on|and|it)\b", other):
+        goal["reference"] = [{"text": _bare(other)}]
+    if what.startswith("both ") and " and " not in what:
+        return [{"object": {"quantifier": "both"}, "goal": goal}]
+    names = map(_bare, what.split(" and "))
+    return [{"object": {"text": {n, "it", "them"} if n in ("it", "them") else n}, "goal": goal}
+            for n in names]  # fmt: skip
+
+
+def _labelled(source: str, text: str) -> Sentence:
+    """A sentence with the meanings of its clauses, one after the other."""
+    plain = re.sub(" inside$", " inside it", text.lower().rstrip("."))
+    clauses = [_clause(c) for c in re.split(r" and (?=(?:put|place|close|open|turn)\b)", plain)]
+    sentence = partial(Sentence, source)
+    if not all(clause.meanings for clause in clauses):
+        return sentence("out of the domain", text, ())
+    meanings = [
+        [*itertools.chain.from_iterable(way)]
+        for way in itertools.product(*(c.meanings for c in clauses))
+    ]
+    if clauses[0].picked and len(clauses) > 1:
+        own: Pattern = {"text": clauses[0].picked}
+        meanings += [[{**rest[1], "object": own}, *rest[2:]] for rest in meanings]
+    if " and put it on the table" in plain or " and place it on the table" in plain:
+        down: Pattern = {"goal": {"kind": "set_down"}}
+        meanings += [[*frames[:-1], down] for frames in meanings]
+        meanings += [frames[:1] for frames in meanings]
+    furnished = bool(_FURNITURE.search(plain))
+    return sentence("furniture" if furnished else "things", text, meanings, furnished)
+
+
+# --- LIBERO, SOAR, SimplerEnv -----------------------------------------------------------------
+
+_LIBERO_NAMES = {
+    "akita black bowl": "mug", "black bowl": "mug", "white bowl": "mug", "bowl": "mug",
+    "yellow and white mug": "ice tea cup", "white mug": "mug", "red mug": "mug",
+    "moka pot": "ice tea", "moka pots": "cartons", "frying pan": "coffee box",
+    "wine bottle": "ice tea", "book": "coffee box", "plate": "cereal box",
+    "basket": "ice tea cup", "tray": "ice tea cup", "ramekin": "ice tea cup",
+    "cookies box": "ice tea box", "alphabet soup": "coffee box", "cream cheese": "cereal box",
+    "cream cheese box": "cereal box", "tomato sauce": "ice tea", "butter": "ice tea box",
+    "chocolate pudding": "coffee box", "ketchup": "ice tea", "milk": "ice tea",
+    "orange juice": "mug", "salad dressing": "ice tea box", "bbq sauce": "mug",
+}  # fmt: skip
+_SOAR_NAMES = {
+    "mushroom": "coffee box", "green block": "coffee box", "green spoon": "cereal box",
+    "carrot": "ice tea", "lemon": "mug", "purple eggplant": "coffee box",
+    "blue bowl": "mug", "brown bowl": "ice tea cup", "silver pot": "mug", "blue tray": "cereal box",
+}  # fmt: skip
+_SIMPLER_NAMES = {
+    "blue plastic bottle": "ice tea box", "pepsi can": "ice tea", "orange": "coffee box",
+    "7up can": "ice tea cup", "apple": "cereal box", "sponge": "mug", "coke can": "ice tea",
+    "redbull can": "ice tea cup", "sprite can": "mug", "fanta can": "coffee box",
+    "spoon": "coffee box", "towel": "cereal box", "carrot": "ice tea", "plate": "cereal box",
+    "green block": "coffee box", "yellow block": "ice tea box", "eggplant": "mug",
+    "yellow basket": "ice tea cup",
+}  # fmt: skip
+
+
+def _libero(data: Path) -> Iterator[Sentence]:
+    texts = set()
+    for path in (data / "LIBERO").rglob("*.bddl"):
+        said = re.search(r"\(:language ([^)]*)\)", path.read_text(encoding="utf-8"))
+        if said:
+            texts.add(_renamed(said[1].strip().lower(), _LIBERO_NAMES))
+    for text in sorted(texts):
+        yield _labelled("LIBERO", text)
+
+
+def _soar(data: Path) -> Iterator[Sentence]:
+    texts = set()
+    for path in (data / "soar").rglob("task_definition.yaml"):
+        tasks = yaml.safe_load(path.read_text(encoding="utf-8"))["task_list"]
+        texts |= {_renamed(task.strip(), _SOAR_NAMES) for task in tasks}
+    for text in sorted(texts):
+        yield _labelled("SOAR", text)
+
+
+def _simpler(data: Path) -> Iterator[Sentence]:
+    scenes = data / "ManiSkill2_real2sim" / "mani_skill2_real2sim" / "envs" / "custom_scenes"
+    grasps = (scenes / "grasp_single_in_scene.py").read_text(encoding="utf-8")
+    near = (scenes / "move_near_in_scene.py").read_text(encoding="utf-8")
+    held = {_as_name(name) for name in re.findall(r'"model_ids"\] = \["([a-z0-9_]+)"', grasps)}
+    held &= set(_SIMPLER_NAMES)
+    texts = {f"pick {name}" for name in held}
+    triplets = ast.literal_eval(_first(r"self\.triplets = (\[.*?\n        \])", near))
+    for triplet in triplets:
+        pairs = itertools.permutations(map(_as_name, triplet), 2)
+        texts |= {f"move {one} near {other}" for one, other in pairs}
+    put = (scenes / "put_on_in_scene.py").read_text(encoding="utf-8")
+    texts |= set(re.findall(r'return "((?:put|stack) [^"]+)"', put))
+    for drawer in ("top", "middle", "bottom"):
+        texts |= {f"open {drawer} drawer", f"close {drawer} drawer"}
+        texts |= {f"place {name} into {drawer} drawer" for name in ("apple", "sponge")}
+    for text in sorted({_renamed(text, _SIMPLER_NAMES) for text in texts}):
+        yield _labelled("SimplerEnv", text)
+
+
+def _as_name(model: str) -> str:
+    return re.sub(r"^(baked_)?(opened_)?", "", model).replace("_", " ")
+
+
+def _first(pattern: str, text: str) -> str:
+    found = re.search(pattern, text, re.DOTALL)
+    return found[1] if found else ""
+
+
+# --- Meta-World -------------------------------------------------------------------------------
+
+_META_WORLD_NAMES = {
+    "puck": "coffee box", "plate": "cereal box", "nut": "mug", "ring": "mug", "bin": "ice tea cup",
+}  # fmt: skip
+_META_WORLD: dict[str, Pattern] = {
+    "Push": {"kind": {"place", "displace"}}, "Pull": {"kind": {"place", "displace"}},
+    "Pick&place": {"kind": {"place", "displace"}}, "Pull mug": {"kind": {"place", "displace"}},
+    "Slide plate": {"kind": "place", "relation": "in"},
+    "Slide plate side": {"kind": "place", "relation": "in"},
+    "Retrieve plate": {"kind": {"place", "lift", "displace", "hand_over"}},
+    "Retrieve plate side": {"kind": {"place", "lift", "displace", "hand_over"}},
+    "Pick out of hole": {"kind": {"lift", "place"}}, "Disassemble nut": {"kind": {"lift", "place"}},
+    "Place onto shelf": {"kind": "place", "relation": "on"},
+    "Assemble nut": {"kind": "place", "relation": "on"},
+    "Pick bin": {"kind": "place", "relation": "in"},
+    "Turn on faucet": {"kind": "rotate", "sense": "ccw"},
+    "Turn off faucet": {"kind": "rotate", "sense": "cw"}, "Turn dial": {"kind": "rotate"},
+    **{f"{verb} {thing}": {"kind": {verb.lower(), "displace"}}
+       for verb in ("Open", "Close") for thing in ("drawer", "door", "window", "box")},
+}  # fmt: skip
+"""Task → the goal of its sentence; others are out of the domain."""
+
+
+def _meta_world(data: Path) -> Iterator[Sentence]:
+    path = next((data / "Metaworld").rglob("task_descriptions.md"))
+    tasks = re.findall(r"^## (.+)\n([^.]+\.)", path.read_text(encoding="utf-8"), re.MULTILINE)
+    for task, said in tasks:
+        text, goal = _renamed(said, _META_WORLD_NAMES), _META_WORLD.get(task)
+        meant: list[list[Pattern]] = [[{"goal": goal}]] if goal else []
+        meant += [[{"action": "lift"}, *meant[0]]] if goal else []
+        family = "furniture" if goal else "out of the domain"
+        yield Sentence("Meta-World", family, text, meant, refusable=True)
+
+
+# --- CLIPort ----------------------------------------------------------------------------------
+
+_COLOURS = ("blue", "red", "green", "orange", "purple", "pink", "white")
+_NEXT = tuple(zip(_COLOURS, _COLOURS[1:] + _COLOURS[:1], strict=True))
+_SHAPES = ("triangle", "star", "ring", "flower", "heart")
+_CLIPORT_NAMES = {"bowl": "mug", "brown box": "ice tea cup", "blocks": "boxes", "block": "box"}
+_IN: Pattern = {"kind": "place", "relation": "in"}
+_ON: Pattern = {"kind": "place", "relation": "on"}
+_CLIPORT: dict[str, tuple[Iterable[Mapping[str, str]], Pattern | None]] = {
+    "put_block_in_bowl": ([{"pick": a, "place": b} for a, b in _NEXT], _IN),
+    "stack_block_pyramid_seq": (
+        [{"pick": a, "place": f"the {b}"} for a, b in zip(
+            _COLOURS, ("lightest brown block", "middle brown block", "darkest brown block",
+                       "blue and red blocks", "red and green blocks", "orange and purple blocks"),
+            strict=False)], _ON),
+    "towers_of_hanoi_seq": (
+        [{"obj": a, "loc": loc} for a, loc in zip(
+            _COLOURS, ("lighter brown side", "middle of the stand", "darker brown side"),
+            strict=False)], {"kind": {"place", "displace"}}),
+    "packing_boxes": ([{}], _IN),
+    "packing_boxes_pairs": ([{"colors": f"{a} and {b}"} for a, b in _NEXT], _IN),
+    "packing_shapes": ([{"obj": shape} for shape in _SHAPES], _IN),
+    "packing_google_objects": ([{"obj": o} for o in ("hammer", "dog statue", "crayon box")], _IN),
+    "assembling_kits": ([{}], _IN),
+    "assembling_kits_seq": (
+        [{"color": a, "obj": shape, "loc": loc} for a, shape, loc in zip(
+            _COLOURS, _SHAPES, ("", "top ", "bottom ", "left ", "right "), strict=False)], _IN),
+    "block_insertion": ([{}], _IN), "palletizing_boxes": ([{}], _ON),
+    "sweeping_piles": ([{}], {"kind": {"place", "displace"}}),
+    "separating_piles": (
+        [{"block_color": a, "square_color": b} for a, b in _NEXT[:3]],
+        {"kind": {"place", "displace"}}),
+    "align_box_corner": ([{}], None),
+    "align_rope": ([{"direction": "front left tip to front right tip"}], None),
+    "manipulating_rope": ([{}], None), "towers_of_hanoi": ([{}], None),
+    "stack_block_pyramid": ([{"row": "bottom", "blocks": "the green and blue blocks"}], None),
+}  # fmt: skip
+"""Task → the slots of its template, and the goal; none if it is out of the domain."""
+_NOT_HERE = ("towers_of_hanoi_seq", "sweeping_piles", "separating_piles", "assembling_kits",
+             "assembling_kits_seq", "block_insertion", "palletizing_boxes")  # fmt: skip
+"""Tasks with stands, piles, holes and pallets, which no table has."""
+
+
+def _cliport(data: Path) -> Iterator[Sentence]:
+    for task, (slots, goal) in _CLIPORT.items():
+        path = data / "cliport" / "cliport" / "tasks" / f"{task}.py"
+        template = _first(r'self\.lang_template = "([^"]+)"', path.read_text(encoding="utf-8"))
+        meant: list[list[Pattern]] = [[{"goal": goal}]] if goal else []
+        refusable = not goal or task in _NOT_HERE
+        family = "out of the domain" if not goal else "furniture" if refusable else "things"
+        for slot in slots:
+            text = _renamed(template.format(**slot), _CLIPORT_NAMES)
+            yield Sentence("CLIPort", family, text, meant, refusable)
+
+
+# --- VIMA-Bench -------------------------------------------------------------------------------
+
+_VIMA_THINGS = ("coffee box", "mug", "ice tea cup", "ice tea")
+_VIMA_ANGLES = (30, 60, 90, 120, 150)
+
+
+def _vima(data: Path) -> Iterator[Sentence]:
+    suite = data / "VIMABench" / "vima_bench" / "tasks" / "task_suite"
+    sentence = partial(Sentence, "VIMA-Bench")
+
+    def template(path: str) -> str:
+        text = (suite / f"{path}.py").read_text(encoding="utf-8")
+        return _first(r'prompt_template="([^"]+)"', text)
+
+    put, turn = template("instruction_following/simple_manipulation"), template(
+        "instruction_following/rotate")  # fmt: skip
+    for one, other in itertools.permutations(_VIMA_THINGS, 2):
+        goal: Pattern = {**_IN, "reference": [{"text": other}]}
+        text = put.format(dragged_obj=one, base_obj=other)
+        yield sentence("things", text, [[{"object": {"text": one}, "goal": goal}]])
+    for name, angle in itertools.product(_VIMA_THINGS[:3], _VIMA_ANGLES):
+        turned: Pattern = {"kind": "rotate", "angle": {math.radians(angle), angle * math.pi / 180}}
+        text = turn.format(dragged_obj=name, angle_in_degree=angle)
+        yield sentence("things", text, [[{"object": {"text": name}, "goal": turned}]])
+    for kind, det in itertools.product(("touching", "exceeding"), ("all", "two")):
+        text = template(f"constraint_satisfaction/without_{kind}").format(
+            det=det, swept_obj="boxes", bounds="the ice tea cup", constraint="the mug"
+        )
+        meant = [[{"goal": _IN, "constraints": [{"kind": "no_touch"}]}]]
+        yield sentence("sweep", text, meant if kind == "touching" else (), refusable=True)
+    same = template("require_reasoning/same_color").format(base_obj="the mug")
+    yield sentence("out of the domain", same, ())
+    yield sentence(
+        "out of the domain", template("rearrangement/rearrange").format(scene="setup"), ()
+    )
+
+
+SOURCES = (_libero, _soar, _simpler, _meta_world, _cliport, _vima)
+
+
+def main() -> None:
+    """Read all sentences and print the tables."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("data", type=Path, help="folder with the fetched repositories")
+    options = parser.parse_args()
+    for source in SOURCES:
+        for line in tables(source(options.data), show=False):
+            print(line)
+
+
+if __name__ == "__main__":
+    main()
