@@ -53,8 +53,8 @@ _TOPIC = re.compile(
 )
 """A reason about a thing, which "it" means then: "since the mug is dirty, push it away"."""
 
-_NO_REASON_BEHIND = re.compile(r"(?<![^ ])(?:as [a-z]+|is|are|back) $")
-"""Words with which what looks like a reason is none: "as soon as it is", "what is for dinner"."""
+_NO_REASON_BEHIND = re.compile(r"(?<![^ ])(?:as [a-z]+|is|are|back|leave [a-z]+(?: just)?) $")
+"""Words with which what looks like a reason is none: "as soon as it is", "leave it as it is"."""
 
 _STRAY = re.compile(
     r"(?<= the) ,(?= )|(?<=^the) ,(?= )|"

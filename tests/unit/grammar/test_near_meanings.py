@@ -66,6 +66,8 @@ from grammar import ParseError, parse
         ("have the tin toppled to the left, there's a good robot", "topple the tin to the left"),
         ("push the tin so that it's left of the jar", "push the tin left of the jar"),
         ("push the just tin away", "push the tin away"),
+        ("just leave it just as it is", "stop"),
+        ("leave them as they are", "stop"),
         ('push "like" away', 'push "like" away'),
         ('lift "just right"', 'lift "just right"'),
         ("push the tin until it touches perhaps the jar", "push the tin until it touches the jar"),
