@@ -40,8 +40,11 @@ _KEPT_BY_ITSELF = _KEPT | {"no_topple", "no_tilt", "max_tilt", "no_turn", "max_t
 """The same of a step of the frame's own object; any other says where or when it is moved."""
 _FAR = (0.10, 0.20, 0.30)  # ways on which the hand gets to an object otherwise [m]
 _ROOMY = 0.10  # more room around it is no better [m]
-_ANYWHERE = (g.Open, g.Close, g.Lift, g.Upright, g.Pour)
-"""Goals that an object may reach wherever it stands."""
+_ANYWHERE = (g.Open, g.Close, g.Lift, g.Pour)
+"""Goals that an object may reach wherever it stands, and that the hand may reach elsewhere.
+
+What is not stood up where it lies is hardly stood up elsewhere, and finding that out takes long.
+"""
 _FROM_HERE = frozenset({"back", "clear_of", "out_of", "off", "over", "in_row", "together"})
 """Relations that tell a place by where the object stands, or by what it stands on."""
 _BEYOND_HAND = frozenset(

@@ -76,6 +76,7 @@ class Done(Kept[Job]):
         capability: what the robot lacks, if that is it.
         stages: the steps that were begun.
         wall, simulated: time of all executions [s].
+        answering: time of the whole answer, if nothing was to be carried out [s].
         digest: of all traces; equal if and only if they are equal bit for bit.
     """
 
@@ -90,6 +91,7 @@ class Done(Kept[Job]):
     stages: tuple[Stage, ...] = ()
     wall: float = 0.0
     simulated: float = 0.0
+    answering: float | None = None
     digest: str = ""
 
     @property
@@ -208,8 +210,10 @@ def run(job: Job) -> Done:
         status="crashed",
     )
     controller = Watched(scene, registry=beliefs_of(job), seed=job.seed)
+    start = time.perf_counter()
     try:
         result = controller.say(sentence.text, plan_only=not job.executed)
+        answering = None if job.executed else time.perf_counter() - start
         turns = scene.object(sentence.target).truth.radius_m is None
         stages = tuple(
             stage_of(step, watch, turns, controller.models)
@@ -225,6 +229,7 @@ def run(job: Job) -> Done:
             "stages": stages,
             "wall": controller.wall,
             "simulated": controller.simulated,
+            "answering": answering,
             "digest": controller.digest,
         }
     )

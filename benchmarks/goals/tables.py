@@ -234,11 +234,12 @@ def wilson(good: int, count: int) -> tuple[float, float]:
 def times(results: Sequence[Done]) -> str:
     """Of planning with the arm's kinematics, and of executions.
 
-    A compound counts with the first answers of all its steps.
+    The first two are of one plan each; whole answers, other steps that are looked for included, are
+    those of sentences that were planned only.
     """
     planning = [1e3 * stage.planning for stage in _stages(results) if stage.planned]
-    one = [1e3 * s.planning for s in _stages(d for d in results if d.kind not in COMPOUND)]
-    whole = [1e3 * sum(s.planning for s in d.stages) for d in results if d.kind in COMPOUND]
+    one = [1e3 * d.answering for d in results if d.answering and d.kind not in COMPOUND]
+    whole = [1e3 * d.answering for d in results if d.answering and d.kind in COMPOUND]
     refusing = [1e3 * s.planning for s in _stages(results) if s.reason and not s.planned]
     ratios = [done.wall / done.simulated for done in results if done.simulated]
     rows = (

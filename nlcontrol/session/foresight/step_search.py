@@ -49,6 +49,9 @@ if TYPE_CHECKING:
 MOST_WORKS = 2
 """Work of all plans of a search, in that of one plan."""
 
+MOST_BRINGING = 0.5
+"""Of that, the share in which places are looked through that an object is brought to."""
+
 MOST_ASIDE = 3
 """Objects that are moved aside for one command."""
 
@@ -203,7 +206,10 @@ class StepSearch:
         self, frame: g.Frame, state: WorldState, moved: frozenset[str], frames: Frames, most: int
     ) -> Steps | None:
         """Steps for frames, the first of which brings the object of one to where it is reached."""
+        least = self._left - MOST_BRINGING * MOST_WORKS * self._defaults.most_work
         for step in bringing_frames(frame, state, self._defaults):
+            if self._left <= least:
+                return None
             made = self._plan(step, state)
             if not isinstance(made, Plan):
                 continue
