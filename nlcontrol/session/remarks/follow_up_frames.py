@@ -87,7 +87,8 @@ def _continued_frames(
         before = [frame.model_copy(update=_AS_COMMAND) for frame in possible]
     before = before or nothing_before("nothing was done that could go on")
     meant, heading = frames_about(before, said), None
-    if not frames and done and done.plan and len(meant) == 1:
+    moved = {last.object.id for last in meant if last.object}
+    if not frames and done and done.plan and moved == {done.plan.object}:
         heading = done.steps[-1].heading
     if heading is None and any(isinstance(last.goal, g.Place) for last in meant):
         nothing_before("nothing was pushed there yet, so there is no direction to go on in")
