@@ -6,7 +6,7 @@
 Dialogues stand in `tests/data/dialogues`, each turn with what is meant; their first lines say how.
 They take place in the scene `kitchen`, if they do not name another one.
 Without `--simulate` everything is planned and nothing moves. Of dialogues that judge, those with
-`judging` in their name, only counts are printed.
+`judging` in their name, only counts are printed. A turn at which the program fails is not right.
 """
 
 from __future__ import annotations
@@ -97,22 +97,28 @@ def main() -> None:
     options.add_argument("--show", action="store_true", help="print the turns that are not right")
     chosen = options.parse_args()
     text = (DIALOGUES / f"{chosen.dialogues}.yaml").read_text(encoding="utf-8")
-    right = wrong = turns = 0
+    right = wrong = turns = failed = 0
     for dialogue in yaml.safe_load(text):
         scene, said = "kitchen", dialogue
         if isinstance(dialogue, dict):
             scene, said = dialogue["scene"], dialogue["turns"]
         conversation = Conversation(Controller(scene, seed=1))
         for turn in said:
-            result = conversation.say(turn["say"], plan_only=not chosen.simulate)
+            turns += 1
+            try:
+                result = conversation.say(turn["say"], plan_only=not chosen.simulate)
+            except Exception:  # whatever it is, it is counted, and the rest is said
+                failed += 1
+                continue
             good = is_right(result, turn)
-            turns, right, wrong = turns + 1, right + good, wrong + acts_wrongly(result, turn)
+            right, wrong = right + good, wrong + acts_wrongly(result, turn)
             if chosen.show and not good and "judging" not in chosen.dialogues:
                 told = (
                     result.error.message if result.error else result.answer and result.answer.text
                 )
                 print(f"{turn['say']!r}: {result.status} {result.paraphrase!r} {told or ''}")
     print(f"{right} of {turns} turns right, {wrong} with an object that was not meant")
+    print(f"{failed} at which the program failed")
 
 
 if __name__ == "__main__":
