@@ -11,16 +11,26 @@ Frames: everything in W's table plane [m].
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.base_shapes import Array, Disc
+from objectmodels.geometry.support_points import hull_polygon
+from planner.geometry.directions import heading_of, unit
 from planner.types.world_state import SeenObject, TableState
 
 CLOSER = 0.7
 """Share of a gap that is asked for, or that there is, that is kept on a way."""
+
+ROLLED_ASKEW, ROLLED_ASIDE = math.radians(20.0), 0.05
+"""How far what is round turns out of the way in which it is toppled, and rolls aside [rad], [m].
+
+Of sixteen simulated falls of the water bottle, frictions and mass within 30 %, two were more askew
+(22° at most, under one fingertip) and one went farther aside (59 mm, under two).
+"""
 
 _SEEN = 0.0005  # things are seen so much nearer than they stand, and may even seem to overlap [m]
 _TOUCHING = 1e-9  # that much nearer than a clearance still counts as apart [m]
@@ -46,6 +56,20 @@ def landing_strip(seen: SeenObject, direction_W: Array) -> Array:
     corners = footprint(seen)
     ahead = (corners - corners.mean(axis=0)) @ u > 0.0
     return corners + np.where(ahead[:, None], seen.model.top * u, 0.0)
+
+
+def landing_area(seen: SeenObject, direction_W: Array) -> Array:
+    """Corners of all that it may cover then, shape (k, 2) [m].
+
+    What is round rolls on its rim as it topples, so that it may fall askew or roll aside.
+    """
+    strip = landing_strip(seen, direction_W)
+    if not isinstance(seen.model.footprint, Disc):
+        return strip
+    heading = heading_of(direction_W)
+    aside = ROLLED_ASIDE * unit(heading + math.pi / 2.0)[:2]
+    askew = [landing_strip(seen, unit(heading + turn)) for turn in (ROLLED_ASKEW, -ROLLED_ASKEW)]
+    return hull_polygon(np.vstack([strip + aside, strip - aside, *askew])).vertices
 
 
 def _normals(polygon: Array) -> Array:

@@ -12,7 +12,7 @@ import numpy as np
 from planner.geometry.directions import HEADINGS, angle_between, face_name, heading_of, phrase, unit
 from planner.geometry.footprints import (
     footprint,
-    landing_strip,
+    landing_area,
     leading_point,
     overlaps,
     travel_to_edge,
@@ -122,13 +122,13 @@ def require_room(problem: PushProblem, step: PushStep, side: Side) -> None:
 
 def _require_landing(problem: PushProblem, u: np.ndarray) -> None:
     target = problem.target
-    strip, height = landing_strip(target, u), {"height": target.model.top}
+    there, height = landing_area(target, u), {"height": target.model.top}
     edge = leading_point(target, u)
-    if travel_to_edge(strip, problem.state.table, u[:2], 0.0) < problem.defaults.clearance:
+    if travel_to_edge(there, problem.state.table, u[:2], 0.0) < problem.defaults.clearance:
         marks = (tilt_mark(target.name, edge, u, math.pi / 2.0, "over the edge of the table"),)
         raise no_plan("falls_off", height, marks=marks, object=target.name)
     for other in problem.others.values():
-        if overlaps(strip, footprint(other), problem.clearance(other)):
+        if overlaps(there, footprint(other), problem.clearance(other)):
             mark = tilt_mark(
                 target.name, edge, u, math.pi / 2.0, f"it would fall on the {other.name}"
             )

@@ -13,8 +13,11 @@ from scipy.spatial.transform import Rotation
 from objectmodels import Registry
 from planner.geometry.directions import angle_between, bisector, face_name, heading_of, phrase, unit
 from planner.geometry.footprints import (
+    ROLLED_ASIDE,
+    ROLLED_ASKEW,
     footprint,
     free_travel,
+    landing_area,
     landing_strip,
     overlaps,
     travel_to_edge,
@@ -83,6 +86,18 @@ def test_where_a_box_falls() -> None:
     assert strip[:, 0].max() - strip[:, 0].min() == pytest.approx(0.32)
     assert strip[:, 1].max() - strip[:, 1].min() == pytest.approx(0.09)
     assert footprint(seen).mean(axis=0) == pytest.approx([0.4, 0.1])
+
+
+def test_a_bottle_may_fall_askew_or_roll_aside() -> None:
+    bottle = Registry.built_in().get("water bottle")
+    strip = landing_area(SeenObject("bottle", PlanarPose(0.4, 0.1), bottle), unit(0.0))
+    radius = footprint(SeenObject("bottle", PlanarPose(0.0, 0.0), bottle))[:, 0].max()
+    askew = bottle.top * math.sin(ROLLED_ASKEW)
+    beside = radius + max(askew, ROLLED_ASIDE)
+    assert strip[:, 1].max() - 0.1 == pytest.approx(beside, abs=1e-3)
+    assert 0.1 - strip[:, 1].min() == pytest.approx(beside, abs=1e-3)
+    # It falls no farther than it is high.
+    assert strip[:, 0].max() - 0.4 == pytest.approx(radius + bottle.top, abs=1e-3)
 
 
 def attitude(axis: str, degrees: float) -> tuple[float, ...]:
