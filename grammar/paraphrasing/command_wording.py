@@ -196,6 +196,8 @@ class _Speaker(Phrasing):
             raise no_words("a comparison of nothing")
         (which,), others = frame.goal.which, frame.goal.than
         if not others:
+            if not frame.object.qualities:
+                raise no_words("a comparison that does not say what is looked for")
             most = self.phrase_for("SUPERLATIVE", f"{which} {frame.object.qualities[0]}")
             name = frame.object.text.partition(" ")[2]
             if name:

@@ -33,6 +33,17 @@ def by_name(ref: g.ObjectRef) -> g.ObjectRef:
     return ref if ref.id is None else g.ObjectRef(text=ref.id, noun=ref.id, id=ref.id)
 
 
+def _asks_which(frame: g.Frame) -> bool:
+    """Check for "which is the biggest?", whose object is the answer."""
+    goal = frame.goal
+    return frame.query == "compare" and isinstance(goal, g.Parameters) and not goal.than
+
+
+def _as_asked(ref: g.ObjectRef) -> g.ObjectRef:
+    """What a question looks for as it was asked, without its answer."""
+    return ref.model_copy(update={"id": None, "spans": ()})
+
+
 def without_spans(part: Part, rename: Rename = by_name) -> Part:
     """A copy of a part of an earlier sentence: no spans, and each object renamed.
 
@@ -42,6 +53,8 @@ def without_spans(part: Part, rename: Rename = by_name) -> Part:
         other = rename(part)
         if other is not part:
             return cast("Part", other)
+    if isinstance(part, g.Frame) and _asks_which(part) and rename is by_name:
+        rename = _as_asked
     changed: dict[str, object] = {}
     for key in type(part).model_fields:
         value = getattr(part, key)
