@@ -2,12 +2,11 @@
 
     python -m benchmarks.paraphrases --seed 0              # the words it was made with
     python -m benchmarks.paraphrases second --seed 0       # words that judged it once
-    python -m benchmarks.paraphrases judging --seed 100    # words it was not made with
+    python -m benchmarks.paraphrases third --seed 0        # the same, of another hand
 
 Commands are said in other ways by the kinds of paraphrase that make vision-language models stumble:
 other words, another structure, politeness, disfluency, another order, typing errors. A paraphrase
-is read as the same, refused, or read as something else. Of the words that judge only counts
-are printed.
+is read as the same, refused, or read as something else.
 """
 
 from __future__ import annotations
@@ -40,8 +39,8 @@ def paraphrases(words: str, seed: int, count: int) -> Iterator[tuple[str, str, R
     for i in range(count):
         kind = KINDS[i % len(KINDS)]
         if words != "developing":
-            file = "judging" if words == "judging" else "second_developing"
-            said, speaker = judging.drawn_phrases(rng), judging.JudgingSpeaker(rng, known, file)
+            said = judging.drawn_phrases(rng)
+            speaker = judging.JudgingSpeaker(rng, known, f"{words}_developing")
             text, plain = speaker.paraphrase_of(said, kind), speaker.plain(said)
             names = {*judging.NAMES, *judging.OTHERS}
         else:
@@ -53,17 +52,16 @@ def paraphrases(words: str, seed: int, count: int) -> Iterator[tuple[str, str, R
 
 def main() -> None:
     options = argparse.ArgumentParser(description="How paraphrases of a command are read.")
-    options.add_argument("words", nargs="?", choices=("developing", "second", "judging"),
+    options.add_argument("words", nargs="?", choices=("developing", "second", "third"),
                          default="developing")  # fmt: skip
     options.add_argument("--seed", type=int, default=0)
     options.add_argument("--count", type=int, default=4200)
     options.add_argument("--show", type=int, default=0, help="failures of each kind to print")
     chosen = options.parse_args()
-    show = chosen.show if chosen.words != "judging" else 0
     table: Counter[tuple[str, str]] = Counter()
     for kind, text, came in paraphrases(chosen.words, chosen.seed, chosen.count):
         table[kind, came] += 1
-        if came != "same" and table[kind, came] <= show:
+        if came != "same" and table[kind, came] <= chosen.show:
             print(f"{kind}, {came}: {text}")
     print(f"{chosen.count} paraphrases, seed {chosen.seed}, words {chosen.words}")
     for kind in (*KINDS, "all"):

@@ -1,4 +1,4 @@
-"""Says commands in the words of a file like `judging_words.yaml`.
+"""Says commands in words that judged the language before it was developed with them.
 
 A command is drawn as phrases and said plainly; what that is read as is what a paraphrase of it has
 to be read as. Its kinds are those of `developing_speaker.py`, drawn otherwise: a sixth of the
@@ -74,7 +74,7 @@ def words_of(name: str) -> dict[str, Any]:
 class JudgingSpeaker:
     """Says phrases in other words, those of a file."""
 
-    def __init__(self, rng: Random, known: frozenset[str], words: str = "judging") -> None:
+    def __init__(self, rng: Random, known: frozenset[str], words: str) -> None:
         self._rng, self._known, self._words = rng, known, words_of(words)
 
     def paraphrase_of(self, said: Phrases, kind: str) -> str:

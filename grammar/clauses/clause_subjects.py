@@ -11,6 +11,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 from grammar.clauses.clause_parts import Parts, several_objects, unexpected_part
+from grammar.clauses.compared_heights import with_heights_told
 from grammar.clauses.constraint_builder import require_same
 from grammar.clauses.owned_parts import QUOTES, part_and_owner
 from grammar.errors import ParseError
@@ -116,9 +117,10 @@ def _is_list(things: Sequence[ph.Thing], lexicon: Lexicon, sentence: Normalised)
 def attach_objects(parts: Sequence[ph.Part], lexicon: Lexicon, sentence: Normalised) -> Parts:
     """The parts of a clause, once it is about the object that its verb handles."""
     verb = next((part for part in parts if isinstance(part, ph.Verb)), None)
+    asks = None if verb is None else _asks_for(verb, parts, lexicon)
+    parts = with_heights_told(parts, asks is not None and asks.goal == "lift", sentence)
     if verb is None:
-        return list(parts)
-    asks = _asks_for(verb, parts, lexicon)
+        return parts
     if asks is not None and asks.goal == "fill":
         return _with_fill_as_pour(parts, verb)
     if asks is not None and asks.goal == "topple" and any(isinstance(p, ph.Into) for p in parts):

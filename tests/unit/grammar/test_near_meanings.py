@@ -41,6 +41,9 @@ from grammar import ParseError, parse
         ("just quickly push the tin away", "push the tin away"),
         ("push the tin away just quickly", "quickly push the tin away"),
         ("can you quickly push the tin away?", "push the tin away"),
+        ("lift the tin 8 cm higher", "lift the tin by 8 cm"),
+        ("lift the tin higher up by 8 cm", "lift the tin by 8 cm"),
+        ("push the tin 8 cm further from the jar", "push the tin away from the jar by 8 cm"),
         ("push the tin further away", "push the tin away"),
         ("push it further away", "push it away more"),
         ("push the tin until it touches the jar a bit slowly",
@@ -137,6 +140,9 @@ def test_words_near_two_meanings_are_read_as_meant(text: str, meant: str) -> Non
         ("what if I tilt the tin, actually", "actually", "unexpected_words"),
         ("move the tin out of the way left of the jar", "left of the jar", "said_twice"),
         ("do not just push the tin, lift it", "just", "unexpected_words"),
+        ("push the tin 8 cm higher", "8 cm higher", "does_not_apply"),
+        ("no, 3 cm higher", "3 cm higher", "does_not_apply"),
+        ("raise the tin 8 cm lower", "lower", "does_not_apply"),
     ],
 )
 def test_words_of_no_clear_meaning_are_refused_where_they_stand(
