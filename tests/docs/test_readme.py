@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from nlcontrol.cli import run
-from tests.docs.guide_blocks import code_blocks, only_block
+from tests.docs.guide_blocks import code_blocks, console_runs, only_block
 
 ROOT = Path(__file__).parents[2]
 MOST_LINES = 120
@@ -65,13 +65,16 @@ def test_examples_of_the_command_line(
 @pytest.mark.slow
 def test_the_examples_of_the_guide_to_predictions(capsys: pytest.CaptureFixture[str]) -> None:
     text = (ROOT / "docs" / "predictions.md").read_text(encoding="utf-8")
-    commands = only_block(text, "console")
-    for line in commands.splitlines():
-        args = shlex.split(line.removeprefix("$ "))[1:]
-        assert run([arg for arg in args if arg not in ("--output", "map.png")]) == 0
+    printed = ""
+    for command, shown in console_runs(text):
+        args = [arg for arg in shlex.split(command) if arg not in ("--output", "map.png")]
+        assert run(args) == 0
+        answer = capsys.readouterr().out
+        assert shown in answer
+        printed += answer
     first, second, *others = code_blocks(text, "python")
     exec(compile(first, "predictions.md", "exec"), {})
-    printed = capsys.readouterr().out
+    printed += capsys.readouterr().out
     for code in (second, *others):
         exec(compile(code, "predictions.md", "exec"), {})
     assert "topples from 8.79 N on" in printed

@@ -40,5 +40,5 @@ def test_a_fingertip_that_slips_over_it_is_felt() -> None:
     assert result.status == "failed"
     trace = result.trace
     assert trace is not None
-    assert trace.end == "guard"
+    assert trace.end == "slipped"
     assert np.hypot(*trace.displacement("book")[:2]) < 0.005
