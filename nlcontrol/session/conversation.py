@@ -82,6 +82,7 @@ class Conversation:
         self._exchange: g.Command | None = None  # what that was, if things changed places
         self._asked_in_vain = False  # whether a question was not understood since
         self._lost = False  # whether what was not understood since was about another object
+        self._lost_verb = False  # whether it may have been a command
 
     @in_turn
     def say(
@@ -203,7 +204,7 @@ class Conversation:
         except ControlError as raised:
             begun = self.controller.empty_result(text, command)
             self._last = result_with(begun, status=status_of(raised.info), error=raised.info)
-            if command is None:
+            if command is None or spoken.names_said(text, self.controller.cell.names):
                 self._note_lost(text, raised.info.code)
             return self._last, None
 
@@ -223,7 +224,8 @@ class Conversation:
         if remark == "undo":
             return self._way_back(command)
         asks_on = self._asked_in_vain and aims.asks_further(command)
-        if asks_on or (self._lost and aims.leaves_object_open(command)):
+        leans = aims.leaves_object_open(command) or aims.corrects_object(command)
+        if asks_on or (self._lost and leans) or (self._lost_verb and aims.goes_on(command)):
             nothing_before("what was said last was not understood, so this may be about that")
         command = follow_up.with_clear_way_back(command, self._done)
         meant = follow_up.meant_command(command, self._said, self._done, self._exchange)
@@ -272,7 +274,7 @@ class Conversation:
     def _remember(self, meant: Intention, result: Result, *, proposed: bool) -> None:
         # Remarks are about what was said and what came of it; a trace is megabytes.
         self._last = self._said = kept = result_with(result, trace=None)
-        self._lost = self._asked_in_vain = False
+        self._lost = self._lost_verb = self._asked_in_vain = False
         if not proposed and any(frame.query is None for frame in kept.frames):
             self._done = kept
             self._exchange = meant.exchange
@@ -293,12 +295,15 @@ class Conversation:
         """
         latest, named = self.context.latest, spoken.names_said(text, self.controller.cell.names)
         last = tuple(dict.fromkeys((*named, *self.context.last)))
-        doubt = () if spoken.asks_which(text) else None if named else self.context.doubt
+        unnamed = spoken.asks_which(text) or (not named and spoken.tells_of_one(text))
+        doubt = () if unnamed else None if named else self.context.doubt
         self.context = replace(self.context, last=last, doubt=doubt)
         self._asked_in_vain = text.rstrip().endswith("?")
         other = not self._asked_in_vain and bool(named) and set(named) != set(latest)
         self._lost = self._lost or other
-        if other or code == "unknown_verb" or follow_up.has_verb(text):
+        has_verb = follow_up.has_verb(text)
+        self._lost_verb = self._lost_verb or (has_verb and not self._asked_in_vain)
+        if other or code == "unknown_verb" or has_verb:
             self._said = None
 
     # --- corrections ----------------------------------------------------------------------------

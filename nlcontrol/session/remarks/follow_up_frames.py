@@ -35,6 +35,7 @@ from nlcontrol.session.remarks.undo_frames import reversed_goal
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result
 
+_ONE = ("one", "ones")
 _AS_COMMAND = {"query": None, "event": None, "negated": False}
 
 
@@ -58,7 +59,7 @@ def meant_command(
     if exchange is not None and _repeats_plainly(command):
         return exchange.model_copy(update={"text": command.text})
     frames: list[g.Frame] = []
-    for frame in command.frames:
+    for frame in (_with_kind_before(f, said) if f.dialogue else f for f in command.frames):
         match frame.dialogue:
             case None:
                 frames.append(frame)
@@ -74,6 +75,17 @@ def meant_command(
         return command
     words = _words_of(frames, command.paraphrase)
     return command.model_copy(update={"frames": tuple(frames), "paraphrase": words})
+
+
+def _with_kind_before(frame: g.Frame, said: Result | None) -> g.Frame:
+    """A remark on "the one on the right" with the noun of what was said last."""
+    ref, before = frame.object, [f.object for f in frames_said(said) if f.object]
+    if ref is None or ref.text.casefold() not in _ONE or not before:
+        return frame
+    noun = before[-1].noun
+    if not noun or noun == before[-1].id:  # called by its own name, which no other has
+        return frame
+    return frame.model_copy(update={"object": ref.model_copy(update={"text": noun, "noun": noun})})
 
 
 def _continued_frames(

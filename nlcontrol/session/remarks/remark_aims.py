@@ -95,6 +95,13 @@ def leaves_object_open(command: g.Command) -> bool:
     return any(f.action is None and (f.object is None or f.object.pronoun) for f in remarks)
 
 
+def goes_on(command: g.Command) -> bool:
+    """Check for "more", "again" and "the other way" and nothing besides."""
+    first = command.frames[0]
+    remark = first.dialogue in ("more", "repeat", "reverse", "do")
+    return remark and not first.query and not (first.action or first.object)
+
+
 def asks_further(command: g.Command) -> bool:
     """Check for a question that goes on with one before: "and the mug?"."""
     first = command.frames[0]

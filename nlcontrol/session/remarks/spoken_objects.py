@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 _BESIDE = ("than ", "from ", "to ", "of ", "behind ", "beside ", "near ", "touches ")
 """Words before the name of something that a sentence is not about: "how far is it from the mug"."""
 
+_ONE = ("one", "ones")
+_TELLING = frozenset({"left", "right", "other", "first", "last", "big", "small"})
 _WHICH = frozenset({"which", "what", "who"})
 _NOT_FOUND = ("ambiguous_object", "no_antecedent", "not_on_table", "unknown_object")
 
@@ -92,6 +94,12 @@ def _misses_its_object(result: Result) -> bool:
 def asks_which(text: str) -> bool:
     """Check for a question whose answer would be an object."""
     return text.rstrip().endswith("?") and text.split(maxsplit=1)[0].casefold() == "which"
+
+
+def tells_of_one(text: str) -> bool:
+    """Check for "the right one", which means something without its name."""
+    words = name_words(text)
+    return any(word in _ONE and i and words[i - 1] in _TELLING for i, word in enumerate(words))
 
 
 def names_said(text: str, names: Iterable[str]) -> list[str]:

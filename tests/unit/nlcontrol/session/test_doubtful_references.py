@@ -97,3 +97,36 @@ def test_a_question_goes_on_with_what_it_compares(conversation: Conversation) ->
     assert answer is not None
     assert answer.objects == ("coffee box",)
     assert "mug" in answer.text
+
+
+@pytest.mark.parametrize(
+    ("said", "remark"),
+    [
+        ("push it glorp", "more"),
+        ("glorp the ice tea box 2 cm left", "i meant the ice tea"),
+        ("use glorp the right one", "what is in it?"),
+    ],
+)
+def test_what_could_lean_on_a_sentence_that_was_not_read_is_asked_back(
+    conversation: Conversation, said: str, remark: str
+) -> None:
+    conversation.say("push the mug away", plan_only=True)
+    assert conversation.say(said, plan_only=True).status == "not_understood"
+    assert conversation.say(remark, plan_only=True).status == "not_understood"
+
+
+def test_it_is_what_a_refused_remark_named(conversation: Conversation) -> None:
+    conversation.say("how tall is the cereal box?", plan_only=True)
+    refused = conversation.say("repeat that with the ice tea box", plan_only=True)
+    assert refused.error is not None
+    assert refused.error.code == "nothing_before"
+    (frame,) = conversation.say("tilt it by 5 degrees", plan_only=True).frames
+    assert frame.object is not None
+    assert frame.object.id == "ice tea box"
+
+
+def test_the_one_on_the_right_is_of_the_kind_that_was_spoken_of(conversation: Conversation) -> None:
+    conversation.say("push the box on the left 3 cm away", plan_only=True)
+    (frame,) = conversation.say("and the one on the right", plan_only=True).frames
+    assert frame.object is not None
+    assert frame.object.id == "coffee box"  # the mug stands farther right
