@@ -53,8 +53,11 @@ _TOPIC = re.compile(
 )
 """A reason about a thing, which "it" means then: "since the mug is dirty, push it away"."""
 
-_NO_REASON_BEHIND = re.compile(r"(?<![^ ])(?:as [a-z]+|is|are|back|leave [a-z]+(?: just)?) $")
-"""Words with which what looks like a reason is none: "as soon as it is", "leave it as it is"."""
+_NO_REASON_BEHIND = re.compile(
+    r"(?<![^ ])(?:as [a-z]+|is|are|back|leave [a-z]+(?: just)?"
+    "|after|before|if|or|that|unless|until|whether|when|which|while) $"
+)
+"""What looks like a reason is none: "as soon as it is", "leave it as it is", "if it bothers me"."""
 
 _STRAY = re.compile(
     r"(?<= the) ,(?= )|(?<=^the) ,(?= )|"

@@ -33,7 +33,20 @@ _BEGS = re.compile("(?:please )?(?:can|could|may|might) (?:i|we) (?:please )?(?:
 """A request, if a thing and a participle follow: "could I have the jar pushed away"."""
 
 _ABOUT_IT = ("IS_IT", "HOW", "HOW_MUCH_DOES", "WHERE_IS", "CAN_YOU")
-_BEHIND_TOPIC = re.compile(r" (?:[,.;?!]|and)(?: (?:and|then|please|now|(?:could|would) you))* ")
+_BEHIND_TOPIC = re.compile(r" ([,.;?!]|and)(?: (?:and|then|please|now|(?:could|would) you))* ")
+_NEW_THING = re.compile(r"(?:there|here) is an? ")
+_BEHIND_NEW_THING = re.compile(
+    r"(?: (?:on the table|in front of (?:you|me|us|the robot)|over there|there|here))?"
+    + _BEHIND_TOPIC.pattern
+)
+"""What stands on the table need not be said so: "there is a jar on the table. Push it"."""
+
+_EMPHASIS = re.compile(
+    r"it is ((?:the|my|your|our) [^,.;]+?) (?:that|which) "
+    r"|what ((?:the|my|your|our) [^,.;]+? needs) is "
+)
+"""What is said with emphasis: "it is the jar that should go", "what the jar needs is a push"."""
+
 _READ = frozenset({"FILLER", "NEXT", "VOCATIVE"})
 _SAYS = frozenset({"AMOUNT", "DIRECTION", "FACE", "FROM_SIDE", "MANNER", "REGION",
                    "REGION_OF_TABLE", "SENSE", "SIDE_QUALITY", "WAY", "LENGTH_UNIT",
@@ -80,7 +93,8 @@ class Courtesy:
 
     def put_plainly(self, said: Normalised) -> Normalised:
         """The sentence without the courtesy before its command and behind it."""
-        said = self._without_request(self._without_topic(self.without_greeting(said)))
+        said = self._without_emphasis(self._without_topic(self.without_greeting(said)))
+        said = self._without_request(said)
         return self._without_closing(said)
 
     def without_greeting(self, said: Normalised) -> Normalised:
@@ -166,17 +180,28 @@ class Courtesy:
     def _without_topic(self, said: Normalised) -> Normalised:
         """The sentence that begins with its thing: "as for the jar, push it" is "the jar, …"."""
         topic = self._topics.match(said.text)
-        if topic is None or not self._has_kind(_THING, said.text, topic.end()):
+        new = _NEW_THING.match(said.text)
+        if topic is None or not (new or self._has_kind(_THING, said.text, topic.end())):
             return said
-        for pause in _BEHIND_TOPIC.finditer(said.text, topic.end()):
+        start = new.end() if new else topic.end()
+        behind = _BEHIND_NEW_THING if new else _BEHIND_TOPIC
+        for pause in behind.finditer(said.text, start):
             if self._has_kind({"VERB", *_ABOUT_IT}, said.text, pause.end()):
                 text = f"{said.text[: pause.start()]} , {said.text[pause.end() :]}"
                 columns = said.columns[: pause.start()], said.columns[pause.end() :]
-                between = ((said.columns[pause.start() + 1]),) * 3
-                whole = replace(said, text=text, columns=(*columns[0], *between, *columns[1]))
+                comma = said.columns[pause.start(1)][0], said.columns[pause.end(1) - 1][1]
+                whole = replace(said, text=text, columns=(*columns[0], *[comma] * 3, *columns[1]))
                 asked = said.question and "you" not in pause[0].split()
-                return replace(_begun_with("", whole, topic.end()), question=asked)
+                return replace(_begun_with("the " * bool(new), whole, start), question=asked)
         return said
+
+    def _without_emphasis(self, said: Normalised) -> Normalised:
+        """The sentence that plainly says what it says with emphasis."""
+        found = _EMPHASIS.match(said.text)
+        kinds = ("TO_BE",) if found and found[1] else ("STROKE",)
+        if found is None or not self._has_kind(kinds, said.text, found.end()):
+            return said
+        return said.words_in(found.span(found.lastindex or 0), (found.end(), len(said.text)))
 
     def _has_kind(self, kinds: Collection[str], text: str, start: int) -> bool:
         return any(self._phrases.has_terminal_at(kind, text, start) for kind in kinds)

@@ -33,6 +33,7 @@ _BEFORE_COMMANDS = ("", "FILLER", "SEPARATOR", "NEXT")
 _BEFORE_VERBS = (*_BEFORE_COMMANDS, "CAN_YOU", "POSSIBLE", "MANNER", "NO", "YOU")
 _AMOUNTS = ("FORCE_UNIT", "SPEED_UNIT", "LENGTH_UNIT")
 _TOWARDS_WAY = re.compile(r"(?<![^ ])(?:towards?|away from)(?= |$)")
+_LINE = re.compile(r" the (?:[^ ]+ )?(?:edge|side|border|line|left|right)(?= |$)")
 _IS_THE = re.compile(r"(?: [^ ,.;]+){1,4}? (?:is|are) (?:the )?")
 _NAMES_BEGIN = re.compile(r" (?:the|a|an|my|your|its) ")
 
@@ -69,7 +70,7 @@ class Lookahead:
             "LETTING": lambda _phrase, text, end, _last: not _CONTACT.match(text, end),
             "WHICH": self._of_the_most,
             "TO_BE": lambda phrase, text, end, _last: (
-                not phrase.endswith("get") or self._any("VERB_ED", text, end + 1)
+                not phrase.endswith(("get", "gets")) or self._any("VERB_ED", text, end + 1)
             ),
             "NEEDS": self._before(("STROKE", "VERB_ING")),
             "WHICH_IS": self._before(("COMPARATIVE", "SUPERLATIVE")),
@@ -193,9 +194,8 @@ class Lookahead:
     def _ends_name(self, text: str, end: int) -> bool:
         """Check that no word of a name follows."""
         follower = WORD.match(text, end + 1)
-        if follower is None or not follower.group()[0].isalpha():
-            return True
-        return follower.group() in self._function_words
+        word = follower.group() if follower else ""
+        return not word[:1].isalpha() or word in self._function_words
 
     def _begins_a_number(self, text: str, start: int) -> bool:
         match = WORD.match(text, start)
@@ -376,6 +376,8 @@ class Lookahead:
         """Take the lid off, but not off the jar; take off the lid; pull it open, and open it."""
         if phrase in self._verbs and last not in _BEFORE_PARTICLES:
             return False
+        if phrase == "along" and self._names_begin(text, end):
+            return last == "VERB" and not _LINE.match(text, end)  # not along the edge
         if phrase.endswith("in"):
             return end == len(text) or text[end + 1] in ",.;"
         if not phrase.endswith(("on", "off", "open", "shut", "closed")) or last == "VERB":

@@ -112,7 +112,7 @@ class PhraseLexer:
                     return kind, after
             # "Go" of "go home" is no filler, but an unknown verb, and "through" goes before no
             # number; the "first" of "what did you move first" does not go on to something else.
-            unknown = phrase in self._later and kinds[0] in ("BY", "FILLER")
+            unknown = phrase in self._later and kinds[0] in ("BY", "FILLER", "PARTICLE")
             unknown = unknown or name.last == "WHAT_DID"
             fallback = fallback or ("UNKNOWN" if unknown else kinds[0], after)
         digits = DIGITS.match(text, start) if accepts("NUMBER") else None

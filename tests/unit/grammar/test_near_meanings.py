@@ -109,6 +109,12 @@ from grammar import ParseError, parse
         ("push it directly toward the left jar", "push it toward the left jar"),
         ("what would be standing in the jar?", "what is in the jar?"),
         ("which can you topple right close to me?", "which can you topple toward the robot?"),
+        ("drag the tin along 5 cm", "pull the tin by 5 cm"),
+        ("drag along the tin to the left", "pull the tin to the left"),
+        ("spin the tin around by 30 degrees", "turn the tin by 30 degrees"),
+        ("the tin gets a push to the left", "push the tin to the left"),
+        ("the tin gets pushed to the left", "push the tin to the left"),
+        ("pack the tin into the box", "put the tin in the box"),
         ("lift the tin that is at the front side of the jar",
          "lift the tin that is in front of the jar"),
     ],
@@ -143,6 +149,9 @@ def test_words_near_two_meanings_are_read_as_meant(text: str, meant: str) -> Non
         ("push the tin 8 cm higher", "8 cm higher", "does_not_apply"),
         ("no, 3 cm higher", "3 cm higher", "does_not_apply"),
         ("raise the tin 8 cm lower", "lower", "does_not_apply"),
+        ("move along the edge", "along", "unexpected_words"),
+        ("push along the left", "along", "unexpected_words"),
+        ("drag the tin along the jar", "along", "unexpected_words"),
     ],
 )
 def test_words_of_no_clear_meaning_are_refused_where_they_stand(

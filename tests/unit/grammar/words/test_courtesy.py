@@ -94,3 +94,38 @@ def test_making_contact_is_touching() -> None:
     text = "push the tin away without {} the jar"
     said = parse(text.format("making any contact with"))
     assert said.paraphrase == parse(text.format("touching")).paraphrase
+
+
+@pytest.mark.parametrize(
+    ("text", "plain"),
+    [
+        ("there is a jar on the table. Push it away", "push the jar away"),
+        ("here is an old jar, could you tip it over?", "topple the old jar"),
+        ("there is a jar beside the tin and push it", "push the jar that is beside the tin"),
+        ("there is a jar. Is it heavy?", "is the jar heavy?"),
+        ("look for the jar. Push it away", "push the jar away"),
+        ("it is the jar that should be pushed away, not the tin", "push the jar away"),
+        ("what my jar needs is a gentle push to the left", "gently push the jar to the left"),
+    ],
+)
+def test_a_thing_may_be_named_before_what_is_done_to_it(text: str, plain: str) -> None:
+    assert parse(text).paraphrase == parse(plain).paraphrase
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "it is the jar that should not be pushed away",
+        "it is the jar that was pushed",
+        "what the jar needs is a friend",
+        "there is a jar on the table and a tin. Push it away",
+    ],
+)
+def test_what_is_told_of_a_thing_asks_for_nothing(text: str) -> None:
+    with pytest.raises(ParseError):
+        parse(text)
+
+
+def test_where_a_new_thing_stands_on_the_table_is_kept_as_an_aside() -> None:
+    command = parse("there is a jar on the table. Push it away")
+    assert [command.text[start:end] for start, end in command.asides] == ["on the table"]

@@ -246,7 +246,7 @@ FORMS = {
     "guide": ("guided", "guiding"),
     "skim": ("skimmed", "skimming"), "whirl": ("whirled", "whirling"),
     "scoop": ("scooped", "scooping"), "jack": ("jacked", "jacking"),
-    "lower": ("lowered", "lowering"),
+    "lower": ("lowered", "lowering"), "pack": ("packed", "packing"),
 }  # fmt: skip
 """Participle and gerund of every verb, from the dictionary."""
 

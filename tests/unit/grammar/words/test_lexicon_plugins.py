@@ -195,7 +195,7 @@ def test_names_that_are_read_anyway_take_the_words_that_there_are() -> None:
         {"verbs": [{"says": ["fling"], "action": "throw", "goal": "displace"}]},
         {"verbs": [{"says": ["fling"], "action": "push", "goal": "far"}]},
         {"verbs": [{"says": "fling", "action": "push", "goal": "displace"}]},
-        {"verbs": [{"says": ["fling along"], "action": "push", "goal": "displace"}]},
+        {"verbs": [{"says": ["fling across"], "action": "push", "goal": "displace"}]},
         {"verbs": [{"says": ["Fling"], "action": "push", "goal": "displace"}]},
         {"terminals": {"DIRECTION": {"north": ["northwards"]}}},
         {"terminals": {"DIRECTION": {"away": ["To The North"]}}},

@@ -13,7 +13,8 @@ REASONS = (
     "so that I can see the screen", "so we can play chess", "to make room", "to test you",
     "for safety", "before the guests come", "otherwise I can't see", "or it will fall off the edge",
     "while we wait", ", it smells", ", it is too close to the edge", ". My hands are full",
-    ", the boss said so", ", that's what my wife wants",
+    ", the boss said so", ", that's what my wife wants", "it bothers me", "I need some space",
+    "since I keep bumping into it", "it looks better that way", "it's blocking my view",
 )  # fmt: skip
 TAILS = (
     "without touching the jar", ", without touching the jar", "gently", ", but gently",
@@ -67,6 +68,10 @@ def test_a_reason_may_stand_anywhere(text: str, plain: str) -> None:
         "push the tin away as it was before",
         "push the tin because it leans to the left",
         "push the tin away because I am back in 5 minutes",
+        "push the tin away if it bothers me",
+        "push the tin away unless it is in my way",
+        "push the tin away until it is blocking my view",
+        "push the tin away after I have to clean",
     ],
 )
 def test_what_restricts_or_may_be_meant_is_no_reason(text: str) -> None:
