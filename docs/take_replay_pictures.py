@@ -49,6 +49,14 @@ PICTURES: dict[str, tuple[View, ...]] = {
         View("stand the sugar box up", 11.5, scene="examples/fallen_sugar_box.yaml"),
     ),
     "replay_swap.png": (View("swap the sugar box and the tea tin", 75.0, scene="workbench"),),
+    "replay_clear.png": (
+        View("clear the left half of the table", 12.0, scene="workbench"),
+        View("clear the left half of the table", 300.0, scene="workbench"),
+    ),
+    "replay_facing.png": (View("turn the ice tea to face the mug", 22.0),),
+    "replay_stack.png": (
+        View("put the tea tin on the book", 82.0, scene="examples/flat_book.yaml"),
+    ),
     "replay_into.png": (
         View("put the soup can into the bin", 15.5, scene="examples/storage_bin.yaml"),
     ),
