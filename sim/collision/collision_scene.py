@@ -189,10 +189,16 @@ class Obstacle:
         """Which spheres in D, shape (n, 4), do not keep it somewhere, shape (n,); see above."""
         low = clearance + self.top - points[:, 2].min()
         (near,) = np.nonzero(spheres[:, 2] - spheres[:, 3] < low)
+        # Seen from D the object moves: nothing but the spheres that it comes near to is looked at,
+        # first those beside the rectangle that its middle does not leave.
+        middle = ((self.middle - points[:, :2])[:, None] @ R_WD[:, :2, :2])[:, 0]
+        x, y, _, r = spheres[near].T
+        (least_x, least_y), (most_x, most_y) = middle.min(axis=0), middle.max(axis=0)
+        x_off = np.maximum(np.maximum(least_x - x, x - most_x), 0.0)
+        y_off = np.maximum(np.maximum(least_y - y, y - most_y), 0.0)
+        near = near[x_off * x_off + y_off * y_off < (r + (clearance + self.around)) ** 2]
         x, y, z, r = spheres[near].T
-        # Seen from D the object moves: nothing but the spheres that it comes near to is looked at.
-        middle_x, middle_y = ((self.middle - points[:, :2])[:, None] @ R_WD[:, :2, :2])[:, 0].T
-        x_off, y_off = middle_x[:, None] - x, middle_y[:, None] - y
+        x_off, y_off = middle[:, :1] - x, middle[:, 1:] - y
         at, k = np.nonzero(x_off * x_off + y_off * y_off < (r + (clearance + self.around)) ** 2)
         hit = np.zeros(len(spheres), dtype=bool)
         if len(k):

@@ -96,15 +96,17 @@ def distance_to_prism(spheres: Array, outline: Array, height: float) -> Array:
         height: of the prism [m].
     """
     x, y = spheres[..., 0], spheres[..., 1]
-    across, beside = np.full(x.shape, -np.inf), np.full(x.shape, np.inf)
+    across, squared = np.full(x.shape, -np.inf), np.full(x.shape, np.inf)
     for (a_x, a_y), (b_x, b_y) in zip(outline, np.roll(outline, -1, axis=0), strict=True):
-        along = np.array([b_x - a_x, b_y - a_y])
-        length = np.hypot(*along)
-        e_x, e_y = along / length
-        across = np.maximum(across, (x - a_x) * e_y - (y - a_y) * e_x)
-        t = np.clip((x - a_x) * e_x + (y - a_y) * e_y, 0.0, length)
-        beside = np.minimum(beside, np.hypot(x - a_x - t * e_x, y - a_y - t * e_y))
-    return _distance_upright(np.where(across > 0.0, beside, across), spheres, height)
+        length = math.hypot(b_x - a_x, b_y - a_y)
+        e_x, e_y = (b_x - a_x) / length, (b_y - a_y) / length
+        from_x, from_y = x - a_x, y - a_y
+        off, along = from_x * e_y - from_y * e_x, from_x * e_x + from_y * e_y
+        # Beyond an end of the edge by so much, and so far off its line.
+        beyond = along - np.minimum(np.maximum(along, 0.0), length)
+        across = np.maximum(across, off)
+        squared = np.minimum(squared, off * off + beyond * beyond)
+    return _distance_upright(np.where(across > 0.0, np.sqrt(squared), across), spheres, height)
 
 
 def distance_to_cylinder(spheres: Array, radius: float, height: float) -> Array:
@@ -115,7 +117,7 @@ def distance_to_cylinder(spheres: Array, radius: float, height: float) -> Array:
         radius: of the cylinder [m].
         height: of the cylinder [m].
     """
-    level = np.hypot(spheres[..., 0], spheres[..., 1]) - radius
+    level = np.sqrt(spheres[..., 0] ** 2 + spheres[..., 1] ** 2) - radius
     return _distance_upright(level, spheres, height)
 
 
@@ -123,7 +125,7 @@ def _distance_upright(level: Array, spheres: Array, height: float) -> Array:
     """Signed distance from an upright solid, from the one in its horizontal section."""
     z = spheres[..., 2]
     over = np.maximum(-z, z - height)
-    far = np.hypot(np.maximum(level, 0.0), np.maximum(over, 0.0))
+    far = np.sqrt(np.maximum(level, 0.0) ** 2 + np.maximum(over, 0.0) ** 2)
     return np.asarray(far + np.minimum(np.maximum(level, over), 0.0) - spheres[..., 3])
 
 

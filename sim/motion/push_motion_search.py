@@ -195,7 +195,9 @@ class PushMotionSearch:
 
     def _clear_hands(self, hands: PostureSet) -> Iterator[PostureSet]:
         """The hands that stay clear of everything during the push, a few at a time."""
-        near = self._scenery.obstacles_near(self._points, hands.horizontal_size)
+        off = self._way_off.points if self._way.turn else self._points[:0]
+        places = np.vstack([self._points, off])
+        near = self._scenery.obstacles_near(places, hands.horizontal_size)
         sweep = Sweep.along(self._points, self._R_WD)
         first, together = 0, _AT_ONCE
         while first < len(hands):
@@ -204,9 +206,12 @@ class PushMotionSearch:
             clear = self._approach.clear_hands(some)
             stopped_by = np.full(len(some), -1)
             stopped_by[clear] = first_obstacles(some[clear], near, sweep)
+            free = clear & (stopped_by < 0)
+            if self._way.turn:
+                (turned,) = np.nonzero(free)
+                free[turned], stopped_by[turned] = self._turned_hands(some[turned], near)
             self.stopped_by |= {near[k].name for k in set(stopped_by.tolist()) if k >= 0}
             block, before = np.arange(len(some)) // _AT_ONCE, self._work
-            free = clear & (stopped_by < 0)
             for each in sorted(set(block[free].tolist())):
                 self._work = before + (each + 1) * _LOOKED
                 (chosen,) = np.nonzero(free & (block == each))
@@ -306,31 +311,45 @@ class PushMotionSearch:
         return free_path(arm, home, found.above, places, clearance.are_free, spend)
 
     def _come_off(self, hands: PostureSet, solved: IkSolutions) -> NDArray[np.bool_]:
-        """Which hands also get off the face at the end, and back to the start, shape (k,)."""
+        """Which arms also get off the face at the end, and back to the start, shape (k,)."""
         if not len(solved):
             return np.ones(0, dtype=bool)
         if not self._way.turn:
             return self._draw_back(hands, solved)
+        R_WD, points = self._way_off
+        R_AF, p_AF = self._mount.flange_poses(*hands[solved.hand].palms_along(R_WD, points))
+        # Of all solutions of the arm, the one that it keeps.
+        n, elbow, branch = len(points), solved.elbow, solved.branch[:, None]
+        q, valid = self._mount.arm.inverse(
+            R_AF.reshape(-1, 3, 3), p_AF.reshape(-1, 3), elbow.repeat(n), branch.repeat(n, axis=0)
+        )
+        free = np.asarray(valid.reshape(-1, n).all(axis=1))
+        arms = self._mount.arm_spheres(q.reshape(len(solved), n, -1)[free, 1:])
+        clear = self._pushed[-1].is_clear(arms, FACE_CLEARANCE).all(axis=1)
+        for each in self._scenery.others_near(arms):
+            clear &= each.is_clear(arms).all(axis=1)
+        free[free] = clear
+        return free
+
+    @functools.cached_property
+    def _way_off(self) -> Sweep:
+        """The way from where the fingertips let go of a turned face back to the start."""
         end, turned = self._points[-1], self._way.turn
         off = end - BACK * rot_z(turned) @ self._way.inward
         shares = np.linspace(0.0, 1.0, _BACK_POINTS)[:, None]
         points = np.vstack([end, off + shares * (self._points[0] - off)])
-        R_WD = rot_z(turned * np.append(1.0, 1.0 - shares)) @ self._R_WD[0]
-        some = hands[solved.hand]
-        R_AF, p_AF = self._mount.flange_poses(*some.palms_along(R_WD, points))
-        q, valid = self._mount.arm.inverse(
-            R_AF.reshape(-1, 3, 3), p_AF.reshape(-1, 3), np.repeat(solved.elbow, len(points))
-        )
-        # Of all solutions of the arm, the one that it keeps.
-        kept = np.arange(len(valid)).reshape(len(solved), -1), solved.branch[:, None]
-        arms = self._mount.arm_spheres(q[kept])
-        robot = np.concatenate([some.spheres_along(R_WD, points), arms], axis=-2)
-        # Its fingertips still touch at the first of them.
-        free = valid[kept].all(axis=1)
-        free &= self._pushed[-1].is_clear(robot[:, 1:], FACE_CLEARANCE).all(axis=1)
-        for each in self._scenery.others_near(robot[:, 1:]):
-            free &= each.is_clear(robot[:, 1:]).all(axis=1)
-        return np.asarray(free)
+        return Sweep(rot_z(turned * np.append(1.0, 1.0 - shares)) @ self._R_WD[0], points)
+
+    def _turned_hands(
+        self, hands: PostureSet, near: tuple[Obstacle, ...]
+    ) -> tuple[NDArray[np.bool_], NDArray[np.intp]]:
+        """Which get off a face that they have turned, and what stops each, −1 if nothing near."""
+        off = Sweep(self._way_off.R_WD[1:], self._way_off.points[1:])
+        stopped_by = first_obstacles(hands, near, off)
+        clear = stopped_by < 0
+        robot = hands[clear].spheres_along(np.eye(3)[None], np.zeros((1, 3)))[:, 0]
+        clear[clear] = self._pushed[-1].is_clear_along(robot, *off, FACE_CLEARANCE)
+        return clear, stopped_by
 
     def _draw_back(self, hands: PostureSet, solved: IkSolutions) -> NDArray[np.bool_]:
         """Which hands leave what they have pushed where it is, going straight back, shape (k,).

@@ -85,5 +85,5 @@ def _obstacles_near(
     # Seen from D, shape (w, o, 2).
     middles_D = (middles - points[:, None, :2]) @ R_WD[:, :2, :2]
     apart = middles_D[:, None] - circles[:, None, :2]
-    near = np.hypot(apart[..., 0], apart[..., 1]) < circles[:, 2:] + kept
+    near = apart[..., 0] ** 2 + apart[..., 1] ** 2 < (circles[:, 2:] + kept) ** 2
     return np.asarray(near.any(axis=0))

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from objectmodels import BoxModel, Registry
+from objectmodels.mechanics.turning_push import best_turn
 from planner.geometry.directions import face_name
 from planner.types.actions import Push
 from planner.types.robot import ReachAnswer
@@ -36,6 +37,7 @@ from sim.motion.arm_configuration import ArmConfiguration
 from sim.motion.roadmap import interpolate_joints
 from sim.motion.robot_reach import ArmHandReach, reachability_map
 from sim.paths.fingertip_path import BACK, FingertipPath
+from sim.rotations import rot_z
 from sim.standard_robot import ARM, HAND
 
 REGISTRY = Registry.built_in()
@@ -339,6 +341,39 @@ def test_what_was_pushed_is_not_taken_along_on_the_way_back() -> None:
         q = np.array([answer[0].joint_angles(at) for at in back])
         assert end.distance_to(answer[0].robot_spheres(q)).min() > 0.0
     assert found
+
+
+def test_a_hand_gets_off_a_face_that_it_has_turned() -> None:
+    box = _seen("sugar box", 0.55, 0.0, 0.0)
+    turn, found, rng = math.radians(45.0), 0, np.random.default_rng(3)
+    for face in box.model.faces():
+        swing = best_turn(box.model, face, turn, 0.05)
+        if swing is None:
+            continue
+        pushed = _push(box, math.atan2(-face.normal[1], -face.normal[0]), 0.05, stroke=0.0)
+        direction = tuple((box.pose.R_WB @ np.array(swing.direction)).tolist())
+        as_turned = {"p_BC": swing.point, "direction_W": direction, "stroke": swing.stroke}
+        push = pushed.model_copy(update={**as_turned, "ends_on": "turned", "turn": turn})
+        for _ in range(8):
+            beside = rng.uniform(-np.pi, np.pi)
+            x, y = box.pose.p_WB[:2] + 0.17 * np.array([np.cos(beside), np.sin(beside)])
+            tall = _seen("cereal box", float(x), float(y), beside)
+            state = WorldState({"sugar box": box, "cereal box": tall})
+            answer = REACH.push_configuration(push, state)
+            if isinstance(answer, ReachAnswer):
+                continue
+            found += 1
+            way = REACH.fingertip_path(push, state)
+            turned = Obstacle.from_seen(box, 0.0).after_motion(way.touch, way.end, turn)
+            off = way.end - BACK * rot_z(turn) @ way.inward
+            # Where it is looked at; between these places it may be nearer.
+            for share in (0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0):
+                at = off + share * (way.start - off)
+                q = answer[0].joint_angles(at, turned=(1.0 - share) * turn)
+                robot = answer[0].robot_spheres(q)
+                assert turned.distance_to(robot).min() > 0.0
+                assert Obstacle.from_seen(tall, 0.0).distance_to(robot).min() > OBJECT_CLEARANCE
+    assert found > 4
 
 
 def _seen(name: str, x: float, y: float, yaw: float) -> SeenObject:
