@@ -49,6 +49,11 @@ class StoppableRobot:
         """Figures of arm and hand."""
         return self._robot.limits
 
+    @property
+    def max_press(self) -> float:
+        """Pressing force of the robot [N]; see `planner.types.robot.Robot`."""
+        return self._robot.max_press
+
     def reach(self, push: Push, state: WorldState, effort: ReachEffort = "usual") -> ReachAnswer:
         """Answer of the robot; see `planner.types.robot.Robot`."""
         self._check()

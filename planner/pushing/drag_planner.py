@@ -184,7 +184,7 @@ def _pressing(problem: PushProblem, point: Array, direction: Array) -> tuple[flo
     Raises:
         NoPlanError: no force that a fingertip has is sure enough.
     """
-    model, most = problem.target.model, problem.robot.limits.max_press
+    model, most = problem.target.model, problem.robot.max_press
     if most <= 0.0:
         raise no_plan("no_pressing", object=problem.target.name)
     surest = float(drag_probability(model, point[None], direction[None], most)[0])
@@ -202,7 +202,7 @@ def _not_taken_along(
     problem: PushProblem, point: Array, direction: Array, surest: float
 ) -> NoPlanError:
     """Dead end since pressing does not take an object along, with what decides."""
-    target, most = problem.target, problem.robot.limits.max_press
+    target, most = problem.target, problem.robot.max_press
     model = target.model
     pressed = top_drag(model, point[None], direction[None], most)
     numbers = {"max_press": most, "probability": surest}

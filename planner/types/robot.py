@@ -96,7 +96,6 @@ class RobotLimits:
         finger_spreads: distances between the two outer fingertips of a two-finger push, the largest
             first [m].
         max_force: largest force that one fingertip can exert [N].
-        max_press: largest force with which one fingertip can press on a level face [N].
         force_skew: largest vertical force at a fingertip per force along the push while the tip
             sticks: what the hand's own stiffness lets it transmit, whatever friction would allow.
         lowest_height: lowest contact height above the table that a fingertip reaches anywhere [m].
@@ -112,7 +111,6 @@ class RobotLimits:
     lowest_height: float
     grasp_widths: tuple[float, float] | None = None
     lowest_grasp: float = 0.0
-    max_press: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -170,6 +168,10 @@ class Robot(Protocol):
     def limits(self) -> RobotLimits:
         """Figures of arm and hand."""
 
+    @property
+    def max_press(self) -> float:
+        """Largest force with which one fingertip can press on a level face [N]."""
+
     def reach(self, push: Push, state: WorldState, effort: ReachEffort = "usual") -> ReachAnswer:
         """Answer whether the hand can make a push, all of its way free."""
 
@@ -191,6 +193,7 @@ class NoRobot:
     """A robot that gets nowhere: for questions about a sentence alone."""
 
     limits = RobotLimits(0.0, (0.0,), 0.0, 0.0, 0.0)
+    max_press = 0.0
 
     def reach(self, push: Push, state: WorldState, effort: ReachEffort = "usual") -> ReachAnswer:
         """No."""

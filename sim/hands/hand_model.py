@@ -116,22 +116,16 @@ class PostureSet:
             made[k : k + _BLOCK].spheres_along(np.eye(3)[None], np.zeros((1, 3)))[:, 0]
             for k in range(0, len(made), _BLOCK)
         ]
-        lowest = [
-            (each[:, :-touching, 2] - each[:, :-touching, 3]).min(axis=1, initial=np.inf)
-            for each in blocks
-        ]
-        extents = [
-            (np.hypot(each[..., 0], each[..., 1]) + each[..., 3]).max(axis=1) for each in blocks
-        ]
-        fronts = [
-            (each[:, :-touching, 0] + each[:, :-touching, 3]).max(axis=1, initial=-np.inf)
-            for each in blocks
-        ]
+        # numpy is much faster on arrays that lie in a row.
+        rows = [np.ascontiguousarray(np.moveaxis(each, -1, 0)) for each in blocks]
+        lowest = [(z - r)[:, :-touching].min(axis=1, initial=np.inf) for _, _, z, r in rows]
+        extents = [(np.sqrt(x * x + y * y) + r).max(axis=1) for x, y, _, r in rows]
+        fronts = [(x + r)[:, :-touching].max(axis=1, initial=-np.inf) for x, _, _, r in rows]
         return replace(
             made,
             lowest_points=np.concatenate([unknown[:0], *lowest]),
             extents=np.concatenate([unknown[:0], *extents]),
-            circles=np.concatenate([circles[:0], *map(_circles_around, blocks)]),
+            circles=np.concatenate([circles[:0], *map(_circles_around, rows)]),
             fronts=np.concatenate([unknown[:0], *fronts]),
         )
 
@@ -216,13 +210,12 @@ class FlipPostureSet:
 
 
 def _circles_around(spheres: Array) -> Array:
-    """Circles as seen from above about some spheres, shape (n, k, 4): x, y, radius, (n, 3) [m]."""
-    low = (spheres[..., :2] - spheres[..., 3:]).min(axis=1)
-    high = (spheres[..., :2] + spheres[..., 3:]).max(axis=1)
-    middle = 0.5 * (low + high)
-    apart = spheres[..., :2] - middle[:, None]
-    around = (np.hypot(apart[..., 0], apart[..., 1]) + spheres[..., 3]).max(axis=1)
-    return np.column_stack([middle, around])
+    """Circles as seen from above about some spheres, shape (4, n, k): x, y, radius, (n, 3) [m]."""
+    x, y, _, r = spheres
+    middle_x, middle_y = (0.5 * ((c - r).min(axis=1) + (c + r).max(axis=1)) for c in (x, y))
+    x_off, y_off = x - middle_x[:, None], y - middle_y[:, None]
+    around = (np.sqrt(x_off * x_off + y_off * y_off) + r).max(axis=1)
+    return np.column_stack([middle_x, middle_y, around])
 
 
 def padded_spheres(spheres: tuple[Array, ...]) -> list[Array]:

@@ -139,7 +139,6 @@ class ArmHandReach:
             fingertip_radius=hand.tip_radius,
             finger_spreads=hand.finger_spreads,
             max_force=float(hand.pushing_postures(1, 0.0).strength.max()),
-            max_press=float(hand.pressing_postures().strength.max(initial=0.0)),
             force_skew=hand.force_skew,
             lowest_height=lowest_contact(hand),
             grasp_widths=hand.grasp_widths,
@@ -148,6 +147,12 @@ class ArmHandReach:
         self._map = reachability_map(cell.robot, arm, hand)
         self._answers: deque[_Answered] = deque(maxlen=_ANSWERS)
         self._last_scenery: tuple[tuple[str, WorldState, float], CollisionScene] | None = None
+
+    @functools.cached_property
+    def max_press(self) -> float:
+        """Largest force with which one fingertip can press on a level face [N]."""
+        # Few plans ask for it, and working out in which hands a fingertip presses takes long.
+        return float(self.mount.hand.pressing_postures().strength.max(initial=0.0))
 
     def reach(self, push: Push, state: WorldState, effort: ReachEffort = "usual") -> ReachAnswer:
         """Answer whether the whole way of a push is reachable and free."""

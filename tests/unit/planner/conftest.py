@@ -43,6 +43,7 @@ class RuledReach:
     last: Callable[[Push], bool] | None = None
     """What it answers by when it looks thoroughly; as always if None."""
     stiffness: float = 0.0
+    max_press: float = 0.0
 
     def reach(self, push: Push, state: WorldState, effort: ReachEffort = "usual") -> ReachAnswer:
         self.asked.append(push)

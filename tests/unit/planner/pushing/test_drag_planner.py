@@ -12,14 +12,14 @@ from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan
 from planner.types.refusal import Refusal
 from planner.types.world_state import PlanarPose, WorldState
-from tests.unit.planner.conftest import LIMITS, RuledReach, frame_of, planned, refused, world
+from tests.unit.planner.conftest import RuledReach, frame_of, planned, refused, world
 
 LEFT = "push the book 10 cm to the left"
 
 
 def hand(most: float = 30.0) -> RuledReach:
     """A hand that presses, with so much at most."""
-    return RuledReach(limits=replace(LIMITS, max_press=most))
+    return RuledReach(max_press=most)
 
 
 def book(**beliefs: float) -> WorldState:

@@ -13,8 +13,11 @@ from planner.types.actions import Push
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim import load_scene
+from sim.arms.lwr.lwr_kinematics import FLANGE
 from sim.collision.collision_spheres import distance_to_box
+from sim.hands.four_finger.four_finger_hand import FourFingerHand
 from sim.hands.four_finger.hand_kinematics import FINGER_JOINTS, FINGERS
+from sim.hands.hand_model import PostureSet
 from sim.motion.arm_configuration import ArmConfiguration, UnreachableError
 from sim.motion.robot_reach import ArmHandReach
 from sim.paths.fingertip_path import FingertipPath
@@ -157,6 +160,21 @@ def test_the_tips_go_where_the_push_says(reach: ArmHandReach, scene: Scene) -> N
         np.testing.assert_allclose(middle, point, atol=1e-7)  # as the inverse kinematics
     with pytest.raises(UnreachableError):
         stance.joint_angles(np.array([3.0, 0.0, 0.1]))
+
+
+class _PushingHand(FourFingerHand):
+    """The hand before anyone has worked out how it presses."""
+
+    def pressing_postures(self) -> PostureSet:
+        raise AssertionError("what takes long is not worked out")
+
+
+def test_who_pushes_does_not_work_out_how_to_press(scene: Scene) -> None:
+    reach = ArmHandReach(scene.cell, ARM, _PushingHand(FLANGE))
+    state = _believed(scene)
+    assert reach.reach(_push(state, "ice tea box", "front", 0.05), state).ok
+    with pytest.raises(AssertionError):
+        _ = reach.max_press
 
 
 def test_too_low_is_refused(reach: ArmHandReach, scene: Scene) -> None:
