@@ -26,10 +26,10 @@ _HESITATING = frozenset({",", "ah", "eh", "ehm", "er", "erm", "err", "oh", "uh",
 """Marks that may be nothing but a pause."""
 
 _SHAPES = {
-    "corrections": r"(?:(?<= )[.,;] )??(?<![^ ])(?:{0})(?:(?: ,)? (?:{0}))*(?: ,)?(?= )",
+    "corrections": r"(?:(?<= )[.,;] )??(?<![^ ])(?:(?:(?: ,)? )?(?<![^ ])(?:{0}))+(?: ,)?(?= )",
     "hesitations": r"(?:(?<=^the )|(?<= the )|(?<= a )|(?<= an ))(?:{0})(?: ,)?(?= [a-z])",
     "fillers": r"(?<![^ ])(?!(?<=you )like ,|(?<=do )you know|(?:, )?you know why|(?<=not )see ,)"
-    r"(?:{0})(?:(?: ,)? (?:{0}))*(?= |$)",
+    r"(?:(?:(?: ,)? )?(?<![^ ])(?:{0}))+(?= |$)",
     "reasons": r"(?:^(?!so (?!that ))|(?<= ))(?:{0})(?= |$)",
     "statements": r"(?<=[^ ] )(?:{0})(?: [^,.;]+)?(?= [,.;] )",
     "restarts": r"(?:^|(?<=[.;] )|(?<=^no )(?:, )?)(?:{0})(?= )",
@@ -210,7 +210,8 @@ class Asides:
         return said
 
     def _without_repeats(self, said: Normalised) -> Normalised:
-        marks = self._pattern_of("corrections")
+        marked = not self._first_words["corrections"].isdisjoint(said.text.split())
+        marks = self._pattern_of("corrections") if marked else None
         for _ in range(_MOST_REPEATS):
             repeat = self._repeats.repeat_in(said.text, marks)
             if repeat is None or self._is_named(said.text, *repeat):

@@ -38,16 +38,17 @@ class Repeats:
         self._doubles = frozenset(lexicon.asides["doubles"])
         self._pronouns = lexicon.terminals["IT"].keys()
 
-    def repeat_in(self, text: str, marks: re.Pattern[str]) -> Span | None:
+    def repeat_in(self, text: str, marks: re.Pattern[str] | None) -> Span | None:
         """The first words that are said again, up to where they are; None if there are none.
 
         Args:
             text: a sentence in plain form.
-            marks: of a correction, which may stand between them.
+            marks: of a correction, which may stand between them; None if there are none.
         """
         places = list(WORD.finditer(text))
         words = [place[0] for place in places]
-        for i, end, again in _repeats(words, self._marked(text, places, marks)):
+        marked = self._marked(text, places, marks) if marks else {}
+        for i, end, again in _repeats(words, marked):
             start, second = places[i].start(), places[again].start()
             if not self._says_more(text, (start, places[end - 1].end()), second):
                 return start, second
