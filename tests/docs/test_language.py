@@ -11,6 +11,7 @@ import contextlib
 import io
 import re
 import shlex
+import textwrap
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
@@ -89,6 +90,13 @@ def test_sentences_of_the_walk_are_understood() -> None:
     said = [" ".join(text.split()) for text in sentences(PROSE)]
     assert len(said) > 8
     assert all(parse(text).frames for text in said)
+
+
+def test_the_cheat_sheet_fits_on_a_page() -> None:
+    sheet = GUIDE.partition("\n## Cheat sheet\n")[2]
+    assert len(rows(sheet)) > 20
+    lines = (textwrap.wrap(line, 110) or [""] for line in sheet.splitlines())
+    assert sum(map(len, lines)) <= 60  # of A4 at 9 points
 
 
 def test_verbs_give_the_action_of_their_row() -> None:
