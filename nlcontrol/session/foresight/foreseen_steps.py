@@ -82,7 +82,8 @@ def plan_with_foresight(
     refused = _refused_ahead(plan_step, made, state, frames)
     if refused is not None and isinstance(made, Plan) and made.task == "lift":
         budget = SearchBudget(controller.defaults.most_work)
-        other = lasting_lift(controller, state, frames, stop, budget)
+        lift = partial(lasting_lift, controller, state, frames, stop, budget)
+        other = kept.plan(tuple(frames), state, lift)
         if isinstance(other, Plan):
             return other
     return made if refused is None else refused

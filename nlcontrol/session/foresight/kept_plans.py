@@ -18,9 +18,15 @@ class KeptPlans:
         self._made: dict[tuple[object, ...], PlanningResult] = {}
 
     def plan(
-        self, frame: g.Frame, state: WorldState, make: Callable[[], PlanningResult]
+        self,
+        frame: g.Frame | tuple[g.Frame, ...],
+        state: WorldState,
+        make: Callable[[], PlanningResult],
     ) -> PlanningResult:
-        """The answer for a frame from a state; made if it is not known."""
+        """The answer for a frame from a state; made if it is not known.
+
+        Of several frames it is the one for the first after which the others can be done.
+        """
         poses = ((name, seen.pose, seen.lies_on) for name, seen in state.objects.items())
         key = (frame, state.held, *poses)
         if key not in self._made:

@@ -165,6 +165,8 @@ class StepSearch:
         """
         if not frames:
             return []
+        if self._left <= 0:
+            return None
         refused: list[tuple[g.Frame, Refusal]] = []
         beyond_hand: list[g.Frame] = []
         for frame in _next_frames(frames):
@@ -258,8 +260,12 @@ class StepSearch:
 
     def _lasting_lift(self, frame: g.Frame, rest: Frames, state: WorldState) -> PlanningResult:
         """The plan of a lift with a grasp after which the rest can be done."""
+        ahead = frame, *rest
+        return self._kept.plan(ahead, state, lambda: self._new_lasting_lift(ahead, state))
+
+    def _new_lasting_lift(self, frames: Frames, state: WorldState) -> PlanningResult:
         budget = SearchBudget(min(self._left, self._defaults.most_work))
-        made = lasting_lift(self._controller, state, (frame, *rest), self._stop, budget)
+        made = lasting_lift(self._controller, state, frames, self._stop, budget)
         self._left -= budget.done
         return made
 
