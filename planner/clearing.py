@@ -204,9 +204,14 @@ def _place_along(seen: SeenObject, way: tuple[g.Direction, ...], distance: float
 
 
 def _room_around(outline: Array, seen: SeenObject, state: WorldState) -> float:
-    """Least distance of an outline of an object from all others and from the table's edge [m]."""
-    others = (other for name, other in state.objects.items() if name != seen.name)
-    return min([room_to_edge(outline, state.table), *(gap(outline, footprint(o)) for o in others)])
+    """Least distance of an outline of an object from all others and from the table's edge [m].
+
+    More than `_ROOMY` is not told exactly.
+    """
+    low, high = outline.min(axis=0) - _ROOMY, outline.max(axis=0) + _ROOMY
+    others = (footprint(other) for name, other in state.objects.items() if name != seen.name)
+    near = (o for o in others if (o.min(axis=0) < high).all() and (o.max(axis=0) > low).all())
+    return min([room_to_edge(outline, state.table), *(gap(outline, other) for other in near)])
 
 
 def _leaves_way(before: float, after: float) -> bool:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.collision.collision_scene import Obstacle
+from sim.collision.collision_spheres import sphere_parts
 from sim.hands.hand_model import Hand, PostureSet
 from sim.rotations import Array, rot_z, yaw_of
 
@@ -84,7 +85,7 @@ class Approach:
             if not self.pressing:
                 some = some[some.fronts >= self._room_ahead]
             known[some.number] = _HIT
-            for part in _parted(some.spheres.shape[1] - self.fingers):
+            for part in sphere_parts(some.spheres.shape[1] - self.fingers):
                 some = some[self._are_clear(some, part)]
             known[some.number] = _CLEAR
         return np.asarray(known[hands.number] == _CLEAR)
@@ -107,13 +108,6 @@ class Approach:
     def _object(self) -> Obstacle:
         outline = np.reshape(self.outline, (-1, 2))
         return Obstacle.at_origin(outline, self.height, self.radius)
-
-
-@functools.cache
-def _parted(spheres: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Every fourth of so many spheres, which tells of most hands that hit, and the others."""
-    every = np.arange(spheres)
-    return every[::4], every[every % 4 != 0]
 
 
 def _rounded(array: Array) -> tuple[float, ...]:

@@ -14,11 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.collision.collision_scene import Obstacle
+from sim.collision.collision_spheres import sphere_parts
 from sim.hands.hand_model import PostureSet
 from sim.rotations import Array
 
 _STEP = 0.025  # largest step of the hand along the stroke [m]
-_TOGETHER = 96  # hands whose spheres a processor keeps at hand
+_TOGETHER = 384  # hands whose spheres a processor keeps at hand
 _AT_T, _AS_D = np.zeros((1, 3)), np.eye(3)[None]  # where T is about itself, how D stands in itself
 
 
@@ -60,12 +61,15 @@ def first_obstacles(
     near = _obstacles_near(hands.circles, others, sweep)
     (beside,) = np.nonzero(near.any(axis=1))
     spheres = hands[beside].spheres_along(_AS_D, _AT_T)[:, 0]
+    parts = [spheres[:, part] for part in sphere_parts(spheres.shape[1])]
     for number, each in enumerate(others):
         (close,) = np.nonzero(near[beside, number] & (stopped_by[beside] < 0))
         for k in range(0, len(close), _TOGETHER):
-            some = close[k : k + _TOGETHER]
-            clear = each.is_clear_along(spheres[some], *sweep, each.clearance)
-            stopped_by[beside[some[~clear]]] = number
+            clear = some = close[k : k + _TOGETHER]
+            for part in parts:
+                clear = clear[each.is_clear_along(part[clear], *sweep, each.clearance)]
+            stopped_by[beside[some]] = number
+            stopped_by[beside[clear]] = -1
     return stopped_by
 
 

@@ -149,6 +149,8 @@ class StepSearch:
     def ways(self, state: WorldState, why: str) -> Ways | None:
         """The steps from where everything is; None if none are found with the work allowed."""
         for most in range(MOST_ASIDE + 1):
+            if self._left <= 0:
+                break
             found = self._steps(self._frames, state, self._moved, most)
             if found:
                 frames = tuple(frame for frame, _ in found)
@@ -165,8 +167,6 @@ class StepSearch:
         """
         if not frames:
             return []
-        if self._left <= 0:
-            return None
         refused: list[tuple[g.Frame, Refusal]] = []
         beyond_hand: list[g.Frame] = []
         for frame in _next_frames(frames):
@@ -230,6 +230,8 @@ class StepSearch:
     ) -> Steps | None:
         """Steps for frames, the first of which moves an object out of the way of one of them."""
         for step in clearing_frames(name, frame, state, self._defaults):
+            if self._left <= 0:
+                return None
             made = self._plan(step, state)
             if not isinstance(made, Plan):
                 continue
