@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import pytest
 
 from nlcontrol import Controller
-from planner.types.plan import Plan
+from nlcontrol.session.foresight import foreseen_steps, step_search
+from nlcontrol.session.foresight.foreseen_steps import lasting_lift
+from planner.types.default_kinds import CLEARED
+from planner.types.defaults import DEFAULTS
+from planner.types.plan import Plan, PlanningResult
 from sim.simulated_executor import simulation
 
 
@@ -39,3 +46,21 @@ def test_something_is_held_so_that_it_can_be_put_down() -> None:
     assert both.grasp is not None
     # The grasp that is best for a lift alone would bring the hand into the coffee box.
     assert both.grasp.closing_W != alone.grasp.closing_W
+
+
+def test_a_lift_for_what_comes_after_it_is_looked_for_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked = []
+
+    def noted(*args: Any) -> PlanningResult:
+        asked.append(args)
+        return lasting_lift(*args)
+
+    for module in (foreseen_steps, step_search):
+        monkeypatch.setattr(module, "lasting_lift", noted)
+    # Nothing may be moved, so every round of the search for other steps begins alike.
+    controller = Controller("kitchen", defaults=replace(DEFAULTS, clear=CLEARED.index("no")))
+    result = controller.say("pick up the mug and put it at x 0.9 y 0.5", plan_only=True)
+    assert result.status == "refused"
+    assert len(asked) == 1
