@@ -6,7 +6,7 @@ The parser is built with the first sentence and kept.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from copy import copy
 from functools import cache, lru_cache
@@ -17,6 +17,7 @@ from grammar.frames.command import Command, Frame, Span
 from grammar.paraphrasing.clause_wording import Phrasing
 from grammar.paraphrasing.command_wording import paraphrase
 from grammar.phrases.lalr_parser import LalrParser, Tree, UnexpectedTokenError, parse_table
+from grammar.phrases.other_readings import OtherReadings
 from grammar.phrases.tree_transform import parts_of
 from grammar.syntax_diagnosis import EXAMPLE, diagnose, require_clear
 from grammar.words.asides import Asides
@@ -45,6 +46,7 @@ class Parser:
         lexer = PhraseLexer(lexicon)
         self._asides = Asides(lexicon, lexer.phrases)
         self._lalr = LalrParser(parse_table(), lexer)
+        self._others = OtherReadings(lexicon, lexer.phrases)
         self._names: KnownNames | None = None
 
     def with_names(self, names: Iterable[str]) -> Parser:
@@ -53,8 +55,13 @@ class Parser:
         parser._names = KnownNames(names, self.lexicon)
         return parser
 
-    def parse(self, text: str) -> Command:
+    def parse(self, text: str, before: Sequence[str] | None = None) -> Command:
         """Reads one or several English commands, a question, or a remark on what was done.
+
+        Args:
+            text: as it was said.
+            before: in a conversation, what was said before, the last first; an amount without a
+                unit has theirs.
 
         Returns:
             The command, with the spans of the words in `text`.
@@ -63,7 +70,7 @@ class Parser:
             ParseError: if the sentence, or a part of it, is not understood.
         """
         try:
-            return self._command(text)
+            return self._command(text, before)
         except ParseError as error:
             raise self._with_what_is_read(self._cause_of(error, text), text) from None
 
@@ -103,7 +110,7 @@ class Parser:
                 error.suggestions += (f'this much is understood: "{understood}"',)
         return error
 
-    def _command(self, text: str) -> Command:
+    def _command(self, text: str, before: Sequence[str] | None = None) -> Command:
         sentence = self._asides.left_out(normalise(text, self.lexicon.contractions))
         if not sentence.text:
             thanks = Frame(dialogue="thank", spans=sentence.asides)
@@ -111,15 +118,21 @@ class Parser:
         try:
             return self._command_of(sentence)
         except ParseError:
-            for said in self._other_readings(sentence):
+            for said in self._other_readings(sentence, before):
                 with suppress(ParseError):
                     return self._command_of(said)
             raise
 
-    def _other_readings(self, sentence: Normalised) -> Iterator[Normalised]:
-        """Other readings of a sentence that is not read as it stands: names, no hesitations."""
+    def _other_readings(
+        self, sentence: Normalised, before: Sequence[str] | None
+    ) -> Iterator[Normalised]:
+        """Other readings of a sentence that is not read as it stands."""
         if self._names:
             yield from self._names.readings(sentence)
+        for said in self._others.readings(sentence, before):
+            yield said
+            if self._names:
+                yield from self._names.readings(said)
         fluent = self._asides.without_hesitations(sentence)
         if fluent is not None:
             yield fluent

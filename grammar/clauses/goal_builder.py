@@ -84,7 +84,7 @@ def _displacement(clause: Clause, place: ph.Place | None, share: ph.Share | None
             away_from = place.reference[0]
     if share is not None and not share.of_way:
         raise clause.does_not_apply_error(share, "is no single object", "say it for each object")
-    if share is not None and target is None:
+    if share is not None and target is None and clause.verb.goal:
         raise clause.does_not_apply_error(share, "needs to say where to", "halfway to the mug")
     amount = clause.take_amount()
     length = clause.take_only(ph.Length)

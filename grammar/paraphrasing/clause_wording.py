@@ -101,9 +101,10 @@ class Phrasing(Naming):
     def _way_words(self, share: float | None) -> list[str]:
         if share is None:
             return []
-        if share not in _WAYS:
+        ways = {**_WAYS, 2.0: "2"}
+        if share not in ways:
             raise no_words(f"a share of {share} of the way")
-        return [self.phrase_for("WAY", _WAYS[share])]
+        return [self.phrase_for("WAY", ways[share])]
 
     def _amount_words(self, amount: g.Amount | None) -> list[str]:
         return [self.phrase_for("AMOUNT", amount)] if amount else []

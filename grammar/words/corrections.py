@@ -72,7 +72,10 @@ class Corrections:
             return None  # "push it left no matter what"
         before, after = self._groups(said.text, 0, start), self._groups(said.text, end)
         if self._repeats.ends_open(said.text[:start]):
-            return None  # "in front of, hold on, the jar"
+            verbs = [group for group in before if "VERB" in group.kinds]
+            if not verbs or not after or "VERB" not in after[0].kinds:
+                return None  # "in front of, hold on, the jar"
+            return said.words_in((0, verbs[-1].start), (end, len(said.text)))
         if not before or not after:
             return None
         inner = self._within(said.text, before[-1], after[0].kinds)

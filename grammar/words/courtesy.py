@@ -29,6 +29,7 @@ _REMARKS = frozenset({"DO", "I_MEANT", "MORE", "NO", "REPEAT", "REVERSE", "SEEN"
 
 _THING = frozenset({"THE", "THAT", "IT"})
 _ARTICLES = frozenset({"a", "an", "our", "that", "the", "this", "your"})
+_CANS = frozenset((article, "can") for article in _ARTICLES - {"that", "this"})
 _BEGS = re.compile("(?:please )?(?:can|could|may|might) (?:i|we) (?:please )?(?:get|have|see)")
 """A request, if a thing and a participle follow: "could I have the jar pushed away"."""
 
@@ -119,6 +120,8 @@ class Courtesy:
 
     def _names_a_thing(self, words: list[str]) -> bool:
         """Check for words up to a pause that may be a thing's name: "the computer, push it"."""
+        if any(pair in _CANS for pair in pairwise(words)):
+            return True
         words = words[words[0] in ("and", "or") :]
         words = words[: next((i for i, word in enumerate(words) if word in _PAUSES), len(words))]
         named = bool(words) and words[-1] in self._words["things"]

@@ -17,6 +17,8 @@ from grammar.words.normalisation import Normalised
 from grammar.words.phrase_places import WORD
 
 _ONE = re.compile(r" ones?(?= |$)")
+_GOES = "to|toward|towards|left|right|away|back|closer|behind|next|in front|a (?:bit|little)"
+_SIDE = re.compile(r" (?:on|at|in|to) the (?:far )?(?:left|right|middle|centre|center|back|front)$")
 _GROUP = re.compile(r"(?:the )?both(?: of (?:them|these|those))?(?= |$)")
 _AGAIN = frozenset({"again", "too", "also", "as", "well", "please"})
 
@@ -32,6 +34,8 @@ class KnownNames:
         one = rf"(?:{'|'.join(sorted(told))}) ones?"
         self._name = re.compile(rf"(?<![^ ])(?:{either}|{one})(?= |$)")
         self._words = {word for name in own for word in name.split()}
+        numbers = lexicon.numbers.pattern.pattern
+        self._told_where = re.compile(rf"(the (?:{either})) (?={_GOES}(?: |$)|\d|{numbers})")
         determining = (
             w for kind in ("THE", "A", "THAT", "QUANTIFIER") for w in lexicon.terminals[kind]
         )
@@ -44,6 +48,8 @@ class KnownNames:
         named = self._with_articles(self._without_one(said))
         if named is not said:
             yield named
+        if self._told_where.match(named.text):
+            yield _with_words(named, 0, 0, "now ")
         if remark := self._as_remark(named):
             yield remark
 
@@ -74,6 +80,9 @@ class KnownNames:
         if not words:
             return None
         start, end = words[0].start(), words[-1].end()
+        side = _SIDE.search(said.text, start, end)
+        if side is not None:
+            words = [word for word in words if word.end() <= side.start()]
         group = _GROUP.fullmatch(said.text, start, end)
         named = len(words) > 1 and self._told.issuperset(match[0] for match in words)
         if not (group or (named and words[0][0] == "the")):

@@ -76,6 +76,7 @@ class Lexicon:
         contractions: contracted word → spelled out.
         asides: where words stand that change nothing → templates of them.
         courtesy: where they stand → the words that runs of courtesy are made of.
+        rewordings: plain words → templates of what is put so where it is not read.
         labels: terminal → how a message names it.
     """
 
@@ -96,6 +97,7 @@ class Lexicon:
     contractions: Mapping[str, str]
     asides: Mapping[str, tuple[str, ...]]
     courtesy: Mapping[str, str]
+    rewordings: Mapping[str, tuple[str, ...]]
     labels: Mapping[str, str]
 
     __hash__ = object.__hash__  # what is made of its words is remembered by the lexicon itself
@@ -130,6 +132,7 @@ class Lexicon:
             contractions=data["contractions"],
             asides={place: tuple(templates) for place, templates in data["asides"].items()},
             courtesy=data["courtesy"],
+            rewordings={means: tuple(said) for means, said in data["rewordings"].items()},
             labels=data["labels"],
         )
 

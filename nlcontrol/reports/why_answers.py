@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from nlcontrol.checks.verdicts import HAND_ENDS, PLANNED_ENDS, Check
@@ -47,20 +47,42 @@ def why_not_answer(result: Result) -> Answer:
     return answer.model_copy(update={"text": told})
 
 
-def deed_answer(result: Result) -> Answer:
-    """What the last command was, and what was measured of it."""
-    names = dict.fromkeys(f.object.id for f in result.frames if f.object and f.object.id)
-    told = f"I was told to {result.paraphrase or result.text}"
-    about = f" ({enumeration(list(names))})" if names else ""
+def deed_answer(deeds: Sequence[Result], *, first: bool = False) -> Answer:
+    """What the last command was, or the first, and what was measured of it.
+
+    Args:
+        deeds: what came of all commands; those before the last are told below, in their order.
+        first: whether the first is asked for.
+    """
+    result, before = (deeds[0], ()) if first else (deeds[-1], deeds[:-1])
+    names = _names(result)
+    lines = tuple(f"{i}. {_told(each)}" for i, each in enumerate(before, 1))
+    objects = names if len(names) == 1 else ()
     if not result.checks:
-        came = {"planned": "It was planned, not done", "done": "It was done"}
+        ends = {"planned": "It was planned, not done", "done": "It was done"}
         why = f": {result.error.message}" if result.error else ""
-        return Answer(
-            query="did", text=f"{told}{about}. {came.get(result.status, 'It was not done')}{why}."
-        )
+        text = f"I was told to {_told(result)}. {ends.get(result.status, 'It was not done')}{why}."
+        return Answer(query="did", text=text, lines=lines, objects=objects)
     held = [f"{c.quantity}: {_value_text(c.measured, c)}" for c in result.checks]
-    text = f"{told}{about}. {'It was done' if result.ok else 'It failed'}: {'; '.join(held)}."
-    return Answer(query="did", text=text, numbers=_measured_figures(list(result.checks)))
+    came = "It was done" if result.ok else "It failed"
+    return Answer(
+        query="did",
+        text=f"I was told to {_told(result)}. {came}: {'; '.join(held)}.",
+        lines=lines,
+        objects=objects,
+        numbers=_measured_figures(list(result.checks)),
+    )
+
+
+def _names(result: Result) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(f.object.id for f in result.frames if f.object and f.object.id))
+
+
+def _told(result: Result) -> str:
+    """What a result was to be, and with which objects."""
+    names = _names(result)
+    about = f" ({enumeration(list(names))})" if names else ""
+    return f"{result.paraphrase or result.text}{about}"
 
 
 def _value_text(value: float | str, check: Check) -> str:

@@ -119,15 +119,15 @@ class Controller:
         with known_errors_raised():
             return self._parser.parse(text)
 
-    def command(self, said: str | Frames) -> Command:
-        """The command of a sentence or of frames that make sense.
+    def command(self, said: str | Frames, before: Sequence[str] | None = None) -> Command:
+        """The command of a sentence, or of frames; see `frame_documents.command_of`.
 
         Raises:
-            ControlError: it is not understood; see `nlcontrol.session.frame_documents.command_of`.
+            ControlError: it is not understood.
         """
         from nlcontrol.session.frame_documents import command_of
 
-        return command_of(said, self._parser)
+        return command_of(said, self._parser, before)
 
     @cached_property
     def _parser(self) -> Parser:

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 
 
 REMEMBERED = 50
-"""Pushes that can be undone."""
+"""Pushes that can be undone, commands that are told of, and texts that units come from."""
 
 
 class Options(TypedDict, total=False):
@@ -79,10 +79,13 @@ class Conversation:
         self._last: Result | None = None  # what "why" is about
         self._said: Result | None = None  # what "no, …" is about; None if it was not understood
         self._done: Result | None = None  # the last command, what "a bit more" is about
+        self._deeds: list[Result] = []  # the commands up to the last
         self._exchange: g.Command | None = None  # what that was, if things changed places
         self._asked_in_vain = False  # whether a question was not understood since
         self._lost = False  # whether what was not understood since was about another object
         self._lost_verb = False  # whether it may have been a command
+        self._lost_names: list[str] = []  # in it
+        self._spoken: tuple[str, ...] = ()  # texts that were understood since, the last first
 
     @in_turn
     def say(
@@ -196,7 +199,8 @@ class Conversation:
         """The result of a sentence, and what it meant; None if there is nothing to be done."""
         text, command = text_of(said), None
         try:
-            command = self.controller.command(said)
+            command = self.controller.command(said, self._spoken)
+            self._spoken = (text, *self._spoken[: REMEMBERED - 1])
             meant = self._intention(command)
             if not isinstance(meant, Intention):
                 return meant, None
@@ -217,15 +221,18 @@ class Conversation:
         if remark == "thank":
             return self._plain_result(command, Answer(text="Gladly."), "done")
         if remark == "did":
-            done = self._done or nothing_before("nothing was done yet")
-            return self._plain_result(command, deed_answer(done), "answered")
+            done = self._deeds or nothing_before("nothing was done yet")
+            told = deed_answer(done, first=aims.asks_first(command))
+            self.context = spoken.context_of(self.context, told.objects)
+            return self._plain_result(command, told, "answered")
         if remark == "why":
             return self._plain_result(command, self._explain_last(command), "answered")
         if remark == "undo":
             return self._way_back(command)
         asks_on = self._asked_in_vain and aims.asks_further(command)
         leans = aims.leaves_object_open(command) or aims.corrects_object(command)
-        if asks_on or (self._lost and leans) or (self._lost_verb and aims.goes_on(command)):
+        goes_on = self._lost_verb and aims.goes_on(command, self._lost_names)
+        if asks_on or goes_on or (self._lost and leans):
             nothing_before("what was said last was not understood, so this may be about that")
         command = follow_up.with_clear_way_back(command, self._done)
         meant = follow_up.meant_command(command, self._said, self._done, self._exchange)
@@ -277,6 +284,7 @@ class Conversation:
         self._lost = self._lost_verb = self._asked_in_vain = False
         if not proposed and any(frame.query is None for frame in kept.frames):
             self._done = kept
+            self._deeds = [*self._deeds[1 - REMEMBERED :], kept]
             self._exchange = meant.exchange
         self.context = spoken.context_after(
             self.context, kept, joins=meant.joins, corrects=meant.corrects
@@ -299,6 +307,7 @@ class Conversation:
         doubt = () if unnamed else None if named else self.context.doubt
         self.context = replace(self.context, last=last, doubt=doubt)
         self._asked_in_vain = text.rstrip().endswith("?")
+        self._spoken, self._lost_names = (), named
         other = not self._asked_in_vain and bool(named) and set(named) != set(latest)
         self._lost = self._lost or other
         has_verb = follow_up.has_verb(text)

@@ -74,8 +74,13 @@ def text_of(said: str | Frames) -> str:
     return encodable_text(text) if isinstance(text, str) else ""
 
 
-def command_of(said: str | Frames, parser: Parser) -> Command:
+def command_of(said: str | Frames, parser: Parser, before: Sequence[str] | None = None) -> Command:
     """The command that a sentence is, or that frames are once they are found to make sense.
+
+    Args:
+        said: the sentence or the frames.
+        parser: that reads sentences.
+        before: sentences said before, the last first; see `grammar.parser.Parser.parse`.
 
     Raises:
         ControlError: with the place in the document; `bad_frame` if it has not the form of frames
@@ -84,7 +89,7 @@ def command_of(said: str | Frames, parser: Parser) -> Command:
     text = text_of(said)
     if isinstance(said, str):
         with known_errors_raised():
-            return parser.parse(text)
+            return parser.parse(text, before)
     try:
         command = _validated_command(_as_json(said))
         if not text:

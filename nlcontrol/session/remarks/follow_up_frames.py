@@ -17,6 +17,7 @@ from nlcontrol.errors import error, whole_span
 from nlcontrol.session.remarks.merged_frames import (
     FAR_FIELDS,
     Rename,
+    are_alike,
     by_name,
     merge_frames,
     stated_fields,
@@ -69,6 +70,9 @@ def meant_command(
                 frames += _continued_frames(frame, frames, said, done)
             case remark:
                 last = frames or followed_frames(frame, frames_said(said), frames_said(done))
+                if not last and frame.dialogue == "same" and stated_fields(frame.goal):
+                    frames.append(frame.model_copy(update={"dialogue": None, "action": "move"}))
+                    continue  # "the mug 10 cm to the right"
                 last = last or nothing_before("there is nothing before that this could be about")
                 frames += _FOLLOW_UPS[remark](last, frame)
     if tuple(frames) == command.frames:
@@ -120,6 +124,8 @@ def _corrected_frames(
     wrong = last.error.span if last.error and unresolved else None
     stopped = last.steps[-1].frame if last.steps else 0
     before = frames_said(last, stopped)
+    if last.error is None and frame.object and len(before) > 1 and are_alike(before):
+        before = before[-1:]  # "just the left one", after both
     if last.error is None and frame.object is None:
         return tuple(merge_frames(without_spans(f), frame) for f in frames_about(before, frame))
     if isinstance(frame.goal, g.Place):  # "take it and put it there", "rather in front of it"
@@ -136,9 +142,11 @@ def repeat_frames(before: Sequence[g.Frame], said: g.Frame) -> tuple[g.Frame, ..
     """
     if not (said.query or says_something(said)):
         return tuple(map(without_spans, before))
-    meant = frames_about(before, said)
+    of_one = len({frame.object and frame.object.id for frame in before}) == 1
+    in_turn = of_one and said.dialogue == "same" and said.goal.kind == "none" and not said.action
+    meant = list(before) if in_turn else frames_about(before, said)
     places = all(isinstance(frame.goal, g.Place) for frame in meant)
-    if said.object and isinstance(said.goal, g.Place) and not (said.action or places):
+    if _says_place(said) and not (said.action or places):
         nothing_before("nothing was put anywhere, so it is not clear what to do")
     merged = [merge_frames(without_spans(f, _names_for_kept(f, said)), said) for f in meant]
     if said.object and any(map(first_contradiction, merged)):  # "… with the jar", not to be touched
@@ -147,6 +155,12 @@ def repeat_frames(before: Sequence[g.Frame], said: g.Frame) -> tuple[g.Frame, ..
         return tuple(merged)
     asked = {"query": said.query, "event": said.event, "negated": said.negated}
     return tuple(frame.model_copy(update=asked) for frame in merged)
+
+
+def _says_place(said: g.Frame) -> bool:
+    """Check for a place at which something is to be: of "and to the mug" it is not clear what."""
+    goal = said.goal
+    return isinstance(goal, g.Place) and (bool(said.object) or goal.relation == "next_to")
 
 
 def _repeats_plainly(command: g.Command) -> bool:

@@ -126,6 +126,9 @@ def _merged_goal(last: g.Goal, said: g.Frame) -> g.Goal:
     new = said.goal
     if new.kind == "none":
         return last
+    share = stated_fields(new).get("fraction")
+    if share is not None and len(stated_fields(new)) == 1 and said.action is None:
+        return _share_of(last, share)
     if new.kind != last.kind and said.action is None:
         new = _as_kind_of(last, new)
     if new.kind != last.kind or isinstance(new, g.Place):
@@ -136,6 +139,25 @@ def _merged_goal(last: g.Goal, said: g.Frame) -> g.Goal:
         if fresh & set(group):
             update |= {key: getattr(new, key) for key in group if key in type(new).model_fields}
     return last.model_copy(update=update)
+
+
+def _share_of(last: g.Goal, share: float) -> g.Goal:
+    """The goal with a share of the length, the angle or the volume that was said.
+
+    Raises:
+        ControlError: `nothing_before`, if none was.
+    """
+    said = {key: getattr(last, key, None) for key in ("distance", "angle", "height", "volume")}
+    if whole := {key: value for key, value in said.items() if isinstance(value, float)}:
+        return last.model_copy(update={key: share * value for key, value in whole.items()})
+    way = (isinstance(last, g.Displace) and last.toward) or isinstance(last, g.Pour)
+    if not way or share > 1.0:
+        raise error(
+            "nothing_before",
+            "how far was not said before, so there is nothing to take a part of",
+            suggestions=("say how far, as “5 cm”",),
+        )
+    return last.model_copy(update={"fraction": share})
 
 
 def stated_fields(goal: g.Goal) -> dict[str, Any]:

@@ -95,11 +95,24 @@ def leaves_object_open(command: g.Command) -> bool:
     return any(f.action is None and (f.object is None or f.object.pronoun) for f in remarks)
 
 
-def goes_on(command: g.Command) -> bool:
-    """Check for "more", "again" and "the other way" and nothing besides."""
+def goes_on(command: g.Command, named: Sequence[str]) -> bool:
+    """Check for "more", "again" and "the other way" and nothing besides; "the mug as well".
+
+    Args:
+        command: what is said.
+        named: in what was not understood; of that it would be another try.
+    """
     first = command.frames[0]
+    if first.dialogue == "same" and first.goal.kind == "none" and first.object:
+        return not first.action and first.object.text.casefold() not in named
     remark = first.dialogue in ("more", "repeat", "reverse", "do")
     return remark and not first.query and not (first.action or first.object)
+
+
+def asks_first(command: g.Command) -> bool:
+    """Check for "what did you do first?"."""
+    words = command.text.casefold().rstrip(" .!?").split()
+    return "first" in words
 
 
 def asks_further(command: g.Command) -> bool:

@@ -58,6 +58,11 @@ def context_after(
     )
 
 
+def context_of(context: Context, told: tuple[str, ...]) -> Context:
+    """What was spoken of once an answer named an object."""
+    return replace(context, last=tuple(dict.fromkeys((*told, *context.last)))) if told else context
+
+
 def with_objects_of(context: Context, command: g.Command) -> Context:
     """What was spoken of once a resolved command was asked about."""
     named = [frame.object.id for frame in command.frames if frame.object and frame.object.id]

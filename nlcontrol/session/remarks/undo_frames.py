@@ -165,6 +165,10 @@ def _back(
 _OTHER_WAY: dict[g.Direction, g.Direction] = {
     "away": "toward", "toward": "away", "left": "right", "right": "left",
 }  # fmt: skip
+_OTHER_SIDE: dict[str, g.Relation] = {
+    "left_of": "right_of", "right_of": "left_of", "behind": "in_front_of",
+    "in_front_of": "behind",
+}  # fmt: skip
 
 
 def reversed_goal(goal: g.Goal) -> g.Goal:
@@ -179,6 +183,8 @@ def reversed_goal(goal: g.Goal) -> g.Goal:
     if isinstance(goal, g.Displace) and goal.heading is not None:
         heading = math.remainder(goal.heading + math.pi, math.tau)
         return goal.model_copy(update={"heading": heading})
+    if isinstance(goal, g.Place) and goal.relation in _OTHER_SIDE:
+        return goal.model_copy(update={"relation": _OTHER_SIDE[goal.relation]})
     if isinstance(goal, g.Displace) and (goal.toward or goal.away_from):
         update = {"toward": goal.away_from, "away_from": goal.toward, "fraction": None}
         return goal.model_copy(update=update)

@@ -247,6 +247,8 @@ FORMS = {
     "skim": ("skimmed", "skimming"), "whirl": ("whirled", "whirling"),
     "scoop": ("scooped", "scooping"), "jack": ("jacked", "jacking"),
     "lower": ("lowered", "lowering"), "pack": ("packed", "packing"),
+    "pop": ("popped", "popping"),
+    "stick": ("stuck", "sticking"), "bung": ("bunged", "bunging"),
 }  # fmt: skip
 """Participle and gerund of every verb, from the dictionary."""
 

@@ -465,7 +465,7 @@ def _read_as(monkeypatch: pytest.MonkeyPatch, *frames: g.Frame) -> None:
     monkeypatch.setattr(
         Controller,
         "command",
-        lambda _, text: g.Command(text=text, frames=frames, paraphrase="asked"),
+        lambda _, text, before=(): g.Command(text=text, frames=frames, paraphrase="asked"),
     )
 
 

@@ -1,0 +1,141 @@
+"""Other words for a sentence that is not read as it stands.
+
+"Is it safe?" is put as "is it possible?", "the jar, how heavy?" as "how heavy is the jar?"; a
+number without its unit gets the one that was said last: "make it 8", after centimetres. None of
+this is tried on a sentence that is read, so that no word changes what another means.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+
+from grammar.frames.command import Span
+from grammar.words.lexicon import Lexicon
+from grammar.words.normalisation import Normalised
+from grammar.words.numerals import DIGITS
+from grammar.words.phrase_places import WORD, Phrases
+from grammar.words.phrase_templates import expand_template
+
+_CARRIED = frozenset({"LENGTH_UNIT", "ANGLE_UNIT"})
+_UNITS = _CARRIED | {"FORCE_UNIT", "SPEED_UNIT", "TIME_UNIT", "TOOL", "VOLUME_UNIT"}
+_BEHIND_NUMBER = frozenset({"DIRECTION", "I_MEANT", "MORE", "NEXT", "OR_MORE", "REVERSE", "SENSE",
+                            "SEPARATOR", "TOWARD"})  # fmt: skip
+"""Terminals that may stand behind a number whose unit is left out."""
+
+_PAUSES = frozenset(",.;")
+_THINGS = frozenset({"one", "a", "an", "both"})
+"""Number words that rather stand for a thing."""
+
+_BEFORE = "actually|no|oh|ok|sorry|so|then|well"
+_ANY = re.escape("{}")
+_PIECE = re.compile(r"\d+(?:\.\d+)?|[a-z°]+|[.,;]")
+
+
+class OtherReadings:
+    """Puts sentences in other words, by a lexicon."""
+
+    def __init__(self, lexicon: Lexicon, phrases: Phrases) -> None:
+        self._phrases = phrases
+        self._numbers = lexicon.numbers.pattern
+        self._phrases_of = {kind: lexicon.words_of(kind) for kind in _CARRIED}
+        self._rewordings = {
+            _pattern_of(templates): means for means, templates in lexicon.rewordings.items()
+        }
+
+    def readings(self, said: Normalised, before: Sequence[str] | None) -> Iterator[Normalised]:
+        """Yield the sentence in other words, and with a unit, where it can be put so.
+
+        Args:
+            said: a sentence that is not read as it stands.
+            before: what was said before, the last first; None outside of a conversation.
+        """
+        reworded = self._reworded(said)
+        if reworded is not said:
+            yield reworded
+        if before is not None:
+            measured = self._with_units(reworded, before)
+            if measured is not reworded:
+                yield measured
+
+    def _reworded(self, said: Normalised) -> Normalised:
+        """The sentence with plainer words in the place of those that have some."""
+        for pattern, means in self._rewordings.items():
+            if match := pattern.search(said.text):
+                said = _with_words(said, match, means)
+        return said
+
+    def _with_units(self, said: Normalised, before: Sequence[str]) -> Normalised:
+        """The sentence with the unit said before behind each number that has none."""
+        lacking, unit = list[tuple[re.Match[str], str]](), ""
+        for number, own in self._amounts(said.text):
+            if not own and number[0] not in _THINGS and self._may_end(said.text, number.end() + 1):
+                unit = unit or self._unit_before(before)
+                lacking.append((number, unit))
+            unit = own or unit
+        for number, each in reversed(lacking if unit else []):
+            said = _with_words(said, number, f"{number[0]} {each}")
+        return said
+
+    def _unit_before(self, before: Sequence[str]) -> str:
+        """The unit of the last sentence that has one; "" if there is none, or it has several.
+
+        After "5 cm with one finger" it is not clear of what "I meant 2" are two.
+        """
+        for text in before:
+            if units := {unit for _, unit in self._amounts(_spaced(text)) if unit}:
+                unit = units.pop()
+                carried = any(unit in self._phrases_of[kind] for kind in _CARRIED)
+                return unit if carried and not units else ""
+        return ""
+
+    def _amounts(self, text: str) -> Iterator[tuple[re.Match[str], str]]:
+        """The numbers of a text, each with its unit; "" if it has none."""
+        start = 0
+        while word := WORD.search(text, start):
+            start = word.end()
+            number = DIGITS.match(text, word.start()) or self._numbers.match(text, word.start())
+            if number is None:
+                continue
+            start = number.end()
+            found = self._phrases.phrases_at(text, start + 1)
+            yield number, next((each for each, kinds in found if not _UNITS.isdisjoint(kinds)), "")
+
+    def _may_end(self, text: str, after: int) -> bool:
+        """Check for a place at which an amount may end."""
+        if after >= len(text) or text[after] in _PAUSES:
+            return True
+        found = self._phrases.phrases_at(text, after)
+        return bool(found) and not _BEHIND_NUMBER.isdisjoint(found[0][1])
+
+
+def _spaced(text: str) -> str:
+    """A text in which numbers, words and marks stand apart."""
+    return " ".join(_PIECE.findall(text.casefold()))
+
+
+def _pattern_of(templates: Iterable[str]) -> re.Pattern[str]:
+    """The pattern of some templates, in which "{}" is any words up to an end."""
+    phrases = (re.escape(each) for said in templates for each in expand_template(said))
+    said = "|".join(sorted(phrases, key=len, reverse=True)).replace(_ANY, "(.+?)")
+    ends = (
+        (rf"^(?:(?:{_BEFORE}) (?:, )?)*", "$")
+        if "{}" in str(templates)
+        else ("(?<![^ ])", "(?= |$)")
+    )
+    return re.compile(f"{ends[0]}(?:{said}){ends[1]}")
+
+
+def _with_words(said: Normalised, match: re.Match[str], means: str) -> Normalised:
+    """The sentence with other words in the place of some of it; "{}" are those of its group."""
+    before, _, after = means.partition("{}")
+    over: Span = said.original_span(*match.span())
+    start, end = match.span(match.lastindex) if match.lastindex else (match.end(),) * 2
+    text = f"{before}{said.text[start:end]}{after}"
+    columns = ((over,) * len(before), said.columns[start:end], (over,) * len(after))
+    return replace(
+        said,
+        text=said.text[: match.start()] + text + said.text[match.end() :],
+        columns=(*said.columns[: match.start()], *sum(columns, ()), *said.columns[match.end() :]),
+    )

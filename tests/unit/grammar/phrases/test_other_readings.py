@@ -1,0 +1,45 @@
+"""Other words for a sentence that is not read as it stands."""
+
+from __future__ import annotations
+
+import pytest
+
+from grammar.errors import ParseError
+from grammar.parser import parse, parser_for
+
+KNOWN = parser_for({"tea tin", "coffee box", "jar"})
+
+
+@pytest.mark.parametrize(
+    ("said", "plain"),
+    [
+        ("tea tin: mass?", "how heavy is the tea tin?"),
+        ("gap between the jar and the tea tin?", "how far is the jar from the tea tin?"),
+        ("why won't it budge?", "why?"),
+        ("I need the jar open", "open the jar"),
+        ("can you make the jar fall over?", "is it possible to topple the jar?"),
+        ("next, the coffee box, same rotation", "the same with the coffee box"),
+        ("let's do the jar instead", "no, the jar"),
+        ("the one on the right", "no, the one on the right"),
+    ],
+)
+def test_few_words_mean_what_many_do(said: str, plain: str) -> None:
+    assert KNOWN.parse(said).paraphrase == KNOWN.parse(plain).paraphrase
+
+
+@pytest.mark.parametrize("said", ["make it 8", "push the jar 5 cm and the tin 3"])
+def test_a_number_needs_its_unit_outside_of_a_conversation(said: str) -> None:
+    with pytest.raises(ParseError) as raised:
+        parse(said)
+    assert raised.value.code == "missing_unit"
+
+
+def test_the_unit_is_that_of_the_last_sentence_that_has_one() -> None:
+    before = ("is it upright?", "push the jar 5 mm", "push it 5 cm")
+    assert KNOWN.parse("make it 8", before).frames[0].goal.model_dump()["distance"] == 0.008
+    with pytest.raises(ParseError):
+        KNOWN.parse("make it 8", ("push the jar 5 cm with 3 N",))
+
+
+def test_a_can_is_a_thing_and_no_courtesy() -> None:
+    assert parse("and to the can, but gently").frames[0].goal.kind == "place"
