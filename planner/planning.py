@@ -23,6 +23,7 @@ from planner.predicted_states import state_after
 from planner.problem.frame_interpretation import (
     grasp_problem,
     interpret_frame,
+    require_loose,
     require_on_table,
     require_other_objects,
     require_resting,
@@ -81,6 +82,8 @@ def plan(
         problem = interpret_frame(frame, state, defaults, robot, previous=previous, failed=failed)
         if state.held is not None:
             raise no_plan("hand_not_free", object=state.held.name)
+        if not _is_placed(frame, state, defaults):
+            require_loose(frame, problem.target)
         require_resting(problem.target)
         require_on_table(problem.target, state)
         made = plan_pushes(replace(problem, budget=budget), notify)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import cast
+
 from grammar.clauses.clause_parts import Clause
 from grammar.frames import command as g
 from grammar.phrases import phrase_parts as ph
@@ -32,6 +34,12 @@ def row_goal(clause: Clause) -> g.Place:
     place = clause.take_place()
     reference = () if place is None or place.relation != "in_row" else place.reference
     return g.Place(relation="in_row", reference=reference, spans=clause.all_spans)
+
+
+def stack_goal(clause: Clause) -> g.Place:
+    """Stack the mug and the box: how they stand is said by the verb."""
+    relation = cast(g.Relation, clause.verb.relation)
+    return g.Place(relation=relation, reference=(), spans=clause.all_spans)
 
 
 def straight_goal(clause: Clause) -> g.Rotate:

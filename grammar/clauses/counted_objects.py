@@ -110,7 +110,8 @@ def require_countable(frames: Sequence[g.Frame], sentence: Normalised) -> None:
         between = isinstance(goal, g.Place) and goal.relation == "between"
         plain = frame.action is not None and not frame.dialogue
         instead = frame.action is None and frame.dialogue in ("correct", "same", "repeat")
-        allowed = [frame.object] if (plain or instead) and not frame.query else []
+        done = frame.query in (None, "possible")
+        allowed = [frame.object] if (plain or instead) and done else []
         if between and isinstance(goal, g.Place) and isinstance(goal.reference, tuple):
             allowed += goal.reference
         for ref in _references_in(frame):

@@ -10,13 +10,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, cast
 
-from grammar.clauses.arrangement_goals import (
-    clear_goal,
-    orientation_goal,
-    row_goal,
-    straight_goal,
-    swap_goal,
-)
+from grammar.clauses import arrangement_goals as arranged
 from grammar.clauses.clause_parts import ON_THE_TABLE, Clause
 from grammar.clauses.constraint_builder import can_be_same
 from grammar.errors import ParseError
@@ -33,8 +27,8 @@ _SOURCES = {"off": "off", "out_of": "out_of", "from": "off"}
 """Relation → that of a place from which a thing is taken."""
 
 _NO_GAP = frozenset({
-    "touching", "on", "between", "at", "in", "out_of", "off", "in_row", "together", "place_of",
-    "back",
+    "touching", "on", "between", "at", "in", "out_of", "off", "in_row", "together", "stacked",
+    "place_of", "back",
 })  # fmt: skip
 """Relations that leave no gap to be said."""
 
@@ -136,6 +130,8 @@ def _place_goal(clause: Clause) -> g.Displace | g.Place | g.SetDown:
         return g.Place(relation="back", reference=(), spans=clause.all_spans)
     if said.startswith('"to '):
         return _displace_goal(clause)
+    if place is None and clause.verb.relation:
+        return arranged.stack_goal(clause)
     if place is None:
         hints = ("next to the mug", "to the middle of the table", "to x 0.6 y -0.1")
         raise clause.no_place_error("where to put it", *hints)
@@ -185,7 +181,7 @@ def _place_goal_at(clause: Clause, place: ph.Place) -> g.Place:
 
 
 def _rotate_goal(clause: Clause) -> g.Rotate:
-    if (oriented := orientation_goal(clause)) is not None:
+    if (oriented := arranged.orientation_goal(clause)) is not None:
         return oriented
     sense = clause.take_only(ph.Sense)
     aside = clause.first_part(ph.Direction)
@@ -358,10 +354,10 @@ GOAL_BUILDERS: dict[str, Callable[[Clause], g.Goal]] = {
     "contact": _contact_goal,
     "place": _place_goal,
     "rotate": _rotate_goal,
-    "straighten": straight_goal,
-    "clear": clear_goal,
-    "swap": swap_goal,
-    "line_up": row_goal,
+    "straighten": arranged.straight_goal,
+    "clear": arranged.clear_goal,
+    "swap": arranged.swap_goal,
+    "line_up": arranged.row_goal,
     "tilt": _tilt_goal,
     "topple": _topple_goal,
     "upright": _upright_goal,

@@ -99,9 +99,9 @@ class Place(BaseGoal):
 
     Attributes:
         relation: where, as seen from `reference`; `in` and `on` it, or taken `out_of` or `off` it;
-            `clear_of` it; where it stands (`place_of`); `in_row` or `together` with it; `over` an
-            edge of the table, so that it hangs over; or `back` to where the object itself stands
-            when the sentence begins.
+            `clear_of` it; where it stands (`place_of`); `in_row` or `together` with it, or
+            `stacked`; `over` an edge of the table, so that it hangs over; or `back` to where the
+            object itself stands when the sentence begins.
         reference: objects, a point or a part of the table. No object: out of the way (`clear_of`),
             or the objects that are named together, among themselves.
         distance: gap between the surfaces, or how far it hangs over [m], at most 10, or measured in

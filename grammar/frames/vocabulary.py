@@ -44,7 +44,7 @@ FaceName = Literal["front", "back", "left", "right", "top"]
 Relation = Literal[
     "next_to", "left_of", "right_of", "in_front_of", "behind", "between", "touching", "at", "on",
     "front_left_of", "front_right_of", "behind_left_of", "behind_right_of", "in", "out_of", "off",
-    "clear_of", "place_of", "back", "in_row", "together", "over",
+    "clear_of", "place_of", "back", "in_row", "together", "stacked", "over",
 ]  # fmt: skip
 TableRegion = Literal[
     "center", "edge", "left_edge", "right_edge", "front_edge", "back_edge", "corner",

@@ -19,7 +19,7 @@ _LIMITS = ("no_topple", "no_tilt", "no_turn", "no_slide")
 _TOLD_BY_SIDES = ("lift", "open", "close", "pour", "parameters")
 """Goals for which "in the middle" behind the object tells it apart."""
 
-_MUTUAL = ("in_row", "together", "place_of")
+_MUTUAL = ("in_row", "together", "stacked", "place_of")
 """Places of several objects that are said at once."""
 
 _EVERY = "…"  # for their names
@@ -71,8 +71,10 @@ class _Speaker(Phrasing):
     def shared_words(self, frame: g.Frame) -> str | None:
         """A frame without its object, if that stands to others so that they are said at once."""
         is_mutual = isinstance(frame.goal, g.Place) and frame.goal.relation in _MUTUAL
-        if frame.query or frame.dialogue or not is_mutual:
+        if frame.query not in (None, "possible") or frame.dialogue or not is_mutual:
             return None
+        if frame.query is not None:
+            return self._question_words(frame, frame.query, name=_EVERY)
         return self._command_words(frame, name=_EVERY)
 
     # --- commands -----------------------------------------------------------------------------
@@ -150,7 +152,8 @@ class _Speaker(Phrasing):
 
     # --- questions ----------------------------------------------------------------------------
 
-    def _question_words(self, frame: g.Frame, query: g.Query) -> str:
+    def _question_words(self, frame: g.Frame, query: g.Query, name: str | None = None) -> str:
+        """A question; `name` stands for the object of what could be done."""
         if query == "value" and isinstance(frame.goal, g.Place | g.Upright | g.SetDown):
             return self._state_words(frame, frame.goal)
         if query == "value" and isinstance(frame.goal, g.Parameters):
@@ -175,7 +178,7 @@ class _Speaker(Phrasing):
         if frame.negated:
             return f"{self.phrase_for('WHY_DID', 'not')} {self._command_words(frame)}?"
         event = [] if frame.event is None else [self._to_make(frame.event)]
-        clause = self._command_words(frame)
+        clause = self._command_words(frame, name)
         terminal, sense = _OPENINGS[query]
         if query == "how_hard" and not event and any(c.kind in _LIMITS for c in frame.constraints):
             sense = "most"

@@ -44,6 +44,7 @@ class Verb:
         direction: where to, if the verb itself says so ("bring").
         turns: how far it turns, if the verb itself says so ("turn around").
         which: what is found out, if the verb itself says so ("weigh").
+        relation: how things stand to each other, if the verb itself says so ("stack").
     """
 
     action: str
@@ -52,6 +53,7 @@ class Verb:
     direction: str | None = None
     turns: float | None = None
     which: str | None = None
+    relation: str | None = None
 
 
 @dataclass(frozen=True)

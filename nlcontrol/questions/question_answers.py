@@ -204,10 +204,15 @@ def _possible(frame: g.Frame, state: WorldState, robot: Robot, defaults: Default
             require_checkable(command)
         except ControlError as raised:
             return _denial(raised.info.code, raised.info.message, raised.info.suggestions, {})
-        return _push_answer(made) if made.pushes else possible_answer(made)
+        return plan_answer(made)
     if isinstance(made, Reached):
         return Answer(query="possible", text="Yes: it is there already.", numbers={}, yes=True)
     return _denial(made.reason, made.message, made.suggestions, made.numbers)
+
+
+def plan_answer(made: Plan) -> Answer:
+    """The answer that something can be done, how, and how surely."""
+    return _push_answer(made) if made.pushes else possible_answer(made)
 
 
 def _push_answer(made: Plan) -> Answer:

@@ -1,10 +1,10 @@
-"""Frames whose objects stand to each other in the end: in a row, together, in each other's place.
+"""Frames whose objects stand to each other in the end: in a row, stacked, in each other's place.
 
 What such a frame asks depends on where its objects stand when the sentence is said. So here it
 becomes a frame that says where: at a point, or next to one of them; so does "back". Objects in a
 row keep their place along it, and go across to a line through the middle one, or through what they
 join; where they would stand too close, the row is longer. Of objects that are put together the one
-that was named last stays.
+that was named last stays; of those that are stacked the one with the largest level top is lowest.
 
 Frames: W, its table plane [m].
 """
@@ -19,11 +19,12 @@ import numpy as np
 from grammar.frames import command as g
 from nlcontrol.errors import error, whole_span
 from planner.geometry.footprints import footprint
+from planner.geometry.stacks import level_top
 from planner.problem.place_regions import region
 from planner.types.defaults import Defaults
 from planner.types.world_state import SeenObject, WorldState
 
-_MUTUAL = ("in_row", "together", "place_of", "back")
+_MUTUAL = ("in_row", "together", "stacked", "place_of", "back")
 _ROOM = 0.06
 """Gap between the objects of a row, in which a finger has room [m]."""
 
@@ -76,7 +77,8 @@ def frames_to_clear(
 def _arrangement(frame: g.Frame) -> g.Place | None:
     """What a frame and others beside it have in common, if their objects are arranged."""
     goal = frame.goal
-    if frame.query is None and isinstance(goal, g.Place) and goal.relation in _MUTUAL:
+    asked = frame.query in (None, "possible")
+    if asked and isinstance(goal, g.Place) and goal.relation in _MUTUAL:
         return goal.model_copy(update={"spans": ()})
     return None
 
@@ -98,6 +100,10 @@ def _placed_frames(
         )
     if mutual.relation == "together" and not others:
         own, others, frames = own[:-1], own[-1:], frames[:-1]
+    if mutual.relation == "stacked":
+        order = sorted(range(len(own)), key=lambda k: -_room_on(own[k]))
+        own, frames = [own[k] for k in order], [frames[k] for k in order]
+        own, others, frames = own[1:], own[:-1], frames[1:]
     for frame, place in zip(frames, _places(mutual.relation, own, others), strict=True):
         spans = frame.goal.spans
         yield frame.model_copy(update={"goal": place.model_copy(update={"spans": spans})})
@@ -107,6 +113,9 @@ def _places(
     relation: str, own: Sequence[SeenObject], others: Sequence[SeenObject]
 ) -> list[g.Place]:
     """The place of each object."""
+    if relation == "stacked":
+        below = [g.ObjectRef(text=each.name, id=each.name) for each in others]
+        return [g.Place(relation="on", reference=(ref,)) for ref in below]
     if relation == "together":
         beside = g.ObjectRef(text=others[0].name, id=others[0].name)
         return [g.Place(relation="next_to", reference=(beside,)) for _ in own]
@@ -115,6 +124,12 @@ def _places(
     exchanged = [*own[1:], own[0]] if relation == "place_of" else own
     there = others if others else exchanged
     return [_at(seen.pose.x, seen.pose.y) for seen in there]
+
+
+def _room_on(seen: SeenObject) -> float:
+    """Area on which something may stand [m²]."""
+    top = level_top(seen)
+    return 0.0 if top is None else top.area
 
 
 def _at(x: float, y: float) -> g.Place:

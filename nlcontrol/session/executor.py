@@ -127,6 +127,13 @@ class Explorer(Protocol):
     models: dict[str, ObjectModel]
     defaults: Defaults
 
+    @property
+    def held(self) -> Held | None:
+        """What is in the hand."""
+
+    def about(self, frame: Frame) -> WorldState:
+        """What is believed about the object of a frame."""
+
     def answer(self, frame: Frame) -> Answer:
         """The answer to a question."""
 

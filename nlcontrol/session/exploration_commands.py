@@ -28,6 +28,8 @@ from nlcontrol.learning.exploration_session import (
 from nlcontrol.learning.lessons import SPREAD, felt_weight, weight_from_grasp
 from nlcontrol.questions.answer import Answer
 from nlcontrol.questions.asked_push import target_of
+from nlcontrol.results.result import Step, result_with
+from nlcontrol.results.step_endings import result_with_step, stop_info, unanswered_status
 from nlcontrol.text_format import enumeration, with_sd_text
 from objectmodels.identification.experiment_design import (
     Candidate,
@@ -36,6 +38,7 @@ from objectmodels.identification.experiment_design import (
     rank_candidates,
 )
 from objectmodels.mechanics.push_thresholds import GRAVITY
+from planner.explanation.push_explanation import Basis
 from planner.touch_experiments import expected_trials, experiments
 from planner.types.actions import SetDown
 from planner.types.plan import Plan
@@ -43,6 +46,8 @@ from planner.types.refusal import Refusal
 from sim.supervision import Stopped
 
 if TYPE_CHECKING:
+    from nlcontrol.results.result import Result
+    from nlcontrol.session.events import Supervisor
     from nlcontrol.session.executor import Explorer
     from objectmodels import ObjectModel
     from planner.types.robot import RobotLimits
@@ -175,6 +180,35 @@ def explore_parameters(
     )
     lines = tuple(f"{t.experiment}: {t.outcome}" for t in found.report.touches)
     return found, controller.answer(question).model_copy(update={"lines": lines})
+
+
+def explore_frame(
+    controller: Explorer,
+    index: int,
+    frame: g.Frame,
+    result: Result,
+    plan_only: bool,
+    supervisor: Supervisor,
+) -> Result:
+    """The result with what touching the object found out."""
+    step = Step(frame=index, status="failed")
+    try:
+        state = controller.about(frame)
+        step = step.model_copy(update={"basis": Basis.of(frame, state, controller.defaults)})
+        if plan_only:
+            notes = (*result.notes, exploration_notice(controller, frame, state))
+            return result_with_step(result_with(result, notes=notes), step, "planned")
+        found, answer = explore_parameters(controller, frame, supervisor)
+    except Stopped as stopped:
+        result = result_with(result, trace=stopped.trace)
+        return result_with_step(
+            result, step, "cancelled", stop_info(controller.held, stopped.trace)
+        )
+    except ControlError as raised:
+        return result_with_step(result, step, unanswered_status(raised.info), raised.info)
+    step = step.model_copy(update={"exploration": found and found.report, "answer": answer})
+    result = result_with(result, answer=answer, trace=found and found.trace)
+    return result_with_step(result, step, "done" if frame.query is None else "answered")
 
 
 def exploration_notice(controller: Explorer, frame: g.Frame, state: WorldState) -> str:

@@ -31,8 +31,10 @@ from nlcontrol.plan_text import plan_lines
 from nlcontrol.reports.result_report import check_line
 from nlcontrol.results.result import Result, ResultStatus, Step, result_with, summary
 from nlcontrol.results.step_endings import result_with_step, stop_info, unanswered_status
+from nlcontrol.session.events import Supervisor
 from nlcontrol.session.foresight.kept_plans import KeptPlans
 from nlcontrol.session.foresight.step_search import Ways, ways_around
+from nlcontrol.session.frame_answers import answer_to, frames_asked_at_once
 from nlcontrol.session.whereabouts import whereabouts
 from planner.explanation.push_explanation import Basis
 from planner.geometry.directions import angle_between
@@ -46,7 +48,6 @@ from sim.traces.trace import EndReason, Trace, join_traces
 if TYPE_CHECKING:
     from nlcontrol.learning.learning_reports import Lesson
     from nlcontrol.session.controller import Controller
-    from nlcontrol.session.events import Supervisor
     from nlcontrol.session.executor import Motion
     from nlcontrol.session.proposals import Approval
 
@@ -78,9 +79,13 @@ def run_command(
         supervisor.frame, frame = index, frames[index]
         touches = motion == "simulate" and not plan_only
         if frame.action == "explore" or (touches and _to_be_found_out(controller, frame)):
-            result = _explore_frame(controller, index, frame, result, plan_only, supervisor)
+            from nlcontrol.session.exploration_commands import explore_frame
+
+            result = explore_frame(controller, index, frame, result, plan_only, supervisor)
         elif frame.query is not None:
-            result = _answer_question(controller, index, frame, result, supervisor)
+            asked = frames_asked_at_once(frames, index)
+            result = _answer_question(controller, index, asked, result, supervisor)
+            index += len(asked) - 1
         else:
             run = FrameRun(controller, index, frames, result, supervisor)
             tried = run.run(plan_only, made.get(index))
@@ -107,14 +112,19 @@ def run_command(
 
 
 def _answer_question(
-    controller: Controller, index: int, frame: g.Frame, result: Result, supervisor: Supervisor
+    controller: Controller,
+    index: int,
+    asked: tuple[g.Frame, ...],
+    result: Result,
+    supervisor: Supervisor,
 ) -> Result:
-    """The result with the answer to one more question."""
-    step = Step(frame=index, status="failed")
+    """The result with the answer to one more question, which may be about several frames."""
+    step, frame = Step(frame=index, status="failed"), asked[0]
+    propose = partial(_proposal, controller, supervisor)
     try:
         state = controller.about(frame)
         step = step.model_copy(update={"basis": Basis.of(frame, state, controller.defaults)})
-        answer = controller.answer(frame, state, stop=supervisor.stop)
+        answer = answer_to(controller, asked, state, supervisor.stop, propose)
     except Stopped:
         return result_with_step(result, step, "cancelled", stop_info(controller.held, None))
     except ControlError as raised:
@@ -136,35 +146,13 @@ def _to_be_found_out(controller: Controller, frame: g.Frame) -> bool:
     return model is not None and is_unknown(frame, model, controller.defaults.known_to)
 
 
-def _explore_frame(
-    controller: Controller,
-    index: int,
-    frame: g.Frame,
-    result: Result,
-    plan_only: bool,
-    supervisor: Supervisor,
+def _proposal(
+    controller: Controller, supervisor: Supervisor, frames: tuple[g.Frame, ...]
 ) -> Result:
-    """The result with what touching the object found out."""
-    from nlcontrol.session.exploration_commands import exploration_notice, explore_parameters
-
-    step = Step(frame=index, status="failed")
-    try:
-        state = controller.about(frame)
-        step = step.model_copy(update={"basis": Basis.of(frame, state, controller.defaults)})
-        if plan_only:
-            notes = (*result.notes, exploration_notice(controller, frame, state))
-            return result_with_step(result_with(result, notes=notes), step, "planned")
-        found, answer = explore_parameters(controller, frame, supervisor)
-    except Stopped as stopped:
-        result = result_with(result, trace=stopped.trace)
-        return result_with_step(
-            result, step, "cancelled", stop_info(controller.held, stopped.trace)
-        )
-    except ControlError as raised:
-        return result_with_step(result, step, unanswered_status(raised.info), raised.info)
-    step = step.model_copy(update={"exploration": found and found.report, "answer": answer})
-    result = result_with(result, answer=answer, trace=found and found.trace)
-    return result_with_step(result, step, "done" if frame.query is None else "answered")
+    """What would come of frames; nothing of it is told, and nothing moves."""
+    command = g.Command(text="", frames=frames, paraphrase="")
+    result, unheard = controller.empty_result("", command), Supervisor(stop=supervisor.stop)
+    return run_command(controller, command, result, unheard, plan_only=True)
 
 
 class FrameRun:

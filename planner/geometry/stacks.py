@@ -15,7 +15,7 @@ import numpy as np
 from objectmodels.geometry.base_shapes import Polygon
 from objectmodels.mechanics.balance.stack_stability import StackedBody
 from objectmodels.models.open_box import inner_floor
-from objectmodels.models.top_face import standing_face, standing_height
+from objectmodels.models.top_face import standing_face, standing_height, top_face
 from planner.types.world_state import SeenObject
 
 _SAME_HEIGHT = 0.012  # heights that differ by less are one, as a biased camera sees them [m]
@@ -75,6 +75,13 @@ def _is_inside(seen: SeenObject, height: float, box: SeenObject) -> bool:
     return height < box.top_height and bool(
         (floor.normals @ seen.pose.p_WB[:2] < floor.offsets).all()
     )
+
+
+def level_top(seen: SeenObject) -> Polygon | None:
+    """The face on which something may stand, in the object's frame; None if there is none."""
+    if seen.attitude is not None or seen.model.lid is not None or seen.model.inside is not None:
+        return None
+    return top_face(seen.model)
 
 
 def stack_with(there: SeenObject, objects: Mapping[str, SeenObject]) -> list[SeenObject]:

@@ -9,8 +9,7 @@ from __future__ import annotations
 from grammar.frames import command as g
 from objectmodels.geometry.base_shapes import Polygon
 from objectmodels.mechanics.balance.stack_stability import stack_margins, standing_probability
-from objectmodels.models.top_face import top_face
-from planner.geometry.stacks import stack_with, stacked_bodies
+from planner.geometry.stacks import level_top, stack_with, stacked_bodies
 from planner.problem.place_regions import region
 from planner.problem.places_in_boxes import WALL_ROOM, InBox
 from planner.problem.planning_problem import GraspProblem
@@ -28,10 +27,10 @@ def require_level_top(lower: SeenObject) -> None:
     Raises:
         NoPlanError: its top is not level, or it has a lid.
     """
-    if lower.attitude is not None or lower.model.lid is not None or top_face(lower.model) is None:
-        raise no_plan("no_level_top", other=lower.name)
-    if lower.model.inside is not None:
-        raise no_plan("no_level_top", other=lower.name, instead=(f"put it into the {lower.name}",))
+    if level_top(lower) is None:
+        is_open = lower.attitude is None and lower.model.inside is not None
+        instead = (f"put it into the {lower.name}",) if is_open else ()
+        raise no_plan("no_level_top", other=lower.name, instead=instead)
 
 
 def require_room_inside(problem: GraspProblem, box: SeenObject) -> None:

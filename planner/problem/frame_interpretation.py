@@ -25,6 +25,7 @@ from planner.types.robot import Failed, NoRobot, Robot
 from planner.types.world_state import SeenObject, WorldState
 
 _OF_WHAT_STANDS = ("open", "close", "pour")
+_DOING = {"rotate": "turning", "tilt": "tilting", "topple": "toppling"}
 _NO_CONTROLLER = {
     "lift": "lifting objects",
     "open": "opening objects",
@@ -188,6 +189,16 @@ def require_resting(target: SeenObject) -> None:
     level = abs(target.attitude[-1]) < math.sin(LEVEL)
     rolls = level and isinstance(target.model.footprint, Disc)
     raise no_plan("rolls" if rolls else "leans", object=target.name)
+
+
+def require_loose(frame: g.Frame, target: SeenObject) -> None:
+    """Make sure that nothing keeps an object where it stands, if a push is to move it.
+
+    Raises:
+        NoPlanError: a holder does.
+    """
+    if target.fixed and frame.goal.kind != "none":
+        raise no_plan("is_fixed", doing=_DOING.get(frame.goal.kind, "moving"), object=target.name)
 
 
 def require_no_load(target: SeenObject, state: WorldState) -> None:

@@ -55,6 +55,18 @@ def test_without_toppling_takes_the_contact_farthest_from_it(
     assert {used.name for used in made.defaults} == {"distance", "speed"}
 
 
+@pytest.mark.parametrize("words", [
+    "push the ice tea box 5 cm away", "turn the ice tea box to the left", "topple the ice tea box",
+    "tilt the ice tea box by 3 degrees", "put the ice tea box to x 0.7 y 0.3",
+])  # fmt: skip
+def test_what_a_holder_keeps_is_not_moved(
+    words: str, kitchen: WorldState, reach: RuledReach
+) -> None:
+    held = replace(kitchen.objects["ice tea box"], fixed=True)
+    fixed = replace(kitchen, objects={**kitchen.objects, held.name: held})
+    assert refused(words, fixed, reach).code == "is_fixed"
+
+
 def test_a_better_contact_out_of_reach_is_passed_over(
     kitchen: WorldState, reach: RuledReach
 ) -> None:

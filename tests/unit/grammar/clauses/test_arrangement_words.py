@@ -36,6 +36,19 @@ def test_what_is_stacked_is_put_on(text: str) -> None:
     assert (goal.relation, [ref.text for ref in goal.reference]) == ("on", ["book"])
 
 
+@pytest.mark.parametrize("text", [
+    "stack the mug and the book", "put the mug and the book on top of each other",
+    "pile up the mug and the book", "can you stack the mug and the book?",
+])  # fmt: skip
+def test_things_are_stacked_without_saying_which_is_lowest(text: str) -> None:
+    command = parse(text)
+    assert [frame.object and frame.object.text for frame in command.frames] == ["mug", "book"]
+    for frame in command.frames:
+        assert isinstance(frame.goal, g.Place)
+        assert (frame.goal.relation, frame.goal.reference) == ("stacked", ())
+    assert parse(command.paraphrase).paraphrase == command.paraphrase
+
+
 @pytest.mark.parametrize(
     "text",
     ["swap the mug with the box", "exchange the mug for the box", "swap the mug and the box"],

@@ -40,6 +40,18 @@ def test_objects_in_a_row_stand_on_one_line_in_their_order() -> None:
     assert there["tea tin"][1] < there["cereal box"][1] < there["sugar box"][1]
 
 
+def test_what_has_the_largest_top_is_lowest_in_a_stack() -> None:
+    stacked = frames("stack the sugar box, the tea tin and the cereal box")
+    below = []
+    for frame in stacked:
+        assert isinstance(frame.goal, g.Place)
+        assert isinstance(frame.goal.reference, tuple)
+        assert frame.goal.relation == "on"
+        below += [(frame.object and frame.object.id, frame.goal.reference[0].id)]
+    # Tops of 60 x 192, 54 cm² in six corners and 38 x 89 mm.
+    assert below == [("tea tin", "cereal box"), ("sugar box", "tea tin")]
+
+
 def test_only_what_stands_there_is_cleared() -> None:
     moved = [
         frame.object.id for frame in frames("clear the left half of the table") if frame.object
