@@ -31,7 +31,8 @@ class Names(TokenReader):
         text = self.sentence.words_as_written((start, end))
         own_contents = words[0].startswith("its ")
         if words[0].type in ("IT", "THAT"):
-            text = "it" if own_contents else text
+            reworded = len(text.split()) > len(words[0].split())
+            text = "it" if own_contents else str(words[0]) if reworded else text
             several: g.Quantifier | None = "all" if str(words[0]) in _SEVERAL else None
             ref = g.ObjectRef(text=text, spans=((start, end),), pronoun=True, quantifier=several)
         elif numbered := tokens_in(children, "NUMBER", "NUMBER_WORD"):

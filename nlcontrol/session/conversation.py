@@ -307,7 +307,8 @@ class Conversation:
         doubt = () if unnamed else None if named else self.context.doubt
         self.context = replace(self.context, last=last, doubt=doubt)
         self._asked_in_vain = text.rstrip().endswith("?")
-        self._spoken, self._lost_names = (), named
+        self._spoken = self._spoken if self._asked_in_vain else ()
+        self._lost_names = named
         other = not self._asked_in_vain and bool(named) and set(named) != set(latest)
         self._lost = self._lost or other
         has_verb = follow_up.has_verb(text)

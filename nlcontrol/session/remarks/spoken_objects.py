@@ -25,6 +25,7 @@ _BESIDE = ("than ", "from ", "to ", "of ", "behind ", "beside ", "near ", "touch
 
 _ONE = ("one", "ones")
 _TELLING = frozenset({"left", "right", "other", "first", "last", "big", "small"})
+_NO_OBJECT = frozenset({"direction", "side", "way"})
 _WHICH = frozenset({"which", "what", "who"})
 _NOT_FOUND = ("ambiguous_object", "no_antecedent", "not_on_table", "unknown_object")
 
@@ -98,7 +99,8 @@ def _misses_its_object(result: Result) -> bool:
 
 def asks_which(text: str) -> bool:
     """Check for a question whose answer would be an object."""
-    return text.rstrip().endswith("?") and text.split(maxsplit=1)[0].casefold() == "which"
+    first, second = [*name_words(text), "", ""][:2]
+    return text.rstrip().endswith("?") and first == "which" and second not in _NO_OBJECT
 
 
 def tells_of_one(text: str) -> bool:

@@ -21,6 +21,14 @@ KNOWN = parser_for({"tea tin", "coffee box", "jar"})
         ("next, the coffee box, same rotation", "the same with the coffee box"),
         ("let's do the jar instead", "no, the jar"),
         ("the one on the right", "no, the one on the right"),
+        ("could you perhaps tell me how tall the jar is?", "how tall is the jar?"),
+        ("tell me where the jar is", "where is the jar?"),
+        ("what friction does the jar have?", "what is the friction of the jar?"),
+        ("leave the jar where it is and push the tea tin away", "push the tea tin away"),
+        ("now put down", "put it down"),
+        ("that's far enough", "enough"),
+        ("the tea tin could go the same way", "the same with the tea tin"),
+        ("is the jar left of the tea tin or behind it?", "is the jar left of the tea tin?"),
     ],
 )
 def test_few_words_mean_what_many_do(said: str, plain: str) -> None:

@@ -69,6 +69,17 @@ def test_an_amount_has_the_unit_of_the_one_before_it_in_the_sentence(
     assert [goal["distance"] for goal in goals] == [0.05, 0.03]
 
 
+def test_a_unit_is_kept_over_a_question_that_was_not_read(conversation: Conversation) -> None:
+    frame = _only(_last(conversation, LEFT, "is the mug any glorp?", "make it 4"))
+    assert frame.goal.model_dump()["distance"] == 0.04
+
+
+def test_which_way_asks_for_no_object(conversation: Conversation) -> None:
+    frame = _only(_last(conversation, LEFT, "which way would it glorp?", "turn it by 5 degrees"))
+    assert frame.object is not None
+    assert frame.object.id == "mug"
+
+
 def test_just_one_of_both_is_meant_alone(conversation: Conversation) -> None:
     both = "push the mug and the coffee box 3 cm to the left"
     frame = _only(_last(conversation, both, "just the coffee box"))
