@@ -2,6 +2,7 @@
 
 Of each plan only the first push is made. Then the robot looks, and plans towards the same aim from
 what it sees, until the aim is reached or the budget of pushes is used up (`Defaults.most_pushes`).
+Where the hand does not get to that aim any more, another one that the sentence allows does as well.
 What the pushing fingers felt updates the model of the object: an outcome that contradicts the
 prediction (nothing moved where it should, it tilted where it should slide, it slid where it should
 tilt) stops the push, and the next plan knows better. Where a push fails otherwise (nothing was
@@ -33,6 +34,7 @@ from nlcontrol.results.result import Result, ResultStatus, Step, result_with, su
 from nlcontrol.results.step_endings import result_with_step, stop_info, unanswered_status
 from nlcontrol.session.events import Supervisor
 from nlcontrol.session.foresight.kept_plans import KeptPlans
+from nlcontrol.session.foresight.onward_plans import onward_plan
 from nlcontrol.session.foresight.step_search import Ways, ways_around
 from nlcontrol.session.frame_answers import answer_to, frames_asked_at_once
 from nlcontrol.session.whereabouts import whereabouts
@@ -251,11 +253,12 @@ class FrameRun:
         if (basis := self.step.basis) and (fallen := basis.fall(self.frame, state)):
             return state, fallen
         plan = partial(
-            self.controller.plan, self.frame, state, previous=previous, failed=self.failed,
+            self.controller.plan, self.frame, state, failed=self.failed,
             notify=self._notify, stop=self.supervisor.stop,
         )  # fmt: skip
         first = previous is None and not self.failed
-        return state, self.kept.plan(self.frame, state, plan) if first else plan()
+        onward = partial(onward_plan, plan, self.frame, state, previous)
+        return state, self.kept.plan(self.frame, state, plan) if first else onward()
 
     def _plan_with_foresight(self, made: Plan | Reached, state: WorldState) -> PlanningResult:
         """The plan by which the later frames can be done, too, or why they cannot."""

@@ -99,11 +99,12 @@ class PushSequencePlanner:
         return self._turn_then_push(target, turn)
 
     def _turn_then_push(self, target: SeenObject, turn: float) -> list[PushCandidate]:
+        at_aim = [np.array([self._aim.x, self._aim.y])]
         turning = Alternatives()
         with turning:
             found, there = self._turn_pushes(target, turn)
         if turning:
-            elsewhere = self._turn_elsewhere(target, turn)
+            elsewhere = self._turn_elsewhere(target, turn, at_aim + self._roomy_places(target))
             if elsewhere is None:
                 raise turning.first
             return elsewhere
@@ -115,7 +116,10 @@ class PushSequencePlanner:
         # After turns nothing is as foreseen to the millimetre; what follows is planned anew.
         if self._distance_to_aim(there) <= self._problem.defaults.turn_drift:
             return found
-        raise going.first
+        gone_first = self._turn_elsewhere(target, turn, at_aim)
+        if gone_first is None:
+            raise going.first
+        return gone_first
 
     def _distance_to_aim(self, target: SeenObject) -> float:
         """Distance of an object from the aim [m]."""
@@ -164,17 +168,21 @@ class PushSequencePlanner:
                 yield begun
         yield from turn_planner.turn_sequences(target, turn, self._aim)
 
-    def _turn_elsewhere(self, target: SeenObject, turn: float) -> list[PushCandidate] | None:
-        """The way to a place near by with room to turn, and the turn; None if there is none."""
-        problem = self._problem
-        if problem.motion.clear_of or problem.contact.region is not None:
-            return None
-        going = replace(problem, goal=replace(problem.goal, rotates=False))
-        places = Alternatives()
-        for spot in self._roomy_places(target):
-            with places:
-                turned, _ = self._turn_pushes(object_at(target, spot), turn)
-                aim = Aim(x=float(spot[0]), y=float(spot[1]), yaw=target.pose.yaw)
+    def _turn_elsewhere(
+        self, target: SeenObject, turn: float, places: list[np.ndarray]
+    ) -> list[PushCandidate] | None:
+        """The way to one of some places, (2,) each [m], and the turn there; None if there is none.
+
+        What is there by now is not turned there: that was looked at.
+        """
+        going = replace(self._problem, goal=replace(self._problem.goal, rotates=False))
+        ways = Alternatives()
+        for place in places:
+            if math.dist(place, target.pose.p_WB[:2]) <= self._within:
+                continue
+            with ways:
+                turned, _ = self._turn_pushes(object_at(target, place), turn)
+                aim = Aim(x=float(place[0]), y=float(place[1]), yaw=target.pose.yaw)
                 way = PushSequencePlanner(going, aim, self._search).pushes()
                 if isinstance(way, list):
                     return way + turned
@@ -183,6 +191,8 @@ class PushSequencePlanner:
     def _roomy_places(self, target: SeenObject) -> list[np.ndarray]:
         """Some places near by, those with most room around first, shape (2,) each [m]."""
         found, state = [], self._problem.state
+        if self._problem.motion.clear_of or self._problem.contact.region is not None:
+            return []
         for heading in np.arange(8) * math.pi / 4.0:
             spot = (target.pose.p_WB + _ASIDE * unit(float(heading)))[:2]
             here = footprint(object_at(target, spot))

@@ -405,6 +405,29 @@ def test_a_turn_goes_on_as_it_was_begun() -> None:
     assert made.aim == before.aim
 
 
+def test_a_turn_is_made_at_its_aim_if_the_hand_does_not_bring_it_there_after_it() -> None:
+    def along_x(push: Push) -> bool:
+        return push.ends_on == "turned" or abs(push.direction_W[1]) < 0.1
+
+    frame = frame_of("turn the ice tea box by 60 degrees to the left")
+    aim = Aim(x=0.5, y=0.0, yaw=math.radians(60.0))
+    made = plan(frame, alone(0.45), RuledReach(along_x), previous=towards(aim))
+    assert isinstance(made, Plan)
+    first, *others = made.pushes
+    assert (first.ends_on, {push.ends_on for push in others}) == ("stroke", {"turned"})
+    assert first.stroke == pytest.approx(0.05)
+
+
+def test_a_turn_without_room_goes_on_at_its_aim() -> None:
+    here = world(cereal_box=PlanarPose(0.5, 0.0), mug=PlanarPose(0.59, 0.0))
+    frame = frame_of("turn the cereal box a quarter turn to the left")
+    aim = Aim(x=0.4, y=0.0, yaw=math.radians(90.0))
+    made = plan(frame, here, RuledReach(), previous=towards(aim))
+    assert isinstance(made, Plan)
+    assert (made.push.ends_on, made.pushes[1].ends_on) == ("stroke", "turned")
+    assert made.push.stroke == pytest.approx(0.1)
+
+
 def test_nothing_is_left_to_be_done_at_the_aim() -> None:
     frame, aim = frame_of("push the ice tea box away"), Aim(x=0.5005, y=0.0, yaw=0.005)
     made = plan(frame, alone(), RuledReach(), previous=towards(aim))
