@@ -68,6 +68,15 @@ def test_what_does_not_go_along_is_refused_with_what_decides(
         assert found.numbers["max_press"] == most
 
 
+def test_a_force_that_is_said_holds_as_the_fingertip_lands() -> None:
+    grip = planned(LEFT, book(), hand()).push.force_limit
+    # Half as much again is felt as the finger begins to slide along.
+    assert planned(f"{LEFT} with at most {1.6 * grip:.2f} N", book(), hand())
+    found = refused(f"{LEFT} with at most {1.4 * grip:.2f} N", book(), hand())
+    assert found.code == "force_not_allowed"
+    assert found.numbers["needed_force"] == pytest.approx(1.5 * grip)
+
+
 def test_sides_come_first_unless_the_top_is_said(kitchen: WorldState) -> None:
     assert planned("push the coffee box 5 cm away", kitchen, hand()).push.press == 0.0
     tall = refused("push the coffee box 5 cm away on its top face", kitchen, hand())
