@@ -42,6 +42,11 @@ def test_a_number_needs_its_unit_outside_of_a_conversation(said: str) -> None:
     assert raised.value.code == "missing_unit"
 
 
+def test_undoing_two_is_not_undoing_one() -> None:
+    with pytest.raises(ParseError):
+        KNOWN.parse("undo the last two")
+
+
 def test_the_unit_is_that_of_the_last_sentence_that_has_one() -> None:
     before = ("is it upright?", "push the jar 5 mm", "push it 5 cm")
     assert KNOWN.parse("make it 8", before).frames[0].goal.model_dump()["distance"] == 0.008
