@@ -43,6 +43,7 @@ from nlcontrol.references.reference_search import (
     find_object,
     find_several,
     matching_objects,
+    with_number,
 )
 from planner.types.defaults import DEFAULTS, Defaults
 
@@ -161,10 +162,14 @@ def _references_in(part: BaseModel) -> list[ObjectRef]:
 
 def _frames_of_several(frame: Frame, around: Surroundings, spoken: Spoken) -> list[Frame]:
     """A frame for each of its objects: first what is foremost on the way, which would be hit."""
-    ref = frame.object
+    ref = None if frame.object is None else with_number(frame.object, around)
     if ref is None or ref.quantifier in (None, "any"):
         return [frame]
-    names = find_several(_Binder(around, spoken).fill_part(ref), around, spoken)
+    binder = _Binder(around, spoken)
+    names = find_several(binder.fill_part(ref), around, spoken)
+    if ref.quantifier in ("all", "rest"):  # "put everything into the bin", but not the bin
+        beside = {other.id for other in _named_beside(frame, binder)}
+        names = [name for name in names if name not in beside] or names
     if len(names) > 1:
         u, v = _way_of(frame)
         seen = around.look().objects

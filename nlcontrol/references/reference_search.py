@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from grammar.frames.command import ObjectRef, Quality
+from grammar.words.plurals import singular
 from nlcontrol.errors import ControlError, error, whole_span
 from nlcontrol.references.disambiguation_text import (
     COLOURS,
@@ -131,6 +132,17 @@ def _with_doubtful(
     doubtful = [c for c in around.on_table if c.name in (spoken.doubt or ())]
     parts = find_by_name(ref.text, doubtful)
     return [*found, *parts] if len(parts) == 1 and parts[0] not in found else list(found)
+
+
+def with_number(ref: ObjectRef, around: Surroundings) -> ObjectRef:
+    """A reference to "the boxes" as one to all of them, where nothing is called so."""
+    noun = singular(reference_noun(ref))
+    plural = noun != reference_noun(ref) and ref.quantifier is None and not ref.pronoun
+    ranked = ref.ordinal or not set(ref.qualities) <= set(COLOURS)
+    if not plural or ranked or _objects_named(ref, around):
+        return ref
+    several = ref.model_copy(update={"quantifier": "all", "noun": noun})
+    return several if _objects_named(several, around) else ref
 
 
 def find_several(ref: ObjectRef, around: Surroundings, spoken: Spoken) -> list[str]:

@@ -42,6 +42,10 @@ def _objects(text: str, context: Context = NOTHING_SAID) -> list[str | None]:
 @pytest.mark.parametrize(
     ("text", "names"),
     [
+        ("push the tins away", ["tin a", "tin c", "tin b"]),
+        ("push the red tins away", ["tin c"]),
+        # Not next to itself.
+        ("put everything next to the mug", ["tin b", "tin c", "tin a"]),
         # What is foremost on the way goes first, so that no step hits what comes later.
         ("push all the tins away", ["tin a", "tin c", "tin b"]),
         ("pull all the tins", ["tin b", "tin c", "tin a"]),
