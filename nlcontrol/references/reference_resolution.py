@@ -112,7 +112,9 @@ def resolve_references(
         latest = tuple(n for f in frames for n in objects_spoken_of(f)) or context.latest
         it = _pronoun_meanings(frame, spoken, context.held)
         doubt = None if frames or it != spoken else context.doubt
-        before = Spoken(it, it[:1], latest, context.moved, context.group, doubt)
+        own = dict.fromkeys(f.object.id for f in frames if f.object and f.object.id)
+        group = tuple(own) if len(own) > 1 else context.group
+        before = Spoken(it, it[:1], latest, context.moved, group, doubt)
         each = [
             _resolve_frame(f, around, before) for f in _frames_of_several(frame, around, before)
         ]
@@ -162,7 +164,9 @@ def _references_in(part: BaseModel) -> list[ObjectRef]:
 
 def _frames_of_several(frame: Frame, around: Surroundings, spoken: Spoken) -> list[Frame]:
     """A frame for each of its objects: first what is foremost on the way, which would be hit."""
-    ref = None if frame.object is None else with_number(frame.object, around)
+    ref = frame.object
+    if ref is not None and frame.query in (None, "possible"):
+        ref = with_number(ref, around)
     if ref is None or ref.quantifier in (None, "any"):
         return [frame]
     binder = _Binder(around, spoken)

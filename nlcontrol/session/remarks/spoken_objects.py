@@ -7,6 +7,8 @@ object that was spoken of before would be a guess.
 
 from __future__ import annotations
 
+import re
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -109,10 +111,20 @@ def tells_of_one(text: str) -> bool:
     return any(word in _ONE and i and words[i - 1] in _TELLING for i, word in enumerate(words))
 
 
+def _place_of_kind(words: str, kind: str) -> int:
+    """Place of "the tin" in a text; -1 if it is not there."""
+    told = re.search(rf"\b(?:the|that|this|my) ({re.escape(kind)})\b", words)
+    return -1 if told is None else told.start(1)
+
+
 def names_said(text: str, names: Iterable[str]) -> list[str]:
     """The objects that a text names as what it is about; an "ice tea box" is no ice tea."""
     words = " ".join(name_words(text))
-    found = {words.find(name.casefold()): name for name in sorted(names, key=len)}
+    named = {name.casefold(): name for name in sorted(names, key=len)}
+    last = Counter(name.split()[-1] for name in named)  # "the tin" is the only one of that kind
+    kinds = {name.split()[-1]: of for name, of in named.items() if last[name.split()[-1]] == 1}
+    found = {_place_of_kind(words, kind): name for kind, name in kinds.items()}
+    found |= {words.find(name): of for name, of in named.items()}
     return [
         name
         for place, name in sorted(found.items(), reverse=True)

@@ -44,6 +44,10 @@ def _objects(text: str, context: Context = NOTHING_SAID) -> list[str | None]:
     [
         ("push the tins away", ["tin a", "tin c", "tin b"]),
         ("push the red tins away", ["tin c"]),
+        (
+            "push tin b and the mug away, then push each of them to the left",
+            ["tin b", "mug", "tin b", "mug"],
+        ),
         # Not next to itself.
         ("put everything next to the mug", ["tin b", "tin c", "tin a"]),
         # What is foremost on the way goes first, so that no step hits what comes later.

@@ -130,3 +130,11 @@ def test_the_one_on_the_right_is_of_the_kind_that_was_spoken_of(conversation: Co
     (frame,) = conversation.say("and the one on the right", plan_only=True).frames
     assert frame.object is not None
     assert frame.object.id == "coffee box"  # the mug stands farther right
+
+
+def test_it_is_what_a_sentence_with_an_unknown_verb_named(conversation: Conversation) -> None:
+    for text in ("push the coffee box 5 cm away", "now throw the cup in the bin", "why?"):
+        conversation.say(text, plan_only=True)
+    (frame,) = conversation.say("then push it 3 cm away", plan_only=True).frames
+    assert frame.object is not None
+    assert frame.object.id == "ice tea cup"
