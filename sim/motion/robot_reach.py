@@ -148,7 +148,7 @@ class ArmHandReach:
         self._answers: deque[_Answered] = deque(maxlen=_ANSWERS)
         self._last_scenery: tuple[tuple[str, WorldState, float], CollisionScene] | None = None
 
-    @functools.cached_property
+    @property
     def max_press(self) -> float:
         """Largest force with which one fingertip can press on a level face [N]."""
         # Few plans ask for it, and working out in which hands a fingertip presses takes long.
