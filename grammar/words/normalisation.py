@@ -54,8 +54,12 @@ class Normalised:
     asides: tuple[Span, ...] = ()
 
     def original_span(self, start: int, end: int) -> Span:
-        """Maps `[start, end)` of the plain form to the sentence as given."""
-        return self.columns[start][0], self.columns[end - 1][1]
+        """Maps `[start, end)` of the plain form to the sentence as given.
+
+        Where a correction has changed the order of words, that is all from the first to the last.
+        """
+        places = self.columns[start:end]
+        return min(first for first, _ in places), max(last for _, last in places)
 
     def words_in(self, *ranges: Span) -> Normalised:
         """The words of some ranges of the plain form, one space apart."""

@@ -88,3 +88,10 @@ def test_from_the_left_gives_contact_and_direction_the_same_words() -> None:
     assert frame.goal.spans == frame.constraints[0].spans == ((13, 26),)
     (frame,) = parse("push the box from the left away").frames
     assert frame.goal.spans == ((27, 31),)
+
+
+def test_words_in_another_order_have_a_span_of_the_sentence() -> None:
+    said = normalise("the jar", {})
+    turned = said.words_in((4, 7), (0, 3))
+    assert turned.text == "jar the"
+    assert turned.original_span(0, len(turned.text)) == (0, 7)
