@@ -91,11 +91,12 @@ def _possibility(tried: Result) -> Answer:
         )
     from nlcontrol.questions.question_answers import plan_answer  # not needed to execute
 
-    if tried.plan is None:
-        return Answer(query="possible", text="Yes: it is there already.", yes=True)
+    several = len(tried.frames) > 1
+    how = f"Yes, in {len(tried.frames)} steps: {paraphrase(tried.frames)}." if several else ""
+    if tried.plan is None:  # what the first step asks is so by now
+        return Answer(query="possible", text=how or "Yes: it is there already.", yes=True)
     first = plan_answer(tried.plan)
-    if len(tried.frames) == 1:
+    if not several:
         return first
-    how = f"Yes, in {len(tried.frames)} steps: {paraphrase(tried.frames)}."
     begin = first.text.removeprefix("Yes: ")
     return first.model_copy(update={"text": f"{how} The first: {begin}"})

@@ -32,3 +32,18 @@ def test_what_cannot_be_carried_out_is_denied() -> None:
     answer = Controller("pantry").say("can you swap the jar and the fixed bottle?").answer
     assert answer is not None
     assert answer.yes is False
+
+
+def test_what_is_left_is_told_where_the_first_is_there_already() -> None:
+    controller = Controller("workbench")
+    seen = controller.look().objects["tea tin"].pose
+    command = controller.command(f"put the tea tin to x {seen.x:.3f} y {seen.y:.3f}")
+    there = controller.resolve(command).frames
+    (other,) = controller.resolve(controller.command("push the coffee box 5 cm away")).frames
+    asked = [
+        f.model_copy(update={"query": "possible", "spans": ((0, 1),)}) for f in (*there, other)
+    ]
+    answer = controller.carry_out(command.model_copy(update={"frames": tuple(asked)})).answer
+    assert answer is not None
+    assert answer.yes
+    assert "in 2 steps" in answer.text
