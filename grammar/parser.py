@@ -18,6 +18,7 @@ from grammar.paraphrasing.clause_wording import Phrasing
 from grammar.paraphrasing.command_wording import paraphrase
 from grammar.phrases.lalr_parser import LalrParser, Tree, UnexpectedTokenError, parse_table
 from grammar.phrases.other_readings import OtherReadings
+from grammar.phrases.statements import Statements
 from grammar.phrases.tree_transform import parts_of
 from grammar.syntax_diagnosis import EXAMPLE, diagnose, require_clear
 from grammar.words.asides import Asides
@@ -47,6 +48,7 @@ class Parser:
         self._asides = Asides(lexicon, lexer.phrases)
         self._lalr = LalrParser(parse_table(), lexer)
         self._others = OtherReadings(lexicon, lexer.phrases)
+        self._statements = Statements(lexicon, lexer.phrases)
         self._names: KnownNames | None = None
 
     def with_names(self, names: Iterable[str]) -> Parser:
@@ -111,22 +113,32 @@ class Parser:
         return error
 
     def _command(self, text: str, before: Sequence[str] | None = None) -> Command:
-        sentence = self._asides.left_out(normalise(text, self.lexicon.contractions))
+        whole = normalise(text, self.lexicon.contractions)
+        sentence = self._asides.left_out(whole)
         if not sentence.text:
             thanks = Frame(dialogue="thank", spans=sentence.asides)
             return Command(text=text, frames=(thanks,), paraphrase="thank you")
         try:
             return self._command_of(sentence)
         except ParseError:
-            for said in self._other_readings(sentence, before):
+            for said in self._other_readings(sentence, whole, before):
                 with suppress(ParseError):
                     return self._command_of(said)
             raise
 
     def _other_readings(
-        self, sentence: Normalised, before: Sequence[str] | None
+        self, sentence: Normalised, whole: Normalised, before: Sequence[str] | None
     ) -> Iterator[Normalised]:
-        """Other readings of a sentence that is not read as it stands."""
+        """Other readings of a sentence that is not read as it stands, nor without its asides."""
+        yield from self._reworded(sentence, before)
+        for said, topic in self._statements.readings(whole):
+            plain = self._asides.of_rest(said, topic, whole)
+            if plain.text:
+                yield plain
+                yield from self._reworded(plain, before)
+
+    def _reworded(self, sentence: Normalised, before: Sequence[str] | None) -> Iterator[Normalised]:
+        """A sentence with known names, in other words, and without hesitations."""
         if self._names:
             yield from self._names.readings(sentence)
         for said in self._others.readings(sentence, before):

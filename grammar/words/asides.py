@@ -18,6 +18,7 @@ from grammar.words.courtesy import Courtesy
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
 from grammar.words.phrase_places import Phrases
+from grammar.words.phrase_templates import template_pattern
 from grammar.words.reasons import Reasons
 from grammar.words.repeats import Repeats
 
@@ -46,7 +47,6 @@ _MOST_REPEATS = 4
 
 _OPENING = re.compile(r"(?:^|(?<=[.;] ))[^ ]+")
 _BEGINNING = re.compile(r"[(\[]")
-_OPTION = re.compile(r" \[([^\[\]]*)\]|\[([^\[\]]*)\] ")
 _TOPIC = re.compile(
     r"(?:[a-z]+ ){1,3}((?:the|my|your|our)(?: [a-z0-9]+){1,5}) "
     r"(?:is|are|was|stands|blocks|has|gets|might|could|will) [^,]* (?:, )?(?:[a-z]+ ){1,3}it(?= |$)"
@@ -104,6 +104,16 @@ class Asides:
         kept = {column for span in said.columns for column in range(*span)}
         return replace(said, asides=_gaps(kept, sentence))
 
+    def of_rest(self, rest: Normalised, topic: Normalised | None, whole: Normalised) -> Normalised:
+        """A rest of a sentence without its asides, behind the thing that "it" means in it."""
+        said = self.left_out(rest)
+        if topic is not None:
+            text = f"{topic.text} , {said.text}"
+            comma = (topic.columns[-1][1],) * 2
+            said = replace(said, text=text, columns=(*topic.columns, *[comma] * 3, *said.columns))
+        kept = {column for span in said.columns for column in range(*span)}
+        return replace(said, asides=_gaps(kept, whole))
+
     def without_hesitations(self, sentence: Normalised) -> Normalised | None:
         """A sentence that is not read as it stands, without words that may hesitate; None if so."""
         if self._first_words["hesitations"].isdisjoint(sentence.text.split()):
@@ -116,7 +126,7 @@ class Asides:
 
     @cached_property
     def _hesitating(self) -> re.Pattern[str]:
-        said = "|".join(map(_pattern_of, self._lexicon.asides["hesitations"]))
+        said = "|".join(map(template_pattern, self._lexicon.asides["hesitations"]))
         return re.compile(rf"(?:(?<= ), )?(?<![^ ])(?<!not )(?:{said})(?: ,)?(?= [^,.;])")
 
     @cached_property
@@ -131,7 +141,7 @@ class Asides:
         """The pattern of the asides of a kind, made when it is needed first."""
         if kind not in self._patterns:
             templates = sorted(self._lexicon.asides[kind], key=len, reverse=True)
-            said = "|".join(map(_pattern_of, templates))
+            said = "|".join(map(template_pattern, templates))
             self._patterns[kind] = re.compile(_SHAPES[kind].format(said))
         return self._patterns[kind]
 
@@ -283,16 +293,3 @@ def _first_words(template: str) -> set[str]:
     if group[0] == "[" and rest:
         choices.append(rest)
     return set().union(*map(_first_words, filter(None, choices)))
-
-
-def _pattern_of(template: str) -> str:
-    """The regular expression of a template.
-
-    `(a|b)` is a choice, `[c]` may be left out, and `_` is any word, or the beginning of one.
-    """
-    pattern = template.replace("(", "(?:")
-    while option := _OPTION.search(pattern):
-        last, first = option.groups()
-        either = f"(?:(?:{first}) )?" if last is None else f"(?: (?:{last}))?"
-        pattern = pattern[: option.start()] + either + pattern[option.end() :]
-    return re.sub(r"(?<![a-z])_(?=[a-z ')|]|$)", "[a-z']+", pattern.replace(".", "[.;!?]"))

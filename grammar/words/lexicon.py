@@ -79,6 +79,7 @@ class Lexicon:
         asides: where words stand that change nothing → templates of them.
         courtesy: where they stand → the words that runs of courtesy are made of.
         rewordings: plain words → templates of what is put so where it is not read.
+        statements: what they are told by → templates of it.
         labels: terminal → how a message names it.
     """
 
@@ -100,6 +101,7 @@ class Lexicon:
     asides: Mapping[str, tuple[str, ...]]
     courtesy: Mapping[str, str]
     rewordings: Mapping[str, tuple[str, ...]]
+    statements: Mapping[str, tuple[str, ...]]
     labels: Mapping[str, str]
 
     __hash__ = object.__hash__  # what is made of its words is remembered by the lexicon itself
@@ -135,6 +137,7 @@ class Lexicon:
             asides={place: tuple(templates) for place, templates in data["asides"].items()},
             courtesy=data["courtesy"],
             rewordings={means: tuple(said) for means, said in data["rewordings"].items()},
+            statements={kind: tuple(said) for kind, said in data["statements"].items()},
             labels=data["labels"],
         )
 

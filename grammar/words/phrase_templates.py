@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 _RULE = re.compile(r"<(\w+)>")
+_OPTION = re.compile(r" \[([^\[\]]*)\]|\[([^\[\]]*)\] ")
 _MARK = re.compile(r"([()\[\]|])")
 
 
@@ -45,3 +46,13 @@ def with_rules(said: Any, rules: Mapping[str, str]) -> Any:
     if isinstance(said, dict):
         return {key: with_rules(each, rules) for key, each in said.items()}
     return said
+
+
+def template_pattern(template: str) -> str:
+    """The regular expression of a template, in which `_` is any word, or the beginning of one."""
+    pattern = template.replace("(", "(?:")
+    while option := _OPTION.search(pattern):
+        last, first = option.groups()
+        either = f"(?:(?:{first}) )?" if last is None else f"(?: (?:{last}))?"
+        pattern = pattern[: option.start()] + either + pattern[option.end() :]
+    return re.sub(r"(?<![a-z])_(?=[a-z ')|]|$)", "[a-z']+", pattern.replace(".", "[.;!?]"))

@@ -304,7 +304,8 @@ class Conversation:
         latest, named = self.context.latest, spoken.names_said(text, self.controller.cell.names)
         last = tuple(dict.fromkeys((*named, *self.context.last)))
         unnamed = spoken.asks_which(text) or (not named and spoken.tells_of_one(text))
-        doubt = () if unnamed else None if named else self.context.doubt
+        among = tuple(named) if len(named) > 1 else None  # "the mug, not the jar"
+        doubt = () if unnamed else among if named else self.context.doubt
         self.context = replace(self.context, last=last, doubt=doubt)
         self._asked_in_vain = text.rstrip().endswith("?")
         self._spoken = self._spoken if self._asked_in_vain else ()

@@ -1,0 +1,203 @@
+"""Sentences that tell something beside a command, which is read without them.
+
+"My sister is coming over and this table is a mess. Push the mug away": the first says nothing of
+what is to be done. A statement begins with somebody or something and a verb that is said of it; one
+that says what must or may be done, what is meant, or how, is none. Where the command then says
+"it", the thing that is told of is put before it: "the mug is close to the edge, push it" is "the
+mug, push it". All this is tried on a text that is not read as it stands.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import islice
+
+from grammar.frames.command import Span
+from grammar.words.lexicon import Lexicon
+from grammar.words.normalisation import Normalised
+from grammar.words.phrase_places import WORD, Phrases
+from grammar.words.phrase_templates import template_pattern
+
+_HOW = frozenset({"AVOID_DOING", "COMING_WITHIN", "ENSURE", "EXCEPT", "FORCE_UNIT", "KEEP", "KEEPS",
+                  "LETTING", "MANNER", "SPEED_UNIT", "STAYS", "TOOL", "UNTIL", "USING", "WITH",
+                  "WITHOUT"})  # fmt: skip
+"""Terminals that say how something is to be done; what tells them is no mere statement."""
+
+_TAIL = _HOW | {"ANGLE_UNIT", "DIRECTION", "FACE", "FROM_SIDE", "LENGTH_UNIT", "SENSE", "TOWARD"}
+"""These, and those that say where to, which belong to the command before a statement."""
+
+_EVENTS = frozenset({"AVOID", "AVOIDING", "EVENT", "EVENT_INFINITIVE", "TOUCH", "TOUCHES",
+                     "TOUCHING"})  # fmt: skip
+_NOTS = frozenset({"DOES_NOT", "NOT"})
+_THING = frozenset({"IT", "THAT", "THE"})
+_DOING = frozenset({"he", "i", "never", "not", "she", "they", "to", "we", "who", "you"})
+"""Words behind which a verb says what somebody does, and is no command."""
+
+_POINTS = re.compile(r"(?<![^ ])(?:it|its|them|they)(?= |$)")
+_NAMED = re.compile(r"(?<![^ ])(?:the|my|your|our|an?|every|both|all)(?= )")
+_SEVERAL = re.compile(r"(?<![^ ])(?:all|both|each|every|everything|rest|others?|two|three)(?= |$)")
+_JOINT = re.compile(r"(?:(?:so|and|then|but|now|well|please|ok|okay)(?: ,)? )+|[,.;!?] ")
+_SENTENCE_END = re.compile(r" [.;!?](?= )")
+_PAUSE = re.compile(r" ,(?= )")
+_AND = re.compile(r" (?:and|but|while)(?= )")
+_ARTICLES = frozenset({"a", "an", "our", "my", "that", "the", "these", "this", "those", "your"})
+_LONGEST = 8
+"""Words up to the verb of the longest subject."""
+
+_NO_THING = frozenset({"corner", "day", "edge", "end", "idea", "middle", "moment", "place", "point",
+                       "room", "same", "side", "table", "time", "view", "way"})  # fmt: skip
+"""Nouns that name nothing that is moved."""
+
+_SHORTEST = 3
+"""Words of the shortest statement that ends in a comma, as a name with its article has two."""
+
+
+class Statements:
+    """Leaves out what only tells something, by the words of a lexicon."""
+
+    def __init__(self, lexicon: Lexicon, phrases: Phrases) -> None:
+        self._phrases = phrases
+        self._ends_names = lexicon.ends_names
+        told = {kind: _choice(templates) for kind, templates in lexicon.statements.items()}
+        self._opening = re.compile(rf"(?:(?:{told['openings']}) (?:, )?)*")
+        self._it = re.compile(rf"(?:{told['about_it']}) ")
+        self._person = re.compile(rf"(?:{told['persons']}) ")
+        self._adverbs = re.compile(rf"(?:(?:{told['adverbs']}) )*")
+        self._verbs = re.compile(rf"(?:{told['verbs']})(?= |$)")
+        self._whole = re.compile(told["whole"])
+        self._denied = re.compile(rf"(?<![^ ])(?:{told['denied']})(?= |$)")
+
+    def readings(self, said: Normalised) -> Iterator[tuple[Normalised, Normalised | None]]:
+        """Yield a text without statements, and the thing they tell of that it then means by "it".
+
+        Args:
+            said: a text that is not read as it stands.
+        """
+        sentences = _parts(said.text, (0, len(said.text)), _SENTENCE_END)
+        told = [span for span in sentences if self._tells(said.text, span)]
+        kept = [span for span in sentences if span not in told]
+        if kept and told:
+            yield from self._without(said, told, kept)
+        if not kept:
+            return
+        for first, rest in _splits(said.text, kept[0]):
+            if self._tells(said.text, first, _SHORTEST):
+                yield from self._without(said, [*told, first], [rest, *kept[1:]])
+        for rest, last in _splits(said.text, kept[-1]):
+            if self._tells(said.text, last, _SHORTEST, _TAIL):
+                yield from self._without(said, [*told, last], [*kept[:-1], rest])
+
+    def _tells(self, text: str, span: Span, least: int = 2, denied: frozenset[str] = _HOW) -> bool:
+        """Check for a part of a text that is a statement."""
+        text = text[slice(*span)].rstrip(" ,.;!?")
+        text = text[self._start(text) :]
+        if self._whole.fullmatch(text):
+            return True
+        long = text.count(" ") + 1 >= least and self._end_of_subject(text) > 0
+        return long and not self._denied.search(text) and not self._says_how(text, denied)
+
+    def _start(self, text: str) -> int:
+        """Place behind the words with which a statement may be opened."""
+        opening = self._opening.match(text)
+        return opening.end() if opening else 0
+
+    def _end_of_subject(self, text: str) -> int:
+        """End of what a text is said of; 0 if it does not tell anything of it."""
+        if one := self._it.match(text):
+            return one.end() if self._is_told(text, one.end()) else 0
+        if one := self._person.match(text):
+            verb = WORD.match(text, self._behind_adverbs(text, one.end()))
+            acts = verb and self._phrases.has_terminal_at("VERB", text, verb.start())
+            asks = one[0] in ("we ", "you ") and not self._is_told(text, one.end())
+            return 0 if verb is None or acts or asks else one.end()
+        if text.partition(" ")[0] not in _ARTICLES:
+            return 0
+        words = islice(WORD.finditer(text), 2, _LONGEST)
+        return next((word.start() for word in words if self._is_told(text, word.start())), 0)
+
+    def _is_told(self, text: str, start: int) -> bool:
+        """Check for a verb that is said of something."""
+        return bool(self._verbs.match(text, self._behind_adverbs(text, start)))
+
+    def _behind_adverbs(self, text: str, start: int) -> int:
+        adverbs = self._adverbs.match(text, start)
+        return adverbs.end() if adverbs else start
+
+    def _says_how(self, text: str, how: frozenset[str]) -> bool:
+        """Check for words that restrict what is done, or are a command."""
+        negated, last, start = False, "", 0
+        while word := WORD.search(text, start):
+            phrase, kinds = next(iter(self._phrases.phrases_at(text, word.start())), (word[0], ()))
+            start = word.start() + len(phrase)
+            negated = negated or not _NOTS.isdisjoint(kinds)
+            if not how.isdisjoint(kinds) or (negated and not _EVENTS.isdisjoint(kinds)):
+                return True
+            commands = "VERB" in kinds and last not in _DOING
+            if commands and self._phrases.has_any_at(_THING, text, start + 1):
+                return True
+            last = phrase.rpartition(" ")[2]
+        return False
+
+    def _without(
+        self, said: Normalised, told: Sequence[Span], kept: Sequence[Span]
+    ) -> Iterator[tuple[Normalised, Normalised | None]]:
+        """Yield a text without what is told in it, unless that leaves open what is meant."""
+        rest = said.words_in(*kept)
+        rest = rest.words_in((_end(_JOINT.match(rest.text)), len(rest.text.rstrip(" ,.;!?"))))
+        rest = replace(rest, question=rest.question and max(kept) > max(told))
+        before = [span for span in told if span < min(kept)]
+        about = [said.words_in(thing) for span in before for thing in self._things(said.text, span)]
+        points = _POINTS.search(rest.text)
+        if not rest.text:
+            return
+        if points is None or _NAMED.search(rest.text, 0, points.start()):
+            if not (about and _SEVERAL.search(rest.text)):
+                yield rest, None
+        elif len({thing.text for thing in about}) < 2:
+            yield rest, about[0] if about else None
+
+    def _things(self, text: str, span: Span) -> Iterator[Span]:
+        """Yield the things that a statement is about, or those it names, if about a person."""
+        for first, end in _parts(text, span, _AND):
+            start = first + self._start(text[first:end])
+            said = text[start:end]
+            if self._it.match(said):
+                continue
+            subject = self._end_of_subject(said)
+            if subject and not self._person.match(said):
+                yield start, start + len(said[:subject].rstrip())
+                continue
+            for word in WORD.finditer(text, start + subject, end):
+                if word[0] in _ARTICLES and (after := self._end_of_name(text, word.end(), end)):
+                    yield word.start(), after
+
+    def _end_of_name(self, text: str, start: int, stop: int) -> int:
+        """End of the name behind an article; 0 if there is none, or it is no thing's."""
+        end = 0
+        for word in WORD.finditer(text, start, stop):
+            if word[0] in self._ends_names or word[0] in _NO_THING or not word[0].isalnum():
+                break
+            end = word.end()
+        return end
+
+
+def _end(match: re.Match[str] | None) -> int:
+    return match.end() if match else 0
+
+
+def _parts(text: str, span: Span, end: re.Pattern[str]) -> list[Span]:
+    """The parts of a stretch of a text up to each end, with the mark there."""
+    ends = [mark.end() for mark in end.finditer(text, *span)]
+    return list(zip([span[0], *(each + 1 for each in ends)], [*ends, span[1]], strict=True))
+
+
+def _splits(text: str, span: Span) -> list[tuple[Span, Span]]:
+    """Each pair of parts of a stretch of a text with a comma between them."""
+    ends = [end for _, end in _parts(text, span, _PAUSE)[:-1]]
+    return [((span[0], end), (end + 1, span[1])) for end in ends]
+
+
+def _choice(templates: Sequence[str]) -> str:
+    return "|".join(map(template_pattern, templates))
