@@ -28,7 +28,7 @@ _PAUSES = frozenset(",.;")
 _THINGS = frozenset({"one", "a", "an", "both"})
 """Number words that rather stand for a thing."""
 
-_BEFORE = "actually|no|oh|ok|sorry|so|then|well"
+_BEFORE = "actually|and|no|oh|ok|sorry|so|then|well"
 _ANY = re.escape("{}")
 _PIECE = re.compile(r"\d+(?:\.\d+)?|[a-z°]+|[.,;]")
 

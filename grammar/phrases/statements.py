@@ -85,9 +85,11 @@ class Statements:
         for first, rest in _splits(said.text, kept[0]):
             if self._tells(said.text, first, _SHORTEST):
                 yield from self._without(said, [*told, first], [rest, *kept[1:]])
-        for rest, last in _splits(said.text, kept[-1]):
-            if self._tells(said.text, last, _SHORTEST, _TAIL):
-                yield from self._without(said, [*told, last], [*kept[:-1], rest])
+        for i, span in enumerate(kept):
+            for rest, last in _splits(said.text, span):
+                if self._tells(said.text, last, _SHORTEST, _TAIL):
+                    left = [*kept[:i], rest, *kept[i + 1 :]]
+                    yield from self._without(said, [*told, last], left)
 
     def _tells(self, text: str, span: Span, least: int = 2, denied: frozenset[str] = _HOW) -> bool:
         """Check for a part of a text that is a statement."""

@@ -53,6 +53,11 @@ _TOPIC = re.compile(
 )
 """A reason about a thing, which "it" means then: "since the mug is dirty, push it away"."""
 
+_MEANT_BEFORE = re.compile(
+    r"(?<= ), (the(?: [a-z0-9]+){1,4}?) (?:, )?(i (?:mean|meant))(?= [,.;]|$)"
+)
+"""What is meant and the mark of it: "the mug, the jar I mean"."""
+
 _NO_REASON_BEHIND = re.compile(
     r"(?<![^ ])(?:as [a-z]+|is|are|back|leave [a-z]+(?: just)?"
     "|after|before|if|or|that|unless|until|whether|when|which|while) $"
@@ -79,9 +84,9 @@ class Asides:
 
     def left_out(self, sentence: Normalised) -> Normalised:
         """The sentence without its asides, empty if it says nothing else."""
-        said = sentence
         if self._courtesy.is_remark(sentence.text):
             return sentence
+        said = _with_mark_first(sentence)
         spoken = sentence.text.split()
         words = set(spoken)
         if self._courtesy.is_closing(sentence):
@@ -266,6 +271,15 @@ class Asides:
             self._corrections.begins_a_group(last, 0) or self._corrections.begins_a_group(after, 0)
         )
         return self._repeats.ends_open(before) or within
+
+
+def _with_mark_first(said: Normalised) -> Normalised:
+    """The sentence with "I mean" before what it is said of."""
+    found = _MEANT_BEFORE.search(said.text)
+    if found is None:
+        return said
+    before, after = (0, found.start() + 1), (found.end(), len(said.text))
+    return said.words_in(before, found.span(2), found.span(1), after)
 
 
 def _gaps(kept: set[int], sentence: Normalised) -> tuple[Span, ...]:

@@ -174,3 +174,8 @@ def test_what_may_be_the_name_of_a_thing_is_no_courtesy() -> None:
 def test_a_question_about_what_was_asked_for_is_no_request() -> None:
     with pytest.raises(ParseError):
         parse("did I ask you to push the tin away")
+
+
+@pytest.mark.parametrize("text", ["open the cup, the jar, I mean", "open the cup, the jar I meant"])
+def test_what_is_meant_may_stand_before_the_mark_of_it(text: str) -> None:
+    assert parse(text).paraphrase == "open the jar"
