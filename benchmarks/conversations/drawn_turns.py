@@ -54,10 +54,16 @@ TurnKind = Literal[Kind, "put down", "undo", "again", "hopeless"]
 
 
 class Job(NamedTuple):
-    """Which conversation."""
+    """Which conversation.
+
+    Attributes:
+        seed, number: of its world and its turns.
+        tries: roll-outs in each round of the search by which a refusal is judged; 0 judges none.
+    """
 
     seed: int
     number: int
+    tries: int = 0
 
     @property
     def setting(self) -> Setting:

@@ -3,8 +3,8 @@
 | verdict | |
 |---|---|
 | satisfied | done, every goal met and no clause broken by the judge of true poses |
-| rightly refused | infeasible, and refused before anything moved |
-| refused | feasible, and refused |
+| rightly refused | refused before anything moved: infeasible, or confirmed by a judge |
+| refused | feasible by its label, and refused |
 | failed | carried out, and said not to have come about |
 | false | said to be done, and truly it is not |
 | crashed | an exception |
@@ -12,6 +12,8 @@
 *Stranded* is what fell without being asked to, or was moved to where neither a push nor a lift of
 it is planned, even if others are moved aside. It is *told* if the answer names it as failed, or
 says where it is.
+
+A refusal of what is labelled feasible is judged by `refused_turns`, if the job says so.
 """
 
 from __future__ import annotations
@@ -24,10 +26,13 @@ from typing import TYPE_CHECKING, Literal
 from pydantic import BaseModel, ConfigDict
 
 from benchmarks.conversations.drawn_turns import TURNS, Job, Past, Turn, draw_scene, draw_turn
+from benchmarks.conversations.refused_turns import refusal_finding
 from benchmarks.conversations.true_places import TruePlace, fallen, moved, true_places
 from benchmarks.goals.cases import Watched
+from benchmarks.goals.refusal_judge import Finding
+from benchmarks.goals.refusal_judge import Verdict as RefusalVerdict
 from benchmarks.goals.sentences import SIDES
-from benchmarks.goals.true_judge import SLACK, STIRRED, judged
+from benchmarks.goals.true_judge import SLACK, STIRRED
 from benchmarks.goals.worlds import believed
 from benchmarks.record import Kept
 from grammar.frames import command as g
@@ -39,6 +44,8 @@ if TYPE_CHECKING:
 
 Verdict = Literal["satisfied", "rightly refused", "refused", "failed", "false", "crashed"]
 Places = Mapping[str, TruePlace]
+
+_LOOKS = 10  # most that are waited until everything rests
 
 
 class Said(BaseModel):
@@ -53,6 +60,8 @@ class Said(BaseModel):
         stranded: names of what was stranded by it.
         untold: those of them of which the answer says nothing.
         seconds: it took, by the processor.
+        judged: verdict on its refusal, if that was judged.
+        found: by what.
     """
 
     model_config = ConfigDict(frozen=True)
@@ -70,6 +79,15 @@ class Said(BaseModel):
     stranded: tuple[str, ...] = ()
     untold: tuple[str, ...] = ()
     seconds: float = 0.0
+    judged: RefusalVerdict | None = None
+    found: str = ""
+
+    def with_finding(self, finding: Finding) -> Said:
+        """The turn with what was found about its refusal."""
+        right = finding.verdict == "confirmed"
+        changes = {"verdict": "rightly refused" if right else "refused",
+                   "judged": finding.verdict, "found": finding.found}  # fmt: skip
+        return self.model_copy(update=changes)
 
 
 class Talk(Kept[Job]):
@@ -85,6 +103,7 @@ class Talk(Kept[Job]):
 def talk(job: Job) -> Talk:
     """Holds a conversation."""
     robot = Watched(draw_scene(job), registry=believed(job.setting == "wide"), seed=job.seed)
+    wait_for_rest(robot)
     conversation, past, turns = Conversation(robot), None, []
     for index in range(TURNS):
         said, past = _say(job, index, conversation, robot, past)
@@ -93,6 +112,17 @@ def talk(job: Job) -> Talk:
         if said.verdict == "crashed":
             break
     return Talk(job=job, turns=tuple(turns))
+
+
+def wait_for_rest(robot: Watched) -> None:
+    """Looks on until nothing moves any more: what is laid on a side may not stay there."""
+    before = true_places(robot.executor)
+    for _ in range(_LOOKS):
+        robot.look()
+        now = true_places(robot.executor)
+        if not moved(before, now):
+            return
+        before = now
 
 
 def _say(
@@ -113,11 +143,15 @@ def _say(
     after = true_places(robot.executor)
     truth = _Truth(turn, before, after, past)
     met, broken = truth.judge(robot)
+    stirred = bool(moved(before, after, STIRRED))
+    came = verdict(turn, result, met and not broken, stirred)
+    doubted = job.tries > 0 and came == "refused" and turn.feasible and not stirred
+    finding = refusal_finding(job, index, turn.target, robot, result) if doubted else None
     stranded = [*truth.fallen(result.frames), *_out_of_reach(robot, before, after)]
     stranded = list(dict.fromkeys(stranded))
     error = result.error
     changes = {
-        "verdict": verdict(turn, result, met and not broken, bool(moved(before, after, STIRRED))),
+        "verdict": came,
         "status": result.status,
         "reason": error.code if error else "",
         "message": error.message if error else "",
@@ -127,8 +161,10 @@ def _say(
         "untold": tuple(name for name in stranded if not is_told(result, name)),
         "seconds": seconds,
     }
-    done = result.status == "done"
-    return said.model_copy(update=changes), Past(turn, result.frames, before, done)
+    said, done = said.model_copy(update=changes), result.status == "done"
+    if finding is not None:
+        said = said.with_finding(finding)
+    return said, Past(turn, result.frames, before, done)
 
 
 def verdict(turn: Turn, result: Result, good: bool, stirred: bool) -> Verdict:
@@ -161,7 +197,7 @@ class _Truth:
 
     def judge(self, robot: Watched) -> tuple[bool, tuple[str, ...]]:
         """Whether no goal was missed, and the clauses that were broken."""
-        steps = [judged(w.frame, w.trace, robot.models) for w in robot.watches if w.trace]
+        steps = robot.true_verdicts()
         met = all(step.met is not False for step in steps)
         broken = tuple(dict.fromkeys(kind for step in steps for kind in step.broken))
         if self.turn.kind == "undo":

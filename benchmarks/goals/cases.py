@@ -165,6 +165,10 @@ class Watched(Controller):
         """Begin to watch anew, for a further sentence."""
         self.watches, self._new = [], True
 
+    def true_verdicts(self) -> list[Verdict]:
+        """What the judge of true poses says of each step that was carried out."""
+        return [judged(w.frame, w.trace, self.models) for w in self.watches if w.trace]
+
     def plan(self, frame: Frame, *args: Any, **settings: Any) -> Any:
         """See `Controller`; the time that it takes is noted."""
         if self._new:

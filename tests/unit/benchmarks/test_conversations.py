@@ -20,6 +20,8 @@ from benchmarks.conversations.true_places import (
     true_places,
 )
 from benchmarks.goals.hard_worlds import SETTINGS
+from benchmarks.goals.refusal_judge import Finding
+from benchmarks.goals.refusal_judge import Verdict as RefusalVerdict
 from nlcontrol import Controller, Conversation, Registry
 from nlcontrol.errors import ErrorInfo
 from nlcontrol.results.result import Result, ResultStatus
@@ -117,3 +119,31 @@ def test_the_report_counts_what_is_good_and_tells_the_rest() -> None:
     assert total == ["all", "1", "0", "0", "1", "0", "0", "1", "of", "2", "50.0%", "1", "1"]
     assert "5-0.1 failed “b”; stranded tin, untold tin" in text
     assert "5-0.0" not in text
+
+
+@pytest.mark.parametrize(
+    ("judged", "expected"),
+    [
+        ("confirmed", "rightly refused"),
+        ("unlikely", "refused"),
+        ("unconfirmed", "refused"),
+        ("not looked for", "refused"),
+    ],
+)
+def test_only_what_is_confirmed_is_rightly_refused_and_all_is_told(
+    judged: RefusalVerdict, expected: str
+) -> None:
+    said = Said(kind="displace", text="a", target="tin", feasible=True, verdict="refused")
+    turn = said.with_finding(Finding(judged, "by a search"))
+    text = report([Talk(job=Job(5, 0, 30), turns=(turn,))])
+    good = "1 of 1 100.0%" if expected == "rightly refused" else "0 of 1  0.0%"
+    assert turn.verdict == expected
+    assert good in text
+    assert f"refusals judged: {'1 confirmed' if good[0] == '1' else '0 confirmed'}" in text
+    assert f"5-0.0 {expected} “a”" in text
+    assert f"  {judged}: by a search" in text
+
+
+def test_without_a_judge_nothing_is_told_of_one() -> None:
+    said = Said(kind="displace", text="a", target="tin", feasible=True, verdict="refused")
+    assert "judged" not in report([Talk(job=Job(5, 0), turns=(said,))])

@@ -9,15 +9,8 @@ import pytest
 
 from benchmarks.drake_strokes import DrakeBench
 from benchmarks.goals import confirm as confirm_module
-from benchmarks.goals.confirm import (
-    Confirmation,
-    Doubt,
-    Verdict,
-    confirm,
-    likeliest,
-    table,
-    wrong_share,
-)
+from benchmarks.goals.confirm import Confirmation, Doubt, confirm, table, wrong_share
+from benchmarks.goals.refusal_judge import Verdict, likeliest
 from benchmarks.goals.search import Asked, Found
 from benchmarks.goals.worlds import Job
 from benchmarks.rollouts import OBJECT, world

@@ -1,0 +1,279 @@
+"""Was a refusal right? A search by brute force for what was refused, by the class of the refusal.
+
+| refused as | confirmed if |
+|---|---|
+| `impossible` | no strokes do it in the world as it truly is, whoever pushes |
+| `too_uncertain` | the best strokes for the object as it is believed succeed, over objects drawn from the belief, less often than was asked |
+| `out_of_reach`, `blocked`, `out_of_time` | no strokes do it that some posture of hand and arm can make |
+
+What does it in the true world only may be luck: where strokes of the last row exist, but succeed,
+over objects drawn from the belief, less often than was asked of a plan, the verdict is `unlikely`.
+The robot was right to refuse them, but not for the reason that it gave.
+
+Strokes keep what every push of the robot keeps: they touch nothing else. The search is that of `benchmarks.goals.search`, postures are those of `benchmarks.goals.postures`.
+It may miss what there is: a confirmed refusal is one for which nothing was found. What has fallen
+over beside the object is left out of it, which gives it more room than there is.
+
+What no strokes do (a whole hand's work, what lies or is brought to what lies, a step that comes
+after others) is planned once more instead, with ten times the work: confirmed is what is refused
+then, too. A plan that is found is carried out, and the refusal was wrong if the judge of true poses
+finds it done; if not, it is `unlikely`.
+"""  # noqa: E501
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from benchmarks.goals.cases import Watch, Watched
+from benchmarks.goals.postures import reachable
+from benchmarks.goals.search import Asked, Found, repeated, search, seen
+from benchmarks.strokes import Array, Generator, heading_of, upright
+from grammar.frames.command import Command
+from nlcontrol.checks.frame_checks import require_checkable
+from nlcontrol.errors import ControlError
+from objectmodels import ObjectModel
+from planner.problem.planning_problem import is_handled
+from planner.types.defaults import Defaults
+from planner.types.world_state import WorldState
+from sim.simulated_executor import simulation
+from sim.truth.scene_file import Pose, Scene
+from sim.truth.truth_from_model import truth_as_believed
+
+Verdict = Literal["confirmed", "unlikely", "unconfirmed", "not looked for"]
+
+DRAWN = 20
+"""Objects drawn from a belief."""
+BEST = 3
+"""Ways of doing it that are tried on all of them."""
+POSTURED = 4
+"""Ways of doing it for which postures are looked for."""
+
+_MORE = 10  # times as long as the first may a second search work
+_MOST = 1000  # the most that is counted of ways and looks
+_NEAR = 0.45  # what is farther away from the object meets neither it nor the hand [m]
+_LEAST = 0.05  # of what is believed; parameters are drawn no smaller
+
+
+class Finding(NamedTuple):
+    """What was found about a refusal.
+
+    Attributes:
+        verdict: on it.
+        found: what was found, or not.
+    """
+
+    verdict: Verdict
+    found: str
+
+
+class Refusal(NamedTuple):
+    """What is judged.
+
+    Attributes:
+        target: name of the object that the sentence is about.
+        reason: class of the refusal.
+        tries: roll-outs in each round of the search.
+    """
+
+    target: str
+    reason: str
+    tries: int
+
+
+def judge_refusal(
+    robot: Watched, refusal: Refusal, rng: Generator, second: Callable[[], Finding]
+) -> Finding:
+    """Looks into the refusal that a robot gave last.
+
+    Args:
+        robot: in its world as it is now.
+        refusal: which.
+        rng: to draw from.
+        second: what a second search finds; for what no strokes do.
+    """
+    if not robot.watches:
+        return Finding("not looked for", "nothing was planned")
+    watch = robot.watches[-1]
+    try:
+        require_checkable(watch.frame)
+    except ControlError as error:
+        return Finding("not looked for", error.info.message)
+    world = simulation(robot.executor).world
+    fragile = frozenset(item.name for item in world.scene.objects if item.fragile)
+    asked = Asked(watch.frame, refusal.target, robot.models, robot.table, fragile)
+    poses = world.sample.poses
+    nothing_done = all(each.trace is None for each in robot.watches)
+    if nothing_done and not _is_made_by_strokes(watch, asked, poses):
+        return second()
+    if not upright(poses[asked.name]):
+        return Finding("not looked for", f"the {asked.name} does not stand any more")
+    now, tries = _as_it_stands(world.scene, asked, poses), refusal.tries
+    level = robot.defaults.probability
+    match refusal.reason:
+        case "too_uncertain":
+            return _uncertain(now, asked, level, tries, rng)
+        case "out_of_reach" | "blocked" | "out_of_time":
+            return _unreachable(now, asked, robot.models, level, tries, rng)
+    return _impossible(now, asked, tries, rng)
+
+
+def _is_made_by_strokes(watch: Watch, asked: Asked, poses: Mapping[str, Array]) -> bool:
+    """Whether strokes may do what was refused: it is the first step, and about what stands."""
+    named = [name for name in poses if name == asked.name or asked.speaks_of(name)]
+    stand = all(upright(poses[name]) for name in named)
+    return watch.plan is None and not is_handled(watch.frame) and stand
+
+
+def second_search(robot: Watched, command: Command) -> Finding:
+    """What a robot finds and does if it may work longer; its world is as it leaves it then.
+
+    Args:
+        robot: that does it.
+        command: that was refused.
+    """
+    robot.defaults = patient(robot.defaults)
+    robot.forget_steps()
+    result = robot.carry_out(command)
+    many = f"{robot.defaults.most_work} units of work"
+    if result.status != "done" and all(watch.trace is None for watch in robot.watches):
+        return Finding("confirmed", f"no plan with up to {many} either")
+    truly = robot.true_verdicts()
+    if result.status == "done" and all(step.met is not False and not step.broken for step in truly):
+        return Finding("unconfirmed", f"a plan, with up to {many}, which the true world carries")
+    return Finding("unlikely", f"a plan, with up to {many}, which the true world does not carry")
+
+
+def patient(defaults: Defaults) -> Defaults:
+    """Defaults with which a search may work ten times as long."""
+    return replace(
+        defaults,
+        most_work=_MORE * defaults.most_work,
+        most_contacts_last=_MORE * defaults.most_contacts_last,
+        most_looks=_MOST,
+        most_looks_last=_MOST,
+        most_grasps=_MOST,
+    )
+
+
+def _as_it_stands(scene: Scene, asked: Asked, poses: Mapping[str, Array]) -> Scene:
+    """The scene as it is now, without what has fallen over or is too far away to matter."""
+    here = poses[asked.name][4:6]
+    objects = []
+    for item in scene.objects:
+        x, y = poses[item.name][4:6].tolist()
+        pose = Pose(x_m=x, y_m=y, yaw_deg=math.degrees(heading_of(poses[item.name])))
+        near = math.dist((x, y), here) < _NEAR or asked.speaks_of(item.name)
+        if upright(poses[item.name]) and near:
+            objects.append(item.model_copy(update={"pose": pose}))
+    return scene.model_copy(update={"objects": tuple(objects)})
+
+
+def _impossible(scene: Scene, asked: Asked, tries: int, rng: Generator) -> Finding:
+    found, rolled = search(scene, asked, tries, rng)
+    if found:
+        return Finding("unconfirmed", f"{_told(found[0])} do it, found after {rolled} roll-outs")
+    return Finding("confirmed", f"nothing in {rolled} roll-outs")
+
+
+def _uncertain(scene: Scene, asked: Asked, level: float, tries: int, rng: Generator) -> Finding:
+    found, rolled = search(
+        _with(scene, asked.name, asked.model, np.zeros(7)), asked, tries, rng, enough=BEST
+    )
+    best, _ = likeliest(scene, asked, found, rng)
+    text = f"the best of {len(found)} ways found in {rolled} roll-outs succeeds in {best:.0%}"
+    return Finding("confirmed" if best < level else "unconfirmed", text)
+
+
+def likeliest(
+    scene: Scene, asked: Asked, ways: Sequence[Found], rng: Generator, draws: int = DRAWN
+) -> tuple[float, Found | None]:
+    """In which share of the worlds the best of some ways succeeds, and which one that is.
+
+    Args:
+        scene: how everything stands.
+        asked: what is asked.
+        ways: strokes that do it in some world; 0 and None if there are none.
+        rng: to draw from.
+        draws: worlds, each with the object drawn from the belief.
+    """
+    worlds = [_with(scene, asked.name, asked.model, _drawn(asked.model, rng)) for _ in range(draws)]
+    rated = [(float(np.mean([repeated(w, asked, way) for w in worlds])), way) for way in ways]
+    return max(rated, key=lambda each: each[0], default=(0.0, None))
+
+
+def _drawn(model: ObjectModel, rng: Generator) -> Array:
+    """How parameters differ from what is believed, in the order of `UNCERTAIN`, shape (7,)."""
+    return np.asarray(rng.multivariate_normal(np.zeros(7), model.covariance))
+
+
+def _with(scene: Scene, name: str, model: ObjectModel, off: Array) -> Scene:
+    """The scene with an object that differs by so much from what is believed."""
+    mass, friction, finger = np.maximum(1.0 + off[:3] / model.means[:3], _LEAST).tolist()
+    truth = truth_as_believed(model)
+    changed = truth.model_copy(
+        update={
+            "mass_kg": truth.mass_kg * mass,
+            "friction_table": truth.friction_table * friction,
+            "friction_finger": truth.friction_finger * finger,
+        }
+    ).with_shift(off[4:])
+    objects = tuple(
+        item.model_copy(update={"truth": changed}) if item.name == name else item
+        for item in scene.objects
+    )
+    return scene.model_copy(update={"objects": objects})
+
+
+def _unreachable(
+    scene: Scene,
+    asked: Asked,
+    models: dict[str, ObjectModel],
+    level: float,
+    tries: int,
+    rng: Generator,
+) -> Finding:
+    found, rolled = search(scene, asked, tries, rng, enough=POSTURED)
+    made = [each for each in found if _postured(scene, each, models, rng)]
+    if not made:
+        text = f"{len(found)} ways in {rolled} roll-outs, none of which a hand can make"
+        return Finding("confirmed", text)
+    best, way = likeliest(scene, asked, made, rng)
+    assert way is not None, "a hand can make some"
+    text = f"{_told(way)} do it, and a hand can make them; they succeed in {best:.0%}"
+    return Finding("unlikely" if best < level else "unconfirmed", text)
+
+
+def _postured(scene: Scene, found: Found, models: dict[str, ObjectModel], rng: Generator) -> bool:
+    """Whether hand and arm can make all strokes."""
+    fragile = {item.name for item in scene.objects if item.fragile}
+    return all(
+        reachable(stroke, found.fingers, scene.robot, _seen(before, models, fragile), rng)
+        for stroke, before in zip(found.strokes, found.before, strict=True)
+    )
+
+
+def _seen(
+    poses: Mapping[str, Array], models: dict[str, ObjectModel], fragile: set[str]
+) -> WorldState:
+    """Everything where it truly stands."""
+    return WorldState(
+        {
+            name: replace(seen(name, models[name], pose), fragile=name in fragile)
+            for name, pose in poses.items()
+        }
+    )
+
+
+def _told(found: Found) -> str:
+    """Strokes in words."""
+    ways = "; ".join(
+        f"from ({1e3 * s.start[0]:.0f}, {1e3 * s.start[1]:.0f}, {1e3 * s.start[2]:.0f}) mm"
+        f" to ({1e3 * s.end[0]:.0f}, {1e3 * s.end[1]:.0f}) mm"
+        for s in found.strokes
+    )
+    return f"strokes of {found.fingers} fingertips {ways}"
