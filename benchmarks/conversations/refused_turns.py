@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     from nlcontrol.results.result import Result
 
 
+ACTED = Finding("not looked for", "something was done before it was refused")
+"""Of a turn that was not refused at once, and so not rightly."""
+
+
 def refusal_finding(job: Job, index: int, target: str, robot: Watched, result: Result) -> Finding:
     """What is found about a refused turn.
 

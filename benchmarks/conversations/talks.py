@@ -13,7 +13,8 @@
 it is planned, even if others are moved aside. It is *told* if the answer names it as failed, or
 says where it is.
 
-A refusal of what is labelled feasible is judged by `refused_turns`, if the job says so.
+A refusal of what is labelled feasible is judged by `refused_turns`, if the job says so, and if
+nothing was done before it.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from typing import TYPE_CHECKING, Literal
 from pydantic import BaseModel, ConfigDict
 
 from benchmarks.conversations.drawn_turns import TURNS, Job, Past, Turn, draw_scene, draw_turn
-from benchmarks.conversations.refused_turns import refusal_finding
+from benchmarks.conversations.refused_turns import ACTED, refusal_finding
 from benchmarks.conversations.true_places import TruePlace, fallen, moved, true_places
 from benchmarks.goals.cases import Watched
 from benchmarks.goals.refusal_judge import Finding
@@ -145,8 +146,10 @@ def _say(
     met, broken = truth.judge(robot)
     stirred = bool(moved(before, after, STIRRED))
     came = verdict(turn, result, met and not broken, stirred)
-    doubted = job.tries > 0 and came == "refused" and turn.feasible and not stirred
-    finding = refusal_finding(job, index, turn.target, robot, result) if doubted else None
+    finding = None
+    if job.tries > 0 and came == "refused" and turn.feasible:
+        acted = stirred or any(watch.trace is not None for watch in robot.watches)
+        finding = ACTED if acted else refusal_finding(job, index, turn.target, robot, result)
     stranded = [*truth.fallen(result.frames), *_out_of_reach(robot, before, after)]
     stranded = list(dict.fromkeys(stranded))
     error = result.error

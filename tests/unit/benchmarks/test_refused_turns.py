@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import os
+from functools import partial
 
 import numpy as np
 import pytest
 
+from benchmarks.conversations import talks
 from benchmarks.conversations.copied_process import result_in_copy
-from benchmarks.conversations.drawn_turns import Job, draw_scene
+from benchmarks.conversations.drawn_turns import Job, Turn, draw_scene
 from benchmarks.conversations.refused_turns import refusal_finding
-from benchmarks.conversations.talks import wait_for_rest
+from benchmarks.conversations.talks import Said, wait_for_rest
 from benchmarks.conversations.true_places import moved, true_places
 from benchmarks.goals.cases import Watched
 from benchmarks.goals.refusal_judge import Finding, Refusal, judge_refusal, patient
@@ -34,9 +36,11 @@ def kitchen(name: str, **changed: object) -> Scene:
     return scene.model_copy(update={"objects": tuple(objects)})
 
 
-def heavy_mug() -> Scene:
+def slippery_mug() -> Scene:
+    """The kitchen with a mug that slips out of the hand."""
     truth = load_scene("kitchen").object("mug").truth
-    return kitchen("mug", truth=truth.model_copy(update={"mass_kg": 10.0 * truth.mass_kg}))
+    less = {"friction_finger": 0.5 * truth.friction_finger}
+    return kitchen("mug", truth=truth.model_copy(update=less))
 
 
 def no(*_: object, **__: object) -> Refused:
@@ -86,7 +90,7 @@ def test_a_refusal_is_wrong_only_if_the_true_world_carries_the_plan() -> None:
     assert finding(Watched(load_scene("kitchen"), seed=1), "lift the mug 10 cm").verdict == (
         "unconfirmed"
     )
-    assert finding(Watched(heavy_mug(), seed=1), "lift the mug 10 cm").verdict == "unlikely"
+    assert finding(Watched(slippery_mug(), seed=1), "lift the mug 10 cm").verdict == "unlikely"
 
 
 def test_what_cannot_be_judged_is_not_looked_for() -> None:
@@ -120,3 +124,37 @@ def test_a_talk_begins_once_everything_rests() -> None:
     assert moved(drawn, begun) == ["tea tin"]
     robot.look()
     assert not moved(begun, true_places(robot.executor))
+
+
+def said_in_talk(monkeypatch: pytest.MonkeyPatch, job: Job, *, feasible: bool = True) -> Said:
+    """The only turn of a talk, which is refused."""
+    name = draw_scene(job).objects[0].name
+    turn = Turn("displace", f"push the {name} 5 cm to the left", name, feasible)
+    monkeypatch.setattr(talks, "TURNS", 1)
+    monkeypatch.setattr(talks, "Watched", partial(Watched, planner=no))
+    monkeypatch.setattr(talks, "draw_turn", lambda *_: turn)
+    monkeypatch.setattr(talks, "refusal_finding", lambda *_: Finding("confirmed", "by a search"))
+    return talks.talk(job).turns[0]
+
+
+def test_a_talk_judges_what_is_feasible_if_it_is_asked_to(monkeypatch: pytest.MonkeyPatch) -> None:
+    told = said_in_talk(monkeypatch, Job(7, 0, tries=1))
+    assert (told.verdict, told.judged, told.found) == (
+        "rightly refused",
+        "confirmed",
+        "by a search",
+    )
+    told = said_in_talk(monkeypatch, Job(7, 0))
+    assert (told.verdict, told.judged) == ("refused", None)
+    told = said_in_talk(monkeypatch, Job(7, 0, tries=1), feasible=False)
+    assert (told.verdict, told.judged) == ("rightly refused", None)
+
+
+def test_what_is_refused_after_something_moved_is_not_rightly_refused(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    job = Job(7, 0, tries=1)
+    stirred = [draw_scene(job).objects[0].name]
+    monkeypatch.setattr(talks, "moved", lambda *_: stirred)
+    told = said_in_talk(monkeypatch, job)
+    assert (told.verdict, told.judged) == ("refused", "not looked for")
