@@ -59,6 +59,8 @@ def test_every_example_runs_and_every_route_has_one(tmp_path: Path) -> None:
             if ran.stdout.startswith("{"):
                 answer = json.loads(ran.stdout)
                 environment |= {key: answer[name] for key, name in IDS.items() if answer.get(name)}
+        server.process.terminate()
+        server.process.wait(30)  # what an answer was is logged after it is sent
         lines = map(json.loads, server.log.read_text().splitlines())
         called = {(line["method"], line["path"]) for line in lines if "path" in line}
     for path, operations in routes_app().openapi()["paths"].items():
