@@ -8,15 +8,16 @@ this is tried on a sentence that is read, so that no word changes what another m
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import cache, cached_property
 
 from grammar.frames.command import Span
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
 from grammar.words.numerals import DIGITS
 from grammar.words.phrase_places import WORD, Phrases
-from grammar.words.phrase_templates import expand_template
+from grammar.words.phrase_templates import first_words, template_pattern
 
 _CARRIED = frozenset({"LENGTH_UNIT", "ANGLE_UNIT"})
 _UNITS = _CARRIED | {"FORCE_UNIT", "SPEED_UNIT", "TIME_UNIT", "TOOL", "VOLUME_UNIT"}
@@ -29,7 +30,6 @@ _THINGS = frozenset({"one", "a", "an", "both"})
 """Number words that rather stand for a thing."""
 
 _BEFORE = "actually|and|no|oh|ok|sorry|so|then|well"
-_ANY = re.escape("{}")
 _PIECE = re.compile(r"\d+(?:\.\d+)?|[a-z°]+|[.,;]")
 
 
@@ -40,9 +40,7 @@ class OtherReadings:
         self._phrases = phrases
         self._numbers = lexicon.numbers.pattern
         self._phrases_of = {kind: lexicon.words_of(kind) for kind in _CARRIED}
-        self._rewordings = {
-            _pattern_of(templates): means for means, templates in lexicon.rewordings.items()
-        }
+        self._rewordings = lexicon.rewordings
 
     def readings(self, said: Normalised, before: Sequence[str] | None) -> Iterator[Normalised]:
         """Yield the sentence in other words, and with a unit, where it can be put so.
@@ -61,10 +59,21 @@ class OtherReadings:
 
     def _reworded(self, said: Normalised) -> Normalised:
         """The sentence with plainer words in the place of those that have some."""
-        for pattern, means in self._rewordings.items():
-            if match := pattern.search(said.text):
-                said = _with_words(said, match, means)
+        words = {*said.text.split(), "{}"}
+        for means, templates in self._templates.items():
+            patterns = [_pattern_of(each) for each, first in templates if first & words]
+            if found := list(filter(None, (each.search(said.text) for each in patterns))):
+                said = _with_words(said, min(found, key=_rank), means)
+                words.update(said.text.split())
         return said
+
+    @cached_property
+    def _templates(self) -> dict[str, list[tuple[str, set[str]]]]:
+        """Plainer words → templates of what is put so, and the words they begin with."""
+        return {
+            means: [(each, first_words(each)) for each in templates]
+            for means, templates in self._rewordings.items()
+        }
 
     def _with_units(self, said: Normalised, before: Sequence[str]) -> Normalised:
         """The sentence with the unit said before behind each number that has none."""
@@ -115,16 +124,18 @@ def _spaced(text: str) -> str:
     return " ".join(_PIECE.findall(text.casefold()))
 
 
-def _pattern_of(templates: Iterable[str]) -> re.Pattern[str]:
-    """The pattern of some templates, in which "{}" is any words up to an end."""
-    phrases = (re.escape(each) for said in templates for each in expand_template(said))
-    said = "|".join(sorted(phrases, key=len, reverse=True)).replace(_ANY, "(.+?)")
-    ends = (
-        (rf"^(?:(?:{_BEFORE}) (?:, )?)*", "$")
-        if "{}" in str(templates)
-        else ("(?<![^ ])", "(?= |$)")
-    )
-    return re.compile(f"{ends[0]}(?:{said}){ends[1]}")
+@cache
+def _pattern_of(template: str) -> re.Pattern[str]:
+    """The pattern of a template, in which "{}" is any words up to an end."""
+    said = template_pattern(template).replace("{}", "(.+?)")
+    if "{}" in template:
+        return re.compile(rf"^(?:(?:{_BEFORE}) (?:, )?)*(?:{said})$")
+    return re.compile(rf"(?<![^ ])(?:{said})(?= |$)")
+
+
+def _rank(match: re.Match[str]) -> tuple[int, int, int]:
+    """The first comes first, then the longest, then the one with the fewest words for "{}"."""
+    return match.start(), -match.end(), len(match[match.lastindex or 0])
 
 
 def _with_words(said: Normalised, match: re.Match[str], means: str) -> Normalised:

@@ -18,7 +18,7 @@ from grammar.words.courtesy import Courtesy
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
 from grammar.words.phrase_places import Phrases
-from grammar.words.phrase_templates import template_pattern
+from grammar.words.phrase_templates import first_words, template_pattern
 from grammar.words.reasons import Reasons
 from grammar.words.repeats import Repeats
 
@@ -46,7 +46,6 @@ _MOST_REPEATS = 4
 """Repeats that are left out of one sentence, so that no text takes long."""
 
 _OPENING = re.compile(r"(?:^|(?<=[.;] ))[^ ]+")
-_BEGINNING = re.compile(r"[(\[]")
 _TOPIC = re.compile(
     r"(?:[a-z]+ ){1,3}((?:the|my|your|our)(?: [a-z0-9]+){1,5}) "
     r"(?:is|are|was|stands|blocks|has|gets|might|could|will) [^,]* (?:, )?(?:[a-z]+ ){1,3}it(?= |$)"
@@ -138,7 +137,7 @@ class Asides:
     def _first_words(self) -> dict[str, frozenset[str]]:
         """Words without one of which there is no aside of a kind."""
         return {
-            kind: frozenset(word for template in templates for word in _first_words(template))
+            kind: frozenset(word for template in templates for word in first_words(template))
             for kind, templates in self._lexicon.asides.items()
         }
 
@@ -287,23 +286,3 @@ def _gaps(kept: set[int], sentence: Normalised) -> tuple[Span, ...]:
     marks = "".join(c if c.isalnum() and i not in kept else " " if i not in kept else "\n"
                     for i, c in enumerate(sentence.original))  # fmt: skip
     return tuple(run.span() for run in re.finditer(r"[^\s](?:[^\n]*[^\s])?", marks))
-
-
-def _first_words(template: str) -> set[str]:
-    """The words and marks that the phrases of a template may begin with."""
-    group = _BEGINNING.match(template)
-    if group is None:
-        word = template.split(maxsplit=1)[0]
-        return set(".;!?") if word == "." else {word}
-    depth, end, start, choices = 0, 0, 1, list[str]()
-    for end, char in enumerate(template):
-        depth += (char in "([") - (char in ")]")
-        if depth == 0 or (depth == 1 and char == "|"):
-            choices.append(template[start:end])
-            start = end + 1
-        if depth == 0:
-            break
-    rest = template[end + 1 :].strip()
-    if group[0] == "[" and rest:
-        choices.append(rest)
-    return set().union(*map(_first_words, filter(None, choices)))

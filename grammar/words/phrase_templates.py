@@ -7,8 +7,9 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 _RULE = re.compile(r"<(\w+)>")
-_OPTION = re.compile(r" \[([^\[\]]*)\]|\[([^\[\]]*)\] ")
 _MARK = re.compile(r"([()\[\]|])")
+_BEGINNING = re.compile(r"[(\[]")
+_OPTION = re.compile(r" \[([^\[\]]*)\]|\[([^\[\]]*)\] ")
 
 
 def expand_template(template: str) -> list[str]:
@@ -48,8 +49,31 @@ def with_rules(said: Any, rules: Mapping[str, str]) -> Any:
     return said
 
 
+def first_words(template: str) -> set[str]:
+    """The words and marks that the phrases of a template may begin with."""
+    group = _BEGINNING.match(template)
+    if group is None:
+        word = template.split(maxsplit=1)[0]
+        return set(".;!?") if word == "." else {word}
+    depth, end, start, choices = 0, 0, 1, list[str]()
+    for end, char in enumerate(template):
+        depth += (char in "([") - (char in ")]")
+        if depth == 0 or (depth == 1 and char == "|"):
+            choices.append(template[start:end])
+            start = end + 1
+        if depth == 0:
+            break
+    rest = template[end + 1 :].strip()
+    if group[0] == "[" and rest:
+        choices.append(rest)
+    return set().union(*map(first_words, filter(None, choices)))
+
+
 def template_pattern(template: str) -> str:
-    """The regular expression of a template, in which `_` is any word, or the beginning of one."""
+    """The regular expression of a template.
+
+    `(a|b)` is a choice, `[c]` may be left out, and `_` is any word, or the beginning of one.
+    """
     pattern = template.replace("(", "(?:")
     while option := _OPTION.search(pattern):
         last, first = option.groups()
