@@ -47,7 +47,13 @@ if TYPE_CHECKING:
     Steps = list[tuple[g.Frame, Plan | Reached]]
 
 MOST_WORKS = 2
-"""Work of all plans of a search, in that of one plan."""
+"""Work of all plans of an answer, the refused first one included, in that of one plan."""
+
+MOST_EACH = 0.5
+"""Of the same, the work of each plan of a search.
+
+What can be done after a step mostly shows soon, and what stops the hand then shows as soon.
+"""
 
 MOST_BRINGING = 0.5
 """Of that, the share in which places are looked through that an object is brought to."""
@@ -109,7 +115,8 @@ def ways_around(
     supervisor("plan", 0.0, f"looking for other steps, since {refusal.message}")
     moved = frozenset(f.object.id or "" for f in frames[:index] if f.object is not None)
     try:
-        search = StepSearch(controller, left, moved, supervisor.stop, kept)
+        done = refusal.numbers.get("tried_work", 0.0)
+        search = StepSearch(controller, left, moved, supervisor.stop, kept, done)
         found = search.ways(state, refusal.message)
     except (Stopped, ControlError):
         return None
@@ -128,6 +135,7 @@ class StepSearch:
         moved: names of objects that were moved for it by now, and stay where they are.
         stop: asked whether to go on.
         kept: plans that were made for the command from here.
+        done: units of work that were done for the answer before.
     """
 
     def __init__(
@@ -137,13 +145,14 @@ class StepSearch:
         moved: frozenset[str],
         stop: StopToken,
         kept: KeptPlans,
+        done: float = 0.0,
     ) -> None:
         self._frames, self._moved = frames, moved
         self._defaults = controller.defaults
         self._controller, self._stop = controller, stop
         self._robot = RecallingRobot(controller.robot, stop, controller.time_limit)
         self._planner = controller.planner
-        self._left = MOST_WORKS * controller.defaults.most_work
+        self._left = int(MOST_WORKS * controller.defaults.most_work - done)
         self._kept = kept
 
     def ways(self, state: WorldState, why: str) -> Ways | None:
@@ -266,10 +275,14 @@ class StepSearch:
         return self._kept.plan(ahead, state, lambda: self._new_lasting_lift(ahead, state))
 
     def _new_lasting_lift(self, frames: Frames, state: WorldState) -> PlanningResult:
-        budget = SearchBudget(min(self._left, self._defaults.most_work))
+        budget = self._share()
         made = lasting_lift(self._controller, state, frames, self._stop, budget)
         self._left -= budget.done
         return made
+
+    def _share(self) -> SearchBudget:
+        """The budget of the next plan."""
+        return SearchBudget(min(self._left, int(MOST_EACH * self._defaults.most_work)))
 
     def _plan(self, frame: g.Frame, state: WorldState) -> PlanningResult:
         """The plan of a step, with no more work than is left."""
@@ -278,7 +291,7 @@ class StepSearch:
         return self._kept.plan(frame, state, lambda: self._new_plan(frame, state))
 
     def _new_plan(self, frame: g.Frame, state: WorldState) -> PlanningResult:
-        budget = SearchBudget(min(self._left, self._defaults.most_work))
+        budget = self._share()
         planner = self._planner or partial(planning.plan, budget=budget)
         made = planner(frame, state, self._robot, defaults=self._defaults)
         self._left -= budget.done
