@@ -2,8 +2,7 @@
 
     python -m benchmarks.search_work --cases 60
 
-The unit of work (`most_work`) is meant to take a quiet core about a millisecond. Nothing is carried
-out.
+A quiet core does about four units of work (`most_work`) in a millisecond. Nothing is carried out.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The budget of one plan, counted in work instead of time: a loaded machine gives the same answer.
 
-A unit is about what a quiet core of today does in a millisecond. `benchmarks.search_work` compares
-the two.
+A unit is about what a quiet core of today does in a quarter of a millisecond.
+`benchmarks.search_work` compares the two.
 """
 
 from __future__ import annotations

@@ -154,7 +154,7 @@ class Defaults:
         most_contacts_last: the same before it is refused that the hand gets there.
         most_looks: pushes for which one plan asks whether the hand gets there.
         most_looks_last: the same once more before it is refused that the hand gets there.
-        most_work: work of one plan; a quiet core does a thousand in about a second.
+        most_work: work of one plan; a quiet core does four thousand in about a second.
         most_pushes: pushes made for one frame before it is given up.
         known_to: relative standard deviation up to which a question is answered without touching.
         found_to: relative standard deviation to which a property is found out by touching.

@@ -1,0 +1,48 @@
+"""The search for other steps: what it may work together with the plan that was refused before."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from nlcontrol import Controller
+from nlcontrol.session.events import Supervisor
+from nlcontrol.session.foresight.kept_plans import KeptPlans
+from nlcontrol.session.foresight.step_search import MOST_EACH, MOST_WORKS, ways_around
+from planner import planning
+from planner.problem.search_budget import SearchBudget
+from planner.types.default_kinds import CLEARED
+from planner.types.defaults import DEFAULTS
+from planner.types.marks import obstacle_mark
+from planner.types.refusal import Refusal
+from tests.unit.planner.conftest import frame_of
+
+MOST_WORK = 1000
+
+
+@pytest.mark.parametrize("before", [0, MOST_WORK])
+def test_an_answer_has_one_budget_and_each_plan_of_the_search_a_share(
+    monkeypatch: pytest.MonkeyPatch, before: int
+) -> None:
+    numbers = {"tried_work": float(before)} if before else {}
+    marks = (obstacle_mark("mug"),)
+    refusal = Refusal(
+        code="blocked", reason="blocked", message="blocked", numbers=numbers, marks=marks
+    )
+    allowed: list[int] = []
+
+    def used_up(*_: Any, budget: SearchBudget, **__: Any) -> Refusal:
+        allowed.append(budget.most)
+        budget.spend(budget.most)
+        return refusal
+
+    monkeypatch.setattr(planning, "plan", used_up)
+    defaults = replace(DEFAULTS, most_work=MOST_WORK, clear=CLEARED.index("yes"))
+    controller = Controller("kitchen", defaults=defaults)
+    frames = (frame_of("push the ice tea box away"),)
+    refused = refusal, controller.look()
+    assert ways_around(controller, frames, 0, refused, Supervisor(), KeptPlans()) is None
+    assert sum(allowed) == MOST_WORKS * MOST_WORK - before
+    assert max(allowed) == MOST_EACH * MOST_WORK
