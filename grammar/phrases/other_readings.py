@@ -139,14 +139,16 @@ def _rank(match: re.Match[str]) -> tuple[int, int, int]:
 
 
 def _with_words(said: Normalised, match: re.Match[str], means: str) -> Normalised:
-    """The sentence with other words in the place of some of it; "{}" are those of its group."""
-    before, _, after = means.partition("{}")
+    """The sentence with other words in the place of some of it; "{}" are those of its groups."""
     over: Span = said.original_span(*match.span())
-    start, end = match.span(match.lastindex) if match.lastindex else (match.end(),) * 2
-    text = f"{before}{said.text[start:end]}{after}"
-    columns = ((over,) * len(before), said.columns[start:end], (over,) * len(after))
+    places = iter([span for span in match.regs[1:] if span[0] >= 0])
+    text, columns = "", list[Span]()
+    for i, words in enumerate(means.split("{}")):
+        start, end = next(places, (match.end(),) * 2) if i else (0, 0)
+        text += said.text[start:end] + words
+        columns += [*said.columns[start:end], *(over,) * len(words)]
     return replace(
         said,
         text=said.text[: match.start()] + text + said.text[match.end() :],
-        columns=(*said.columns[: match.start()], *sum(columns, ()), *said.columns[match.end() :]),
+        columns=(*said.columns[: match.start()], *columns, *said.columns[match.end() :]),
     )

@@ -208,8 +208,9 @@ class Conversation:
         except ControlError as raised:
             begun = self.controller.empty_result(text, command)
             self._last = result_with(begun, status=status_of(raised.info), error=raised.info)
-            if command is None or spoken.names_said(text, self.controller.cell.names):
-                self._note_lost(text, raised.info.code)
+            named = spoken.names_said(text, self.controller.cell, self.controller.models)
+            if command is None or named:
+                self._note_lost(text, raised.info.code, named)
             return self._last, None
 
     def _intention(self, command: g.Command) -> Intention | Result:
@@ -295,13 +296,12 @@ class Conversation:
         del self.past[:-REMEMBERED]
         self.context = replace(self.context, moved=tuple(push.object for push in self.past))
 
-    def _note_lost(self, text: str, code: str) -> None:
+    def _note_lost(self, text: str, code: str, named: list[str]) -> None:
         """Remembers what was named where nothing else was understood.
 
         A correction would be about that, if it may have been a command: it has a verb, or names
         another object; then so would any remark that names none.
         """
-        latest, named = self.context.latest, spoken.names_said(text, self.controller.cell.names)
         last = tuple(dict.fromkeys((*named, *self.context.last)))
         unnamed = spoken.asks_which(text) or (not named and spoken.tells_of_one(text))
         among = tuple(named) if len(named) > 1 else None  # "the mug, not the jar"
@@ -310,7 +310,7 @@ class Conversation:
         self._asked_in_vain = text.rstrip().endswith("?")
         self._spoken = self._spoken if self._asked_in_vain else ()
         self._lost_names = named
-        other = not self._asked_in_vain and bool(named) and set(named) != set(latest)
+        other = not self._asked_in_vain and bool(named) and set(named) != set(self.context.latest)
         self._lost = self._lost or other
         has_verb = follow_up.has_verb(text)
         self._lost_verb = self._lost_verb or (has_verb and not self._asked_in_vain)

@@ -8,19 +8,20 @@ object that was spoken of before would be a guess.
 from __future__ import annotations
 
 import re
-from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from grammar.frames import command as g
 from nlcontrol.errors import whole_span
-from nlcontrol.references.object_names import name_words
+from nlcontrol.references.object_names import name_words, names_on_table
 from nlcontrol.references.reference_resolution import Context, names_together, parts_within
 from nlcontrol.session.remarks.merged_frames import are_alike
 
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result
+    from objectmodels import ObjectModel
+    from sim.cell.cell_description import CellDescription
 
 _BESIDE = ("than ", "from ", "to ", "of ", "behind ", "beside ", "near ", "touches ")
 """Words before the name of something that a sentence is not about: "how far is it from the mug"."""
@@ -117,16 +118,27 @@ def _place_of_kind(words: str, kind: str) -> int:
     return -1 if told is None else told.start(1)
 
 
-def names_said(text: str, names: Iterable[str]) -> list[str]:
+def names_said(text: str, cell: CellDescription, models: Mapping[str, ObjectModel]) -> list[str]:
     """The objects that a text names as what it is about; an "ice tea box" is no ice tea."""
     words = " ".join(name_words(text))
-    named = {name.casefold(): name for name in sorted(names, key=len)}
-    last = Counter(name.split()[-1] for name in named)  # "the tin" is the only one of that kind
-    kinds = {name.split()[-1]: of for name, of in named.items() if last[name.split()[-1]] == 1}
-    found = {_place_of_kind(words, kind): name for kind, name in kinds.items()}
-    found |= {words.find(name): of for name, of in named.items()}
-    return [
-        name
-        for place, name in sorted(found.items(), reverse=True)
-        if place >= 0 and not words[:place].removesuffix("the ").endswith(_BESIDE)
-    ]
+    called = {name: c.name for c in names_on_table(cell.objects, models) for name in c.names}
+    named = {name.casefold(): called[name] for name in sorted(called, key=len)}
+    kinds: dict[str, set[str]] = {}
+    for name, of in named.items():
+        kinds.setdefault(name.split()[-1], set()).add(of)
+    found = {_place_of_kind(words, kind): of for kind, (of, *more) in kinds.items() if not more}
+    found |= {_place_of_name(words, name): of for name, of in named.items()}
+    places = sorted(found.items(), reverse=True)
+    told = [of for place, of in places if place >= 0 and not _is_beside(words[:place])]
+    return list(dict.fromkeys(told))
+
+
+def _place_of_name(words: str, name: str) -> int:
+    """Place of a whole name in a text; -1 if it is not there."""
+    told = re.search(rf"(?<![a-z0-9]){re.escape(name)}(?![a-z0-9])", words)
+    return -1 if told is None else told.start()
+
+
+def _is_beside(before: str) -> bool:
+    """Check for words behind which something stands that a sentence is not about."""
+    return before.removesuffix("the ").endswith(_BESIDE)
