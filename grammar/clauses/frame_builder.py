@@ -99,7 +99,8 @@ def _with_ways_back(frames: Sequence[g.Frame], sentence: Normalised) -> tuple[g.
         (frame,) = frames
         goal, thing = frame.goal, frame.object
         back = isinstance(goal, g.Place) and goal.relation == "back" and not frame.query
-        if back and thing is not None and thing.quantifier is None and not frame.constraints:
+        alone = thing.quantifier is None if thing else frame.dialogue == "correct"
+        if back and alone and not frame.constraints:
             spans = tuple(sorted((*frame.spans, *goal.spans)))
             return (g.Frame(dialogue="undo", object=thing, spans=spans),)
         return tuple(frames)

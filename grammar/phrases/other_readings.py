@@ -29,7 +29,8 @@ _PAUSES = frozenset(",.;")
 _THINGS = frozenset({"one", "a", "an", "both"})
 """Number words that rather stand for a thing."""
 
-_BEFORE = "actually|and|no|oh|ok|sorry|so|then|well"
+_BEFORE = "actually|and|no|oh|ok|please|sorry|so|then|well"
+_BEHIND = "(?: (?:, )?please)?"
 _PIECE = re.compile(r"\d+(?:\.\d+)?|[a-z°]+|[.,;]")
 
 
@@ -129,7 +130,7 @@ def _pattern_of(template: str) -> re.Pattern[str]:
     """The pattern of a template, in which "{}" is any words up to an end."""
     said = template_pattern(template).replace("{}", "(.+?)")
     if "{}" in template:
-        return re.compile(rf"^(?:(?:{_BEFORE}) (?:, )?)*(?:{said})$")
+        return re.compile(rf"^(?:(?:{_BEFORE}) (?:, )?)*(?:{said}){_BEHIND}$")
     return re.compile(rf"(?<![^ ])(?:{said})(?= |$)")
 
 

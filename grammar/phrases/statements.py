@@ -1,10 +1,11 @@
 """Sentences that tell something beside a command, which is read without them.
 
 "My sister is coming over and this table is a mess. Push the mug away": the first says nothing of
-what is to be done. A statement begins with somebody or something and a verb that is said of it; one
-that says what must or may be done, what is meant, or how, is none. Where the command then says
-"it", the thing that is told of is put before it: "the mug is close to the edge, push it" is "the
-mug, push it". All this is tried on a text that is not read as it stands.
+what is to be done. A statement begins with somebody or something and a verb that is said of it, or
+tells what somebody is going to do ("let us tidy up"); one that says what must or may be done here,
+what is meant, or how, is none. It may be any sentence of a text, or the beginning or end of one.
+Where the command then says "it", the thing that is told of is put before it: "the mug is close to
+the edge, push it" is "the mug, push it". All this is tried on a text that is not read as it stands.
 """
 
 from __future__ import annotations
@@ -21,9 +22,12 @@ from grammar.words.phrase_places import WORD, Phrases
 from grammar.words.phrase_templates import template_pattern
 
 _HOW = frozenset({"AVOID_DOING", "COMING_WITHIN", "ENSURE", "EXCEPT", "FORCE_UNIT", "KEEP", "KEEPS",
-                  "LETTING", "MANNER", "SPEED_UNIT", "STAYS", "TOOL", "UNTIL", "USING", "WITH",
+                  "LETTING", "MANNER", "SPEED_UNIT", "STAYS", "UNTIL", "USING",
                   "WITHOUT"})  # fmt: skip
 """Terminals that say how something is to be done; what tells them is no mere statement."""
+
+_EFFECTOR = frozenset({"WITH", "TOOL"})
+"""Terminals that say so together: "with one finger", not "with my children"."""
 
 _TAIL = _HOW | {"ANGLE_UNIT", "DIRECTION", "FACE", "FROM_SIDE", "LENGTH_UNIT", "SENSE", "TOWARD"}
 """These, and those that say where to, which belong to the command before a statement."""
@@ -32,17 +36,24 @@ _EVENTS = frozenset({"AVOID", "AVOIDING", "EVENT", "EVENT_INFINITIVE", "TOUCH", 
                      "TOUCHING"})  # fmt: skip
 _NOTS = frozenset({"DOES_NOT", "NOT"})
 _THING = frozenset({"IT", "THAT", "THE"})
+_WHERE = frozenset({"BESIDE_IT", "INTO", "REGION_OF_TABLE", "RELATION", "TOWARD_REGION"})
+"""Terminals of places, where a verb that is not known to tell something may ask for something."""
+
+_ASKED = frozenset({"IT", "STROKE", "THAT"})
+"""Terminals with which a wish of somebody tells what is to be done here."""
+
 _DOING = frozenset({"he", "i", "never", "not", "she", "they", "to", "we", "who", "you"})
 """Words behind which a verb says what somebody does, and is no command."""
 
-_POINTS = re.compile(r"(?<![^ ])(?:it|its|them|they)(?= |$)")
+_POINTS = re.compile(r"(?<![^ ])(?:its?|them|they|this|these|those|that)(?= |$)")
 _NAMED = re.compile(r"(?<![^ ])(?:the|my|your|our|an?|every|both|all)(?= )")
 _SEVERAL = re.compile(r"(?<![^ ])(?:all|both|each|every|everything|rest|others?|two|three)(?= |$)")
 _JOINT = re.compile(r"(?:(?:so|and|then|but|now|well|please|ok|okay)(?: ,)? )+|[,.;!?] ")
 _SENTENCE_END = re.compile(r" [.;!?](?= )")
-_PAUSE = re.compile(r" ,(?= )")
+_PAUSE = re.compile(r" ,(?= )|(?<=[^ ,.;])(?= (?:so|but) (?!that |far |much |, ))")
 _AND = re.compile(r" (?:and|but|while)(?= )")
-_ARTICLES = frozenset({"a", "an", "our", "my", "that", "the", "these", "this", "those", "your"})
+_ARTICLES = frozenset({"a", "an", "her", "his", "my", "our", "that", "the", "their", "these",
+                       "this", "those", "your"})  # fmt: skip
 _LONGEST = 8
 """Words up to the verb of the longest subject."""
 
@@ -60,6 +71,7 @@ class Statements:
     def __init__(self, lexicon: Lexicon, phrases: Phrases) -> None:
         self._phrases = phrases
         self._ends_names = lexicon.ends_names
+        self._stops = frozenset(lexicon.phrases_of("STOP"))
         told = {kind: _choice(templates) for kind, templates in lexicon.statements.items()}
         self._opening = re.compile(rf"(?:(?:{told['openings']}) (?:, )?)*")
         self._it = re.compile(rf"(?:{told['about_it']}) ")
@@ -67,6 +79,7 @@ class Statements:
         self._adverbs = re.compile(rf"(?:(?:{told['adverbs']}) )*")
         self._verbs = re.compile(rf"(?:{told['verbs']})(?= |$)")
         self._whole = re.compile(told["whole"])
+        self._plan = re.compile(rf"(?:{told['plans']}) ")
         self._denied = re.compile(rf"(?<![^ ])(?:{told['denied']})(?= |$)")
 
     def readings(self, said: Normalised) -> Iterator[tuple[Normalised, Normalised | None]]:
@@ -75,30 +88,80 @@ class Statements:
         Args:
             said: a text that is not read as it stands.
         """
-        sentences = _parts(said.text, (0, len(said.text)), _SENTENCE_END)
-        told = [span for span in sentences if self._tells(said.text, span)]
+        text = said.text
+        sentences = _parts(text, (0, len(text)), _SENTENCE_END)
+        told = [span for span in sentences if self._all_tell(text, span, _HOW, 2)]
+        if told == sentences:  # "it was worth asking, never mind"
+            told = [span for span in sentences if self._tells(text, span)]
         kept = [span for span in sentences if span not in told]
         if kept and told:
             yield from self._without(said, told, kept)
-        if not kept:
-            return
-        for first, rest in _splits(said.text, kept[0]):
-            if self._tells(said.text, first, _SHORTEST):
-                yield from self._without(said, [*told, first], [rest, *kept[1:]])
-        for i, span in enumerate(kept):
-            for rest, last in _splits(said.text, span):
-                if self._tells(said.text, last, _SHORTEST, _TAIL):
-                    left = [*kept[:i], rest, *kept[i + 1 :]]
-                    yield from self._without(said, [*told, last], left)
+        inner = [self._told_around(text, span) for span in kept]
+        for i, (span, (heads, tails)) in enumerate(zip(kept, inner, strict=True)):
+            for part in [(start, span[1]) for start in heads] + [(span[0], end) for end in tails]:
+                left = [*kept[:i], part, *kept[i + 1 :]]
+                yield from self._without(said, [*told, *_around(part, span)], left)
+        plain = [_without_ends(span, *ends) for span, ends in zip(kept, inner, strict=True)]
+        around = [
+            end for span, part in zip(kept, plain, strict=True) for end in _around(part, span)
+        ]
+        if len(around) > 1:
+            yield from self._without(said, [*told, *around], plain)
+
+    def _told_around(self, text: str, span: Span) -> tuple[list[int], list[int]]:
+        """Places of a sentence up to which, and from which on, it tells something."""
+        splits = [(first[1], last[0]) for first, last in _splits(text, span)]
+        return (
+            [
+                start
+                for end, start in splits
+                if self._all_tell(text, (span[0], end), _HOW, _SHORTEST)
+            ],
+            [
+                end
+                for end, start in splits
+                if self._all_tell(text, (start, span[1]), _TAIL, _SHORTEST)
+            ],
+        )
+
+    def _all_tell(self, text: str, span: Span, denied: frozenset[str], least: int) -> bool:
+        """Check for a part of a text that is a statement, or several ones."""
+        if self._tells(text, span, least, denied):
+            return True
+        parts = [part for part in _parts(text, span, _PAUSE) if not self._only_opens(text, part)]
+        stops = any(text[slice(*part)].strip(" ,.;!?") in self._stops for part in parts)
+        told = (self._tells(text, part, _SHORTEST, denied) for part in parts)
+        return bool(parts) and not stops and all(told)
+
+    def _only_opens(self, text: str, span: Span) -> bool:
+        return bool(self._opening.fullmatch(text[slice(*span)].strip(" ,.;!?") + " "))
 
     def _tells(self, text: str, span: Span, least: int = 2, denied: frozenset[str] = _HOW) -> bool:
         """Check for a part of a text that is a statement."""
-        text = text[slice(*span)].rstrip(" ,.;!?")
+        text = text[slice(*span)].strip(" ,.;!?")
+        if self._whole.fullmatch(text):
+            return True
         text = text[self._start(text) :]
         if self._whole.fullmatch(text):
             return True
-        long = text.count(" ") + 1 >= least and self._end_of_subject(text) > 0
-        return long and not self._denied.search(text) and not self._says_how(text, denied)
+        if plan := self._plan.match(text):
+            return self._plans_elsewhere(text, plan.end())
+        subject = self._end_of_subject(text) if text.count(" ") + 1 >= least else 0
+        if not subject or self._denied.search(text):
+            return False
+        known = self._is_told(text, subject) or self._person.match(text)
+        return not self._says_how(text, denied if known else denied | _TAIL | _WHERE)
+
+    def _plans_elsewhere(self, text: str, start: int) -> bool:
+        """Check for what somebody is going to do without any thing or action that is known."""
+        things = (word for word in WORD.finditer(text, start) if word[0] in _ARTICLES)
+        after = (WORD.match(text, word.end() + 1) for word in things)
+        if any(word is None or word[0] not in _NO_THING for word in after):
+            return False
+        words = WORD.finditer(text, start)
+        return not any(self._phrases.has_any_at(_ASKED, text, word.start()) for word in words) and (
+            start < len(text) and not self._phrases.has_terminal_at("VERB", text, start)
+        )
 
     def _start(self, text: str) -> int:
         """Place behind the words with which a statement may be opened."""
@@ -112,16 +175,23 @@ class Statements:
         if one := self._person.match(text):
             verb = WORD.match(text, self._behind_adverbs(text, one.end()))
             acts = verb and self._phrases.has_terminal_at("VERB", text, verb.start())
+            never = verb and verb.start() > one.end() and one[0] not in ("we ", "you ")
+            acts = acts and not never
             asks = one[0] in ("we ", "you ") and not self._is_told(text, one.end())
             return 0 if verb is None or acts or asks else one.end()
         if text.partition(" ")[0] not in _ARTICLES:
             return 0
         words = islice(WORD.finditer(text), 2, _LONGEST)
-        return next((word.start() for word in words if self._is_told(text, word.start())), 0)
+        return next((w.start() for w in words if self._may_be_told(text, w.start())), 0)
 
     def _is_told(self, text: str, start: int) -> bool:
         """Check for a verb that is said of something."""
         return bool(self._verbs.match(text, self._behind_adverbs(text, start)))
+
+    def _may_be_told(self, text: str, start: int) -> bool:
+        """Check for a verb that is said of something, or a word behind an adverb: "still hurts"."""
+        after = self._behind_adverbs(text, start)
+        return self._is_told(text, start) or start < after < len(text)
 
     def _behind_adverbs(self, text: str, start: int) -> int:
         adverbs = self._adverbs.match(text, start)
@@ -129,12 +199,14 @@ class Statements:
 
     def _says_how(self, text: str, how: frozenset[str]) -> bool:
         """Check for words that restrict what is done, or are a command."""
-        negated, last, start = False, "", 0
+        negated, last, start, seen = False, "", 0, set[str]()
         while word := WORD.search(text, start):
             phrase, kinds = next(iter(self._phrases.phrases_at(text, word.start())), (word[0], ()))
             start = word.start() + len(phrase)
+            seen |= _EFFECTOR.intersection(kinds)
             negated = negated or not _NOTS.isdisjoint(kinds)
-            if not how.isdisjoint(kinds) or (negated and not _EVENTS.isdisjoint(kinds)):
+            says = phrase != "from" and not how.isdisjoint(kinds)
+            if says or seen == _EFFECTOR or (negated and not _EVENTS.isdisjoint(kinds)):
                 return True
             commands = "VERB" in kinds and last not in _DOING
             if commands and self._phrases.has_any_at(_THING, text, start + 1):
@@ -146,12 +218,14 @@ class Statements:
         self, said: Normalised, told: Sequence[Span], kept: Sequence[Span]
     ) -> Iterator[tuple[Normalised, Normalised | None]]:
         """Yield a text without what is told in it, unless that leaves open what is meant."""
-        rest = said.words_in(*kept)
+        cut = {end + 1 for _, end in told}
+        begins = ((_end(_JOINT.match(said.text, s)) if s in cut else s, e) for s, e in kept)
+        rest = said.words_in(*((max(b, s), e) for (b, e), (s, _) in zip(begins, kept, strict=True)))
         rest = rest.words_in((_end(_JOINT.match(rest.text)), len(rest.text.rstrip(" ,.;!?"))))
         rest = replace(rest, question=rest.question and max(kept) > max(told))
         before = [span for span in told if span < min(kept)]
         about = [said.words_in(thing) for span in before for thing in self._things(said.text, span)]
-        points = _POINTS.search(rest.text)
+        points = next(filter(self._stands_alone, _POINTS.finditer(rest.text)), None)
         if not rest.text:
             return
         if points is None or _NAMED.search(rest.text, 0, points.start()):
@@ -159,6 +233,12 @@ class Statements:
                 yield rest, None
         elif len({thing.text for thing in about}) < 2:
             yield rest, about[0] if about else None
+
+    def _stands_alone(self, pointer: re.Match[str]) -> bool:
+        """Check for a pronoun, not "that" of "that mug" or "so that it stays upright"."""
+        after = WORD.match(pointer.string, pointer.end() + 1)
+        pronoun = pointer[0] in ("it", "its", "them", "they")
+        return pronoun or after is None or after[0] in self._ends_names
 
     def _things(self, text: str, span: Span) -> Iterator[Span]:
         """Yield the things that a statement is about, or those it names, if about a person."""
@@ -193,6 +273,18 @@ def _parts(text: str, span: Span, end: re.Pattern[str]) -> list[Span]:
     """The parts of a stretch of a text up to each end, with the mark there."""
     ends = [mark.end() for mark in end.finditer(text, *span)]
     return list(zip([span[0], *(each + 1 for each in ends)], [*ends, span[1]], strict=True))
+
+
+def _without_ends(span: Span, heads: Sequence[int], tails: Sequence[int]) -> Span:
+    """A stretch without the longest of what is told before it and behind it."""
+    start = max(heads, default=span[0])
+    return start, min((end for end in tails if end > start), default=span[1])
+
+
+def _around(inner: Span, outer: Span) -> list[Span]:
+    """The parts of a stretch before and behind an inner part of it."""
+    parts = [(outer[0], inner[0] - 1), (inner[1] + 1, outer[1])]
+    return [(start, end) for start, end in parts if start < end]
 
 
 def _splits(text: str, span: Span) -> list[tuple[Span, Span]]:

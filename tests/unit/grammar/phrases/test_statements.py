@@ -18,6 +18,14 @@ from grammar import ParseError, parse
         ("Push the mug left, I don't need it at all.", "push the mug to the left"),
         ("Put the mug behind the jar. My sister always knocks things over.",
          "put the mug behind the jar"),
+        ("Well, the kids are finally asleep, so let's tidy up: push the mug away, nobody uses it.",
+         "push the mug away"),
+        ("Now the jar. I never drink from a mug, so push it away.", "push the jar away"),
+        ("I burned my hand yesterday, so please push the mug away.", "push the mug away"),
+        ("My back hurts and I have no hands free, push the mug away", "push the mug away"),
+        ("Let's begin with something easy: push the mug away.", "push the mug away"),
+        ("Hang on, the jar is closed, so open that first.", "open the jar"),
+        ("Stop, that's too risky. Push it left.", "push it to the left"),
     ],
 )  # fmt: skip
 def test_a_statement_changes_nothing_but_what_it_means(text: str, plain: str) -> None:
@@ -28,6 +36,7 @@ def test_a_statement_changes_nothing_but_what_it_means(text: str, plain: str) ->
     "text",
     [
         "I want the mug on the left. Push it away.",  # a wish
+        "Let's move the mug to the left, so push the jar away to somewhere nice.",
         "It was the cereal box. Push it away.",  # a correction
         "The tin goes left. Push the jar right.",  # another command
         "I don't need the jar. Push everything to the left.",  # is the jar meant, too?
