@@ -41,6 +41,7 @@ FRAGILE_CLEARANCE = 0.030
 SPARE = 0.002
 """How much nearer the hand may get than was planned, as two looks differ by their noise [m]."""
 
+_MANY = 400  # spheres of which those that stay beside are sorted out first
 _ROUNDING = 1e-9  # so that it leaves none out that is near [m]
 
 
@@ -187,29 +188,37 @@ class Obstacle:
         self, spheres: Array, R_WD: Array, points: Array, clearance: float
     ) -> NDArray[np.bool_]:
         """Which spheres in D, shape (n, 4), do not keep it somewhere, shape (n,); see above."""
+        hit = np.zeros(len(spheres), dtype=bool)
         low = clearance + self.top - points[:, 2].min()
         (near,) = np.nonzero(spheres[:, 2] - spheres[:, 3] < low)
-        # Seen from D the object moves: nothing but the spheres that it comes near to is looked at,
-        # first those beside the rectangle that its middle does not leave.
+        if not len(near):
+            return hit
+        # Seen from D the object moves: nothing but the spheres that it comes near to is looked at.
         middle = ((self.middle - points[:, :2])[:, None] @ R_WD[:, :2, :2])[:, 0]
-        x, y, _, r = spheres[near].T
-        (least_x, least_y), (most_x, most_y) = middle.min(axis=0), middle.max(axis=0)
-        x_off = np.maximum(np.maximum(least_x - x, x - most_x), 0.0)
-        y_off = np.maximum(np.maximum(least_y - y, y - most_y), 0.0)
-        near = near[x_off * x_off + y_off * y_off < (r + (clearance + self.around)) ** 2]
-        x, y, z, r = spheres[near].T
+        rows = spheres.T.take(near, axis=1)
+        if len(near) > _MANY:
+            (beside,) = np.nonzero(self._are_beside(rows, middle, clearance))
+            near, rows = near[beside], rows.take(beside, axis=1)
+        x, y, _, r = rows
         x_off, y_off = middle[:, :1] - x, middle[:, 1:] - y
         at, k = np.nonzero(x_off * x_off + y_off * y_off < (r + (clearance + self.around)) ** 2)
-        hit = np.zeros(len(spheres), dtype=bool)
         if len(k):
-            x, y, z, r = x[k], y[k], z[k], r[k]
-            R_BD, p_BD = self.R_WB.T @ R_WD, ((points - self.p_WB) @ self.R_WB)[at].T
+            x, y, z, r = rows.take(k, axis=1)
+            R_BD, p_BD = self.R_WB.T @ R_WD, ((points - self.p_WB) @ self.R_WB).T.take(at, axis=1)
             cos, sin = R_BD[at, 0, 0], R_BD[at, 1, 0]
             in_B = np.array(
                 [cos * x - sin * y + p_BD[0], sin * x + cos * y + p_BD[1], z + p_BD[2], r]
             )
             hit[near[k[self._distance_in_B(in_B) <= clearance]]] = True
         return hit
+
+    def _are_beside(self, rows: Array, middle: Array, clearance: float) -> NDArray[np.bool_]:
+        """Which spheres in D, shape (4, n), are beside the rectangle that its middle keeps to."""
+        x, y, _, r = rows
+        (least_x, least_y), (most_x, most_y) = middle.min(axis=0), middle.max(axis=0)
+        x_off = np.maximum(np.maximum(least_x - x, x - most_x), 0.0)
+        y_off = np.maximum(np.maximum(least_y - y, y - most_y), 0.0)
+        return np.asarray(x_off * x_off + y_off * y_off < (r + (clearance + self.around)) ** 2)
 
 
 @dataclass(frozen=True, eq=False)

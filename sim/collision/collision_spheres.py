@@ -68,9 +68,11 @@ def _side_points(outline: Array) -> Iterator[Array]:
 
 def place_spheres(spheres: Array, R: Array, p: Array) -> Array:
     """Spheres brought into another frame: R shape (..., 3, 3), p shape (..., 3)."""
-    centres = spheres[..., :3] @ np.swapaxes(R, -1, -2) + p[..., None, :]
-    placed = np.empty((*centres.shape[:-1], 4))
-    placed[..., :3], placed[..., 3] = centres, spheres[..., 3]
+    turned = spheres[..., :3] @ np.swapaxes(R, -1, -2)
+    from_p = p[..., None, :]
+    placed = np.empty((*np.broadcast_shapes(turned.shape, from_p.shape)[:-1], 4))
+    np.add(turned, from_p, out=placed[..., :3])
+    placed[..., 3] = spheres[..., 3]
     return placed
 
 

@@ -68,12 +68,13 @@ def test_the_pushed_object_counts_where_it_is_by_then() -> None:
     assert not scenery.is_free(later, there)
 
 
+@pytest.mark.parametrize("poses", [60, 400])  # few spheres are looked at otherwise than many
 @pytest.mark.parametrize("model", [TEA, CAN])
-def test_clear_all_along_is_clear_at_each_place(model: ObjectModel) -> None:
+def test_clear_all_along_is_clear_at_each_place(model: ObjectModel, poses: int) -> None:
     rng = np.random.default_rng(0)
     obstacle = Obstacle.from_seen(SeenObject("it", PlanarPose(0.5, 0.1, 0.4), model), 0.01)
     low, high = (0.3, -0.1, 0.0, 0.005), (0.7, 0.3, 0.3, 0.03)
-    robot = rng.uniform(low, high, (400, 3, 4))
+    robot = rng.uniform(low, high, (poses, 3, 4))
     points, R_WD = rng.uniform(-0.1, 0.1, (5, 3)), rot_z(rng.uniform(-0.3, 0.3, 5))
     moved = place_spheres(robot[:, None], R_WD, points)
     each = obstacle.is_clear(moved, 0.004).all(axis=1)
