@@ -47,6 +47,8 @@ What is not stood up where it lies is hardly stood up elsewhere, and finding tha
 """
 _FROM_HERE = frozenset({"back", "clear_of", "out_of", "off", "over", "in_row", "together"})
 """Relations that tell a place by where the object stands, or by what it stands on."""
+_IN_HAND = (g.Place, g.Pour)
+"""Goals that an object may reach in another grasp."""
 _BEYOND_HAND = frozenset(
     {"grasps_blocked", "no_grasp_reached", "pushes_blocked", "no_push_reached"}
     | {"blocked_in_hand", "no_reach_in_hand"}
@@ -115,14 +117,38 @@ def may_be_brought(frame: g.Frame, state: WorldState) -> bool:
 
     The frame must not say by where the object stands what becomes of it, nor how or when it moves.
     """
-    goal, own = frame.goal, frame.object
+    own = frame.object
+    if own is None or own.id is None or not _begins_anywhere(frame):
+        return False
+    return may_be_cleared(own.id, (frame,), state)
+
+
+def may_be_grasped_anew(frame: g.Frame, state: WorldState) -> bool:
+    """Return True if the object of a frame is held, and may be put down first.
+
+    In another grasp the hand may get it to where it should.
+    """
+    held, own = state.held, frame.object
+    if held is None or own is None or own.id != held.name:
+        return False
+    return isinstance(frame.goal, _IN_HAND) and _begins_anywhere(frame)
+
+
+def setting_down_frame(frame: g.Frame) -> g.Frame:
+    """The frame that puts down what another one is about, as gently as that asks."""
+    assert frame.object is not None, "what is put down is held"
+    name, kept = frame.object.id or "", frame.constraints
+    own = g.ObjectRef(text=name, noun=name, id=name)
+    return g.Frame(action="place", object=own, goal=g.SetDown(), constraints=kept)
+
+
+def _begins_anywhere(frame: g.Frame) -> bool:
+    """Return True if what a frame asks for does not depend on where its object is at first."""
+    goal = frame.goal
     anywhere = isinstance(goal, _ANYWHERE) or (
         isinstance(goal, g.Place) and goal.fraction is None and goal.relation not in _FROM_HERE
     )
-    kept = all(each.kind in _KEPT_BY_ITSELF for each in frame.constraints)
-    if own is None or own.id is None or not (anywhere and kept):
-        return False
-    return may_be_cleared(own.id, (frame,), state)
+    return anywhere and all(each.kind in _KEPT_BY_ITSELF for each in frame.constraints)
 
 
 def bringing_frames(frame: g.Frame, state: WorldState, defaults: Defaults) -> Iterator[g.Frame]:

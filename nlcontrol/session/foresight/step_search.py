@@ -1,11 +1,12 @@
 """Steps by which a command can be done that cannot be done as it stands.
 
 Objects that are named together ("both", "all") are moved in any order, and what stands in the way
-is moved aside before, or what the hand does not get to is brought to where it does
-(`planner.clearing`). The search is depth first over predicted states: each
-step is planned from where those before it leave everything, so that the whole is planned before
-anything moves, as far as what comes of a step is predicted. The first way that is found is taken;
-objects are moved aside as few as possible, since a way without that is looked for first.
+is moved aside before. What the hand does not get to is brought to where it does; what it holds and
+does not get to its place is put down and grasped anew (`planner.clearing`). The search is depth
+first over predicted states: each step is planned from where those before it leave everything, so
+that the whole is planned before anything moves, as far as what comes of a step is predicted. The
+first way that is found is taken; objects are moved aside as few as possible, since a way without
+that is looked for first.
 """
 
 from __future__ import annotations
@@ -25,7 +26,9 @@ from planner.clearing import (
     is_beyond_hand,
     may_be_brought,
     may_be_cleared,
+    may_be_grasped_anew,
     obstacles,
+    setting_down_frame,
 )
 from planner.predicted_states import state_after
 from planner.problem.search_budget import SearchBudget
@@ -109,7 +112,8 @@ def ways_around(
     if refused is None:
         return None
     refusal, state = refused
-    brought = is_beyond_hand(refusal) and may_be_brought(left[0], state)
+    elsewhere = may_be_brought(left[0], state) or may_be_grasped_anew(left[0], state)
+    brought = is_beyond_hand(refusal) and elsewhere
     if not (obstacles(refusal) or brought or len(_next_frames(left)) > 1):
         return None
     supervisor("plan", 0.0, f"looking for other steps, since {refusal.message}")
@@ -208,17 +212,26 @@ class StepSearch:
         return None
 
     def _may_be_brought(self, frame: g.Frame, state: WorldState, moved: frozenset[str]) -> bool:
-        """Return True if the object of a frame is moved so that the hand gets to it."""
+        """Return True if the object of a frame is moved so that the hand gets to it, or anew."""
+        if self._defaults.clear == CLEARED.index("no"):
+            return False
         own = frame.object.id if frame.object is not None else None
-        kept = self._defaults.clear == CLEARED.index("no") or own in moved
-        return not kept and may_be_brought(frame, state)
+        brought = own not in moved and may_be_brought(frame, state)
+        return brought or may_be_grasped_anew(frame, state)
 
     def _brought(
         self, frame: g.Frame, state: WorldState, moved: frozenset[str], frames: Frames, most: int
     ) -> Steps | None:
-        """Steps for frames, the first of which brings the object of one to where it is reached."""
+        """Steps for frames, the first of which brings the object of one to where it is reached.
+
+        What is held is put down.
+        """
         least = self._left - MOST_BRINGING * MOST_WORKS * self._defaults.most_work
-        for step in bringing_frames(frame, state, self._defaults):
+        anew = may_be_grasped_anew(frame, state)
+        steps = (
+            (setting_down_frame(frame),) if anew else bringing_frames(frame, state, self._defaults)
+        )
+        for step in steps:
             if self._left <= least:
                 return None
             made = self._plan(step, state)
