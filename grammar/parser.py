@@ -119,12 +119,27 @@ class Parser:
             thanks = Frame(dialogue="thank", spans=sentence.asides)
             return Command(text=text, frames=(thanks,), paraphrase="thank you")
         try:
-            return self._command_of(sentence)
+            command = self._command_of(sentence)
         except ParseError:
             for said in self._other_readings(sentence, whole, before):
                 with suppress(ParseError):
                     return self._command_of(said)
             raise
+        return self._with_known_names(command, whole)
+
+    def _with_known_names(self, command: Command, whole: Normalised) -> Command:
+        """The command, or that without what was taken for a name: "the mug can break. Push it".
+
+        A name that nothing has is none if the text is read otherwise.
+        """
+        if self._names is None or self._names.are_borne(command.frames):
+            return command
+        for said, topic in self._statements.readings(whole):
+            with suppress(ParseError):
+                other = self._command_of(self._asides.of_rest(said, topic, whole))
+                if self._names.are_borne(other.frames):
+                    return other
+        return command
 
     def _other_readings(
         self, sentence: Normalised, whole: Normalised, before: Sequence[str] | None

@@ -6,14 +6,13 @@ that something is put between. "The third tin" has to say from where.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-
-from pydantic import BaseModel
 
 from grammar.clauses.clause_parts import Parts, several_objects, unexpected_part
 from grammar.errors import ParseError
 from grammar.frames import command as g
+from grammar.frames.command import references_in
 from grammar.phrases import phrase_parts as ph
 from grammar.words.normalisation import Normalised
 
@@ -114,7 +113,7 @@ def require_countable(frames: Sequence[g.Frame], sentence: Normalised) -> None:
         allowed = [frame.object] if (plain or instead) and done else []
         if between and isinstance(goal, g.Place) and isinstance(goal.reference, tuple):
             allowed += goal.reference
-        for ref in _references_in(frame):
+        for ref in references_in(frame):
             several = ref.quantifier not in (None, "any")
             if several and not any(ref is each for each in allowed):
                 raise _error(ref, "several_objects", "is several objects", "name one", sentence)
@@ -127,15 +126,3 @@ def _error(
     ref: g.ObjectRef, code: str, message: str, hint: str, sentence: Normalised
 ) -> ParseError:
     return sentence.error_at(ref.spans[0], code, message, hint)
-
-
-def _references_in(part: BaseModel) -> Iterator[g.ObjectRef]:
-    """Each reference within a part of a frame."""
-    if isinstance(part, g.ObjectRef):
-        yield part
-    for value in filter(None, vars(part).values()):
-        if isinstance(value, BaseModel):
-            yield from _references_in(value)
-        elif isinstance(value, tuple) and isinstance(value[0], BaseModel):
-            for inner in value:
-                yield from _references_in(inner)

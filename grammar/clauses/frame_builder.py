@@ -37,6 +37,7 @@ from grammar.phrases import phrase_parts as ph
 from grammar.words.lexicon import Lexicon, Verb
 from grammar.words.normalisation import Normalised
 
+_ALL_TAKEN = ("them", "both", "each", "each of them", "both of them", "all of them")
 _ON_THE_TABLE = ("push", "pull", "slide", "move", "turn", "tilt", "topple", "lift")
 """Actions for which a thing need not be held before."""
 
@@ -65,10 +66,7 @@ def frames_of(
             opened = frames.pop()  # as it does anyway
             spans = tuple(sorted((*opened.spans, *read[0].spans, *read[0].goal.spans)))
             read = [opened.model_copy(update={"spans": spans})]
-        if frames and _only_takes(frames[-1], read[0], sentence):
-            taken = frames.pop()
-            update = {"object": taken.object, "spans": (*taken.spans, *read[0].spans)}
-            read[0] = read[0].model_copy(update=update)
+        read = _with_what_is_taken(frames, read, sentence)
         require_no_other_meant(said, [*frames, *read], sentence)
         frames += read
         previous = said
@@ -83,13 +81,29 @@ def _goes_farther(frame: g.Frame) -> bool:
     return named and getattr(goal, "direction", None) == "away"
 
 
+def _with_what_is_taken(
+    frames: list[g.Frame], read: list[g.Frame], sentence: Normalised
+) -> list[g.Frame]:
+    """Frames about what was only taken before, which is done to each; "take" is taken away."""
+    then = read[0]
+    several = then.object is not None and then.object.text.casefold() in _ALL_TAKEN
+    taken = list[g.Frame]()
+    while frames and _only_takes(frames[-1], then, sentence) and (several or not taken):
+        taken.insert(0, frames.pop())
+    each = (
+        then.model_copy(update={"object": t.object, "spans": (*t.spans, *then.spans)})
+        for t in taken
+    )
+    return [*each, *read[1:]] if taken else read
+
+
 def _only_takes(frame: g.Frame, then: g.Frame, sentence: Normalised) -> bool:
     """Check for "take" of "take the tin and push it", which lifts nothing by itself."""
     plain = frame.model_copy(update={"object": None, "spans": ()}) == g.Frame(
         action="lift", goal=g.Lift()
     )
     verb = sentence.words_as_written(frame.spans[0]).casefold() if frame.spans else ""
-    it = then.object is not None and then.object.pronoun
+    it = then.object is not None and (then.object.pronoun or then.object.text in _ALL_TAKEN)
     return plain and verb in ("take", "grab") and it and then.action in _ON_THE_TABLE
 
 

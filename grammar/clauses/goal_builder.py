@@ -147,6 +147,9 @@ def _side_of(place: ph.Place) -> g.Direction | None:
 
 def _place_goal_at(clause: Clause, place: ph.Place) -> g.Place:
     length, share = clause.take_only(ph.Length), clause.take_only(ph.Share)
+    way = clause.first_part(ph.Direction)
+    if length is not None and way is not None and clause.quote(way) == '"away"':
+        clause.take_only(ph.Direction)  # "left of the mug, 10 cm away"
     if place.relation == "from" and length is None:
         raise clause.does_not_apply_error(place, "needs a distance", "10 cm from the mug")
     objects, relation = isinstance(place.reference, tuple), place.relation

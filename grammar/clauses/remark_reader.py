@@ -27,8 +27,7 @@ _SAYS = (*GOES_ON, ph.Constraint, ph.Avoid)
 """These, and those that say how."""
 
 _SAID_TOGETHER: tuple[set[g.Dialogue], ...] = ({"repeat", "more"}, {"repeat", "reverse"},
-                                                 {"do", "more"})  # fmt: skip
-
+                                                 {"do", "more"}, {"same", "reverse"})  # fmt: skip
 """Remarks of which the second says how the first is meant."""
 
 _ASKED_OF_LAST = ("predict", "possible", "how_hard", "why")
@@ -109,7 +108,8 @@ class RemarkReader:
         dialogue = self._dialogue()
         if dialogue is None:
             raise no_verb(self._sentence, [*self._things, *self._parts])
-        if dialogue in ("more", "do", "reverse") and self._things:
+        alike = any(remark.dialogue == "same" for remark in self._remarks)
+        if dialogue in ("more", "do", "reverse") and self._things and not alike:
             raise no_verb(self._sentence, self._things)
         if dialogue == "stop" and self._things:
             raise several_objects(self._things[0], self._sentence)

@@ -12,6 +12,10 @@ sentence as it was given.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
+from pydantic import BaseModel
+
 from grammar.frames.constraints import (
     Constraint,
     ContactRegion,
@@ -135,3 +139,15 @@ class Command(Part):
     frames: tuple[Frame, ...]
     paraphrase: str
     asides: Spans = ()
+
+
+def references_in(part: BaseModel) -> Iterator[ObjectRef]:
+    """Each reference within a part of a frame."""
+    if isinstance(part, ObjectRef):
+        yield part
+    for value in filter(None, vars(part).values()):
+        if isinstance(value, BaseModel):
+            yield from references_in(value)
+        elif isinstance(value, tuple) and isinstance(value[0], BaseModel):
+            for inner in value:
+                yield from references_in(inner)

@@ -264,8 +264,10 @@ class _Speaker(Phrasing):
         word = self.phrase_for(dialogue.upper())
         if frame.action is not None:
             return self._command_words(frame, more=word)
-        if frame.object is not None:
+        if frame.object is not None and dialogue != "reverse":
             raise no_words(f"{dialogue} with an object and no action")
+        if frame.object is not None:
+            word = f"{self.phrase_for('SAME')} {self.object_words(frame.object)}, {word}"
         words = [word, *self.goal_words(frame.goal)]
         return " ".join([*words, *self._constraint_words(frame.goal, frame.constraints)])
 

@@ -11,6 +11,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cache, cached_property
+from itertools import pairwise
 
 from grammar.frames.command import Span
 from grammar.words.lexicon import Lexicon
@@ -31,6 +32,7 @@ _THINGS = frozenset({"one", "a", "an", "both"})
 
 _BEFORE = "actually|and|no|oh|ok|please|sorry|so|then|well"
 _BEHIND = "(?: (?:, )?please)?"
+_DENIED = re.compile(r"(?: ,)? (?:and )?(?:not|instead of|rather than) (?:by )?")
 _PIECE = re.compile(r"\d+(?:\.\d+)?|[a-z°]+|[.,;]")
 
 
@@ -50,7 +52,7 @@ class OtherReadings:
             said: a sentence that is not read as it stands.
             before: what was said before, the last first; None outside of a conversation.
         """
-        reworded = self._reworded(said)
+        reworded = self._without_denied(self._reworded(said))
         if reworded is not said:
             yield reworded
         if before is not None:
@@ -86,6 +88,16 @@ class OtherReadings:
             unit = own or unit
         for number, each in reversed(lacking if unit else []):
             said = _with_words(said, number, f"{number[0]} {each}")
+        return said
+
+    def _without_denied(self, said: Normalised) -> Normalised:
+        """The sentence without an amount that is not meant: "5 cm, not 8"."""
+        denied = {mark.end(): mark.start() for mark in _DENIED.finditer(said.text)}
+        for (_, unit), (number, own) in pairwise(self._amounts(said.text) if denied else ()):
+            end = number.end() + len(f" {own}") * bool(own)
+            ends = end == len(said.text) or said.text[end + 1] in _PAUSES
+            if unit and own in ("", unit) and ends and number.start() in denied:
+                return said.words_in((0, denied[number.start()]), (end, len(said.text)))
         return said
 
     def _unit_before(self, before: Sequence[str]) -> str:

@@ -29,7 +29,8 @@ _HESITATING = frozenset({",", "ah", "eh", "ehm", "er", "erm", "err", "oh", "uh",
 _SHAPES = {
     "corrections": r"(?:(?<= )[.,;] )??(?<![^ ])(?:(?:(?: ,)? )?(?<![^ ])(?:{0}))+(?: ,)?(?= )",
     "hesitations": r"(?:(?<=^the )|(?<= the )|(?<= a )|(?<= an ))(?:{0})(?: ,)?(?= [a-z])",
-    "fillers": r"(?<![^ ])(?!(?<=you )like ,|(?<=do )you know|(?:, )?you know why|(?<=not )see ,)"
+    "fillers": r"(?<![^ ])(?!(?<=you )like ,|(?<=as )well|(?<=do )you know|(?:, )?you know why"
+    r"|(?<=not )see ,)"
     r"(?:(?:(?: ,)? )?(?<![^ ])(?:{0}))+(?= |$)",
     "reasons": r"(?:^(?!so (?!that ))|(?<= ))(?:{0})(?= |$)",
     "statements": r"(?<=[^ ] )(?:{0})(?: [^,.;]+)?(?= [,.;] )",

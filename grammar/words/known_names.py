@@ -12,6 +12,7 @@ import re
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
+from grammar.frames.command import Frame, references_in
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
 from grammar.words.phrase_places import WORD
@@ -41,7 +42,13 @@ class KnownNames:
         )
         self._before_name = {*(w.split()[-1] for w in determining), *told, *self._words}
         self._told = {"the", "other", *told, *self._words, "one", "ones"}
+        self._borne = self._told | set(lexicon.nobodies) | {"it", "them", "they", "that", "this"}
         self._silent = lexicon.silent_words - {"the"}
+
+    def are_borne(self, frames: Iterable[Frame]) -> bool:
+        """Check for frames in whose names each word is of some object, or tells objects apart."""
+        words = {w for frame in frames for ref in references_in(frame) for w in ref.text.split()}
+        return words <= self._borne
 
     def readings(self, said: Normalised) -> Iterator[Normalised]:
         """Yield the sentence in the ways in which it may be meant, the likelier first."""

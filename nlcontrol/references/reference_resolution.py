@@ -66,6 +66,7 @@ class Context:
         group: those that were handled or compared together last, if nothing else was since.
         doubt: those of which a pronoun may mean any, since all were handled alike, or told as an
             answer, or fit a name that was refused; None if it is clear.
+        ranked: a property, and two objects of which an answer told that the first has more of it.
     """
 
     last: tuple[str, ...] = ()
@@ -74,6 +75,7 @@ class Context:
     moved: tuple[str, ...] = ()
     group: tuple[str, ...] = ()
     doubt: tuple[str, ...] | None = None
+    ranked: tuple[str, ...] = ()
 
 
 NOTHING_SAID = Context()
@@ -114,7 +116,7 @@ def resolve_references(
         doubt = None if frames or it != spoken else context.doubt
         own = dict.fromkeys(f.object.id for f in frames if f.object and f.object.id)
         group = tuple(own) if len(own) > 1 else context.group
-        before = Spoken(it, it[:1], latest, context.moved, group, doubt)
+        before = Spoken(it, it[:1], latest, context.moved, group, doubt, context.ranked)
         each = [
             _resolve_frame(f, around, before) for f in _frames_of_several(frame, around, before)
         ]

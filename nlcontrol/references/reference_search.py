@@ -48,6 +48,7 @@ class Spoken:
         group: of what "the taller one" and "the other one" are one, if they are several; else
             these are one of the two that were ever spoken of.
         doubt: of what "it" may be any, and "the left one" is one; None if it is clear.
+        ranked: a property, and the two of which it was told that the first has more of it.
     """
 
     it: tuple[str, ...] = ()
@@ -56,6 +57,7 @@ class Spoken:
     moved: tuple[str, ...] = ()
     group: tuple[str, ...] = ()
     doubt: tuple[str, ...] | None = None
+    ranked: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -224,10 +226,27 @@ def matching_objects(ref: ObjectRef, around: Surroundings, spoken: Spoken) -> li
             moved if "moved_first" in ref.qualities else moved[::-1], ref, around
         )
         found = [c for c in found if c.name == last]
+    if (told := _told_apart(qualities, spoken)) and {c.name for c in found} == set(
+        spoken.ranked[1:]
+    ):
+        return [c for c in found if c.name == told]
     if qualities or ref.reference:
         seen = _names_by_sight(ref, qualities, found, around.look())
         found = [c for c in found if c.name in seen]
     return found
+
+
+_RANKED: dict[Quality, tuple[str, int]] = {
+    "heavy": ("mass", 1), "light": ("mass", 2), "tall": ("height", 1), "short": ("height", 2),
+    "wide": ("width", 1), "narrow": ("width", 2), "big": ("size", 1), "small": ("size", 2),
+}  # fmt: skip
+"""Quality → the property that it compares, and the place of who has it among two."""
+
+
+def _told_apart(qualities: Sequence[Quality], spoken: Spoken) -> str | None:
+    """Which of two "the lighter one" is after an answer has told it; None if none has."""
+    which, place = _RANKED.get(qualities[0], ("", 0)) if len(qualities) == 1 else ("", 0)
+    return spoken.ranked[place] if spoken.ranked[:1] == (which,) else None
 
 
 def _is_one_of_group(ref: ObjectRef) -> bool:

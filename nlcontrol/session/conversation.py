@@ -294,7 +294,7 @@ class Conversation:
             if step.execution and step.plan and step.before:
                 self.past.append(PastPush.from_step(kept, step.plan, step.before, step.basis))
         del self.past[:-REMEMBERED]
-        self.context = replace(self.context, moved=tuple(push.object for push in self.past))
+        self.context = spoken.with_moved(self.context, self.past, self._deeds)
 
     def _note_lost(self, text: str, code: str, named: list[str]) -> None:
         """Remembers what was named where nothing else was understood.

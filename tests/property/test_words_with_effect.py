@@ -8,6 +8,8 @@ is understood without them, and phrases that say again what the sentence, or its
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
+from itertools import chain
 from random import Random
 
 import pytest
@@ -16,9 +18,10 @@ from hypothesis import strategies as st
 
 from benchmarks.sentences import understood
 from grammar import Command, ParseError, parse
-from grammar.phrases.lalr_parser import LalrParser, parse_table
+from grammar.parser import default_parser
+from grammar.phrases.lalr_parser import LalrParser, UnexpectedTokenError, parse_table
 from grammar.words.asides import Asides
-from grammar.words.normalisation import normalise
+from grammar.words.normalisation import Normalised, normalise
 from grammar.words.phrase_lexer import PhraseLexer, Token
 from tests.property.test_grammar_properties import (
     LEXICON,
@@ -90,9 +93,7 @@ _ASIDES = Asides(LEXICON, PhraseLexer(LEXICON).phrases)
 
 def without_effect(command: Command) -> Iterator[Token]:
     """Yield each phrase without which the same frames are read."""
-    sentence = _ASIDES.left_out(normalise(command.text, LEXICON.contractions))
-    if command.asides != sentence.asides:
-        sentence = _ASIDES.without_hesitations(sentence) or sentence
+    sentence = _as_it_is_read(command)
     mark = "?" if sentence.question else ""
     twice = _columns_of_joined(command)
     for token in _PARSER.parse(sentence.text).leaves() if sentence.text else ():
@@ -106,6 +107,20 @@ def without_effect(command: Command) -> Iterator[Token]:
             continue
         if meaning(rest.frames) == meaning(command.frames):
             yield token
+
+
+def _as_it_is_read(command: Command) -> Normalised:
+    """The plain form of a command that the grammar reads, which may be put in other words."""
+    whole = normalise(command.text, LEXICON.contractions)
+    sentence = _ASIDES.left_out(whole)
+    if not sentence.text:
+        return sentence
+    for said in chain([sentence], default_parser()._other_readings(sentence, whole, None)):
+        with suppress(UnexpectedTokenError):
+            _PARSER.parse(said.text)
+            if said.asides == command.asides:
+                return said
+    raise AssertionError(command.text)
 
 
 def _columns_of_joined(command: Command) -> set[int]:

@@ -288,7 +288,7 @@ def _names_for_kept(frame: g.Frame, said: g.Frame) -> Rename:
 def with_clear_way_back(command: g.Command, done: Result | None) -> g.Command:
     """The command, in which "back" is said of something that the last command moved.
 
-    By a length, it goes back on its way; without one it may be to where it was, or to the robot.
+    By an amount, it goes back on its way; without one it may be to where it was, or to the robot.
 
     Raises:
         ControlError: `nothing_before`.
@@ -302,10 +302,10 @@ def with_clear_way_back(command: g.Command, done: Result | None) -> g.Command:
     last = moved[0].goal
     if not isinstance(last, g.Displace) or last.direction in ("away", None):
         return command
-    if frame.goal.distance is None:
+    told = {key: getattr(frame.goal, key) for key in ("distance", "amount", "bound", "spans")}
+    if not (frame.goal.distance or frame.goal.amount):
         nothing_before("“back” may be to where it was (“undo that”), or toward the robot")
     way = without_fields(reversed_goal(without_spans(last)), FAR_FIELDS)
-    told = {key: getattr(frame.goal, key) for key in ("distance", "bound", "spans")}
     goal = way.model_copy(update=told)
     back = frame.model_copy(update={"goal": goal})
     words = _words_of([back], command.paraphrase)

@@ -95,9 +95,11 @@ def merge_frames(last: g.Frame, said: g.Frame) -> g.Frame:
     kept = [c for c in last.constraints if c.kind not in dropped]
     if fresh & set(_WHERE):
         kept = [c for c in map(_without_face, kept) if c is not None]
+    carried = isinstance(last.goal, g.Lift) and isinstance(goal, g.Place)
+    action = "place" if carried else last.action  # "lift it", "behind the mug"
     return last.model_copy(
         update={
-            "action": said.action or last.action,
+            "action": said.action or action,
             "object": said.object or last.object,
             "goal": goal,
             "constraints": (*kept, *said.constraints),

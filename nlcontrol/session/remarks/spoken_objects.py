@@ -8,7 +8,7 @@ object that was spoken of before would be a guess.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -20,6 +20,7 @@ from nlcontrol.session.remarks.merged_frames import are_alike
 
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result
+    from nlcontrol.session.remarks.undo_frames import PastPush
     from objectmodels import ObjectModel
     from sim.cell.cell_description import CellDescription
 
@@ -57,14 +58,31 @@ def context_after(
         group = context.group
     before = [name for name in context.last if not (corrects and name in context.latest)]
     last = tuple(dict.fromkeys((*(told if len(told) == 1 else ()), *names, *before)))
-    return replace(
-        context, last=last, latest=tuple(names), group=group, doubt=_doubt_after(result, told)
-    )
+    doubt, ranked = _doubt_after(result, told), _ranking_of(result)
+    return replace(context, last=last, latest=tuple(names), group=group, doubt=doubt, ranked=ranked)
+
+
+def _ranking_of(result: Result) -> tuple[str, ...]:
+    """The property of which an answer told which of two objects has more, and both, that first."""
+    told, frame = result.answer, next(iter(result.frames), None)
+    if told is None or frame is None or not isinstance(frame.goal, g.Parameters):
+        return ()
+    both = [ref.id for ref in (frame.object, *frame.goal.than) if ref and ref.id]
+    if told.query != "compare" or len(both) != 2:
+        return ()
+    return (frame.goal.which[0], *sorted(both, key=lambda name: name not in told.objects))
 
 
 def context_of(context: Context, told: tuple[str, ...]) -> Context:
     """What was spoken of once an answer named an object."""
     return replace(context, last=tuple(dict.fromkeys((*told, *context.last)))) if told else context
+
+
+def with_moved(context: Context, past: Iterable[PastPush], deeds: Iterable[Result]) -> Context:
+    """What was moved, in that order; where nothing was done but planned, what would have been."""
+    planned = (frame for deed in deeds if deed.status == "planned" for frame in deed.frames)
+    names = [frame.object.id for frame in planned if frame.object and frame.object.id]
+    return replace(context, moved=tuple(push.object for push in past) or tuple(names))
 
 
 def with_objects_of(context: Context, command: g.Command) -> Context:
@@ -96,7 +114,8 @@ def _misses_its_object(result: Result) -> bool:
     told = [frame for frame in result.frames if frame.object]
     if refused is not None and refused.code == "unknown_object":  # a question moves nothing
         told = [frame for frame in told if frame.query is None]
-    spans = [whole_span(frame.object.spans) for frame in told if frame.object]
+    parts = (part for frame in told if frame.object for part in parts_within(frame.object))
+    spans = [whole_span(part.spans) for part in parts if isinstance(part, g.ObjectRef)]
     return refused is not None and refused.code in _NOT_FOUND and refused.span in spans
 
 
