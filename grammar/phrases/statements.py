@@ -13,6 +13,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import cached_property
 from itertools import islice
 
 from grammar.frames.command import Span
@@ -45,6 +46,18 @@ _ASKED = frozenset({"IT", "STROKE", "THAT"})
 _DOING = frozenset({"he", "i", "never", "not", "she", "they", "to", "we", "who", "you"})
 """Words behind which a verb says what somebody does, and is no command."""
 
+_SHAPES = {
+    "openings": "(?:(?:{0}) (?:, )?)*",
+    "about_it": "(?:{0}) ",
+    "persons": "(?:{0}) ",
+    "adverbs": "(?:(?:{0}) )*",
+    "verbs": "(?:{0})(?= |$)",
+    "whole": "{0}",
+    "plans": "(?:{0}) ",
+    "denied": "(?<![^ ])(?:{0})(?= |$)",
+}
+"""Where the words of each kind stand."""
+
 _POINTS = re.compile(r"(?<![^ ])(?:its?|them|they|this|these|those|that)(?= |$)")
 _NAMED = re.compile(r"(?<![^ ])(?:the|my|your|our|an?|every|both|all)(?= )")
 _SEVERAL = re.compile(r"(?<![^ ])(?:all|both|each|every|everything|rest|others?|two|three)(?= |$)")
@@ -72,15 +85,13 @@ class Statements:
         self._phrases = phrases
         self._ends_names = lexicon.ends_names
         self._stops = frozenset(lexicon.phrases_of("STOP"))
-        told = {kind: _choice(templates) for kind, templates in lexicon.statements.items()}
-        self._opening = re.compile(rf"(?:(?:{told['openings']}) (?:, )?)*")
-        self._it = re.compile(rf"(?:{told['about_it']}) ")
-        self._person = re.compile(rf"(?:{told['persons']}) ")
-        self._adverbs = re.compile(rf"(?:(?:{told['adverbs']}) )*")
-        self._verbs = re.compile(rf"(?:{told['verbs']})(?= |$)")
-        self._whole = re.compile(told["whole"])
-        self._plan = re.compile(rf"(?:{told['plans']}) ")
-        self._denied = re.compile(rf"(?<![^ ])(?:{told['denied']})(?= |$)")
+        self._statements = lexicon.statements
+
+    @cached_property
+    def _told(self) -> dict[str, re.Pattern[str]]:
+        """The patterns of the words of each kind, made for the first text that needs them."""
+        said = {k: "|".join(map(template_pattern, t)) for k, t in self._statements.items()}
+        return {kind: re.compile(shape.format(said[kind])) for kind, shape in _SHAPES.items()}
 
     def readings(self, said: Normalised) -> Iterator[tuple[Normalised, Normalised | None]]:
         """Yield a text without statements, and the thing they tell of that it then means by "it".
@@ -134,22 +145,22 @@ class Statements:
         return bool(parts) and not stops and all(told)
 
     def _only_opens(self, text: str, span: Span) -> bool:
-        return bool(self._opening.fullmatch(text[slice(*span)].strip(" ,.;!?") + " "))
+        return bool(self._told["openings"].fullmatch(text[slice(*span)].strip(" ,.;!?") + " "))
 
     def _tells(self, text: str, span: Span, least: int = 2, denied: frozenset[str] = _HOW) -> bool:
         """Check for a part of a text that is a statement."""
         text = text[slice(*span)].strip(" ,.;!?")
-        if self._whole.fullmatch(text):
+        if self._told["whole"].fullmatch(text):
             return True
         text = text[self._start(text) :]
-        if self._whole.fullmatch(text):
+        if self._told["whole"].fullmatch(text):
             return True
-        if plan := self._plan.match(text):
+        if plan := self._told["plans"].match(text):
             return self._plans_elsewhere(text, plan.end())
         subject = self._end_of_subject(text) if text.count(" ") + 1 >= least else 0
-        if not subject or self._denied.search(text):
+        if not subject or self._told["denied"].search(text):
             return False
-        known = self._is_told(text, subject) or self._person.match(text)
+        known = self._is_told(text, subject) or self._told["persons"].match(text)
         return not self._says_how(text, denied if known else denied | _TAIL | _WHERE)
 
     def _plans_elsewhere(self, text: str, start: int) -> bool:
@@ -165,14 +176,14 @@ class Statements:
 
     def _start(self, text: str) -> int:
         """Place behind the words with which a statement may be opened."""
-        opening = self._opening.match(text)
+        opening = self._told["openings"].match(text)
         return opening.end() if opening else 0
 
     def _end_of_subject(self, text: str) -> int:
         """End of what a text is said of; 0 if it does not tell anything of it."""
-        if one := self._it.match(text):
+        if one := self._told["about_it"].match(text):
             return one.end() if self._is_told(text, one.end()) else 0
-        if one := self._person.match(text):
+        if one := self._told["persons"].match(text):
             verb = WORD.match(text, self._behind_adverbs(text, one.end()))
             acts = verb and self._phrases.has_terminal_at("VERB", text, verb.start())
             never = verb and verb.start() > one.end() and one[0] not in ("we ", "you ")
@@ -186,7 +197,7 @@ class Statements:
 
     def _is_told(self, text: str, start: int) -> bool:
         """Check for a verb that is said of something."""
-        return bool(self._verbs.match(text, self._behind_adverbs(text, start)))
+        return bool(self._told["verbs"].match(text, self._behind_adverbs(text, start)))
 
     def _may_be_told(self, text: str, start: int) -> bool:
         """Check for a verb that is said of something, or a word behind an adverb: "still hurts"."""
@@ -194,7 +205,7 @@ class Statements:
         return self._is_told(text, start) or start < after < len(text)
 
     def _behind_adverbs(self, text: str, start: int) -> int:
-        adverbs = self._adverbs.match(text, start)
+        adverbs = self._told["adverbs"].match(text, start)
         return adverbs.end() if adverbs else start
 
     def _says_how(self, text: str, how: frozenset[str]) -> bool:
@@ -245,10 +256,10 @@ class Statements:
         for first, end in _parts(text, span, _AND):
             start = first + self._start(text[first:end])
             said = text[start:end]
-            if self._it.match(said):
+            if self._told["about_it"].match(said):
                 continue
             subject = self._end_of_subject(said)
-            if subject and not self._person.match(said):
+            if subject and not self._told["persons"].match(said):
                 yield start, start + len(said[:subject].rstrip())
                 continue
             for word in WORD.finditer(text, start + subject, end):
@@ -291,7 +302,3 @@ def _splits(text: str, span: Span) -> list[tuple[Span, Span]]:
     """Each pair of parts of a stretch of a text with a comma between them."""
     ends = [end for _, end in _parts(text, span, _PAUSE)[:-1]]
     return [((span[0], end), (end + 1, span[1])) for end in ends]
-
-
-def _choice(templates: Sequence[str]) -> str:
-    return "|".join(map(template_pattern, templates))

@@ -9,18 +9,21 @@ kind (a thing, a number, a direction, a verb); where none stands before it, noth
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 
 from grammar.frames.command import Span
 from grammar.words.corrections import RENAMED, RESTATED, Corrections
 from grammar.words.courtesy import Courtesy
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
-from grammar.words.phrase_places import Phrases
+from grammar.words.phrase_places import WORD, Phrases
 from grammar.words.phrase_templates import first_words, template_pattern
 from grammar.words.reasons import Reasons
 from grammar.words.repeats import Repeats
+
+_Search = Callable[[str, int], re.Match[str] | None]
 
 _HESITATING = frozenset({",", "ah", "eh", "ehm", "er", "erm", "err", "oh", "uh", "uhh", "uhm", "um",
                          "umm", "well"})  # fmt: skip
@@ -42,6 +45,10 @@ _SHAPES = {
 
 "Like," is a filler, but not in "as fast as you like, then".
 """
+
+_BY_FIRST_WORD = frozenset({"reasons", "after", "before"})
+"""Kinds that begin with their first word, and have so many templates that only those that begin
+with a word of the text are made patterns of."""
 
 _MOST_REPEATS = 4
 """Repeats that are left out of one sentence, so that no text takes long."""
@@ -80,7 +87,7 @@ class Asides:
         self._reasons = Reasons(lexicon, phrases)
         self._repeats = Repeats(lexicon, phrases)
         self._corrections = Corrections(lexicon, phrases, self._repeats)
-        self._patterns: dict[str, re.Pattern[str]] = {}
+        self._patterns: dict[tuple[str, str], re.Pattern[str]] = {}
 
     def left_out(self, sentence: Normalised) -> Normalised:
         """The sentence without its asides, empty if it says nothing else."""
@@ -96,14 +103,14 @@ class Asides:
             if kind == "before":
                 said = self._courtesy.put_plainly(said)
             near = _OPENING.findall(said.text) if kind == "before" else words
-            if not self._first_words[kind].isdisjoint(near):
-                said = self._without_all(said, kind, self._pattern_of(kind))
+            if not self._templates[kind].keys().isdisjoint(near):
+                said = self._without_all(said, kind, partial(self._aside_in, kind))
         if spoken.count(",") > 1:
             said = self._without_courtesy(said)
         if len(words) < len(spoken):
             said = self._without_repeats(said)
         if not words.isdisjoint(",.;"):
-            said = self._without_all(said, "stray", _STRAY)
+            said = self._without_all(said, "stray", _STRAY.search)
         if said is sentence:
             return sentence
         kept = {column for span in said.columns for column in range(*span)}
@@ -121,9 +128,9 @@ class Asides:
 
     def without_hesitations(self, sentence: Normalised) -> Normalised | None:
         """A sentence that is not read as it stands, without words that may hesitate; None if so."""
-        if self._first_words["hesitations"].isdisjoint(sentence.text.split()):
+        if self._templates["hesitations"].keys().isdisjoint(sentence.text.split()):
             return None
-        said = self._without_all(sentence, "anywhere", self._hesitating)
+        said = self._without_all(sentence, "anywhere", self._hesitating.search)
         if said is sentence or not said.text:
             return None
         kept = {column for span in said.columns for column in range(*span)}
@@ -135,24 +142,35 @@ class Asides:
         return re.compile(rf"(?:(?<= ), )?(?<![^ ])(?<!not )(?:{said})(?: ,)?(?= [^,.;])")
 
     @cached_property
-    def _first_words(self) -> dict[str, frozenset[str]]:
-        """Words without one of which there is no aside of a kind."""
-        return {
-            kind: frozenset(word for template in templates for word in first_words(template))
-            for kind, templates in self._lexicon.asides.items()
-        }
+    def _templates(self) -> dict[str, dict[str, list[str]]]:
+        """Of each kind the words that an aside may begin with, and those that do, longest first."""
+        found: dict[str, dict[str, list[str]]] = {}
+        for kind, templates in self._lexicon.asides.items():
+            first = found.setdefault(kind, {})
+            for template in sorted(templates, key=len, reverse=True):
+                for word in first_words(template):
+                    first.setdefault(word, []).append(template)
+        return found
 
-    def _pattern_of(self, kind: str) -> re.Pattern[str]:
-        """The pattern of the asides of a kind, made when it is needed first."""
-        if kind not in self._patterns:
-            templates = sorted(self._lexicon.asides[kind], key=len, reverse=True)
-            said = "|".join(map(template_pattern, templates))
-            self._patterns[kind] = re.compile(_SHAPES[kind].format(said))
-        return self._patterns[kind]
+    def _pattern_of(self, kind: str, word: str = "") -> re.Pattern[str]:
+        """The pattern of the asides of a kind, or those with a first word, made when needed."""
+        if (kind, word) not in self._patterns:
+            every = sorted(self._lexicon.asides[kind], key=len, reverse=True)
+            said = "|".join(map(template_pattern, self._templates[kind][word] if word else every))
+            self._patterns[kind, word] = re.compile(_SHAPES[kind].format(said))
+        return self._patterns[kind, word]
 
-    def _without_all(self, said: Normalised, kind: str, pattern: re.Pattern[str]) -> Normalised:
+    def _aside_in(self, kind: str, text: str, start: int) -> re.Match[str] | None:
+        """The first aside of a kind from a place in a text on."""
+        if kind not in _BY_FIRST_WORD:
+            return self._pattern_of(kind).search(text, start)
+        words = (m for m in WORD.finditer(text, start) if m[0] in self._templates[kind])
+        asides = (self._pattern_of(kind, m[0]).match(text, m.start()) for m in words)
+        return next(filter(None, asides), None)
+
+    def _without_all(self, said: Normalised, kind: str, aside_in: _Search) -> Normalised:
         start = 0
-        while match := pattern.search(said.text, start):
+        while match := aside_in(said.text, start):
             shorter = None
             if not self._is_named(said.text, *match.span()):
                 shorter = self._without(said, kind, match)
@@ -225,7 +243,7 @@ class Asides:
         return said
 
     def _without_repeats(self, said: Normalised) -> Normalised:
-        marked = not self._first_words["corrections"].isdisjoint(said.text.split())
+        marked = not self._templates["corrections"].keys().isdisjoint(said.text.split())
         marks = self._pattern_of("corrections") if marked else None
         for _ in range(_MOST_REPEATS):
             repeat = self._repeats.repeat_in(said.text, marks)

@@ -59,6 +59,9 @@ _OUTCOME = re.compile(
 """The beginning of a question for what becomes of something: "what would be pushing it"."""
 
 _PAUSES = frozenset(",.;!?")
+_LONGEST_REQUEST = 32
+"""Words of the longest request before a verb, so that no text takes long."""
+
 _LONGEST_CLOSING = 8
 """Words of the longest courtesy behind a command without a pause before it."""
 
@@ -161,7 +164,7 @@ class Courtesy:
         run = next((i for i, m in enumerate(places) if m[0] not in self._opening), len(places))
         if self._phrases.has_terminal_at("VERB", said.text, 0):
             return said
-        for i in range(min(run, len(places) - 1), 0, -1):
+        for i in range(min(run, len(places) - 1, _LONGEST_REQUEST), 0, -1):
             words, start = [m[0] for m in places[:i]], places[i].start()
             found = self._phrases.phrases_at(said.text, start)
             kinds = {kind for _, kinds in found for kind in kinds}

@@ -13,6 +13,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from hashlib import sha256
+from itertools import chain
 from pathlib import Path
 from typing import Any, TypeVar, cast, get_args
 
@@ -340,9 +341,9 @@ def _expand_verbs(entries: Iterable[Mapping[str, Any]]) -> dict[str, Verb]:
 def _expand_phrases(name: str, values: Mapping[str, Iterable[str]]) -> dict[str, str]:
     phrases: dict[str, str] = {}
     for value, templates in values.items():
-        phrases = _merge_words(
-            name, phrases, {p: value for t in templates for p in expand_template(t)}
-        )
+        for phrase in chain.from_iterable(map(expand_template, templates)):
+            if (known := phrases.setdefault(phrase, value)) != value:
+                raise ValueError(f"{name}: {phrase!r} means both {known} and {value}")
     return phrases
 
 

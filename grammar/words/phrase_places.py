@@ -65,10 +65,9 @@ class Phrases:
         self._goals = {verb: asks.goal for verb, asks in lexicon.verbs.items()}
         self._most: dict[str, int] = {}
         for phrase in self._kinds:
-            first = phrase.partition(" ")[0]
-            words_in = phrase.count(" ") + 1
-            if words_in > self._most.get(first, 0):
-                self._most[first] = words_in
+            first, *more = phrase.split(" ")
+            if len(more) >= self._most.get(first, 0):
+                self._most[first] = len(more) + 1
 
     def phrases_at(self, text: str, start: int) -> list[tuple[str, tuple[str, ...]]]:
         """The phrases that stand in a text from the start of a word, longest first."""

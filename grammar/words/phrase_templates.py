@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from itertools import product
 from typing import Any
 
 _RULE = re.compile(r"<(\w+)>")
@@ -14,26 +15,27 @@ _OPTION = re.compile(r" \[([^\[\]]*)\]|\[([^\[\]]*)\] ")
 
 def expand_template(template: str) -> list[str]:
     """The phrases of a template: `(a|b)` is a choice, `[c]` may be left out."""
-    spaced = " ".join(template.split())
-    choices = (phrase.strip() for phrase in _choices_of(iter(_MARK.split(spaced))))
+    choices = _choices_of(iter(_MARK.split(template)))
     # What is left out leaves the spaces on both its sides.
-    return [" ".join(each.split()) if "  " in each else each for each in choices]
+    return [" ".join(each.split()) if "  " in each else each.strip() for each in choices]
 
 
 def _choices_of(pieces: Iterator[str]) -> list[str]:
     """The phrases of the pieces of a template, marks and words, up to the end of a group."""
-    choices, said = list[str](), [""]
+    choices: list[str] = []
+    parts: list[list[str]] = []
     for piece in pieces:
         if piece in (")", "]"):
             break
         if piece == "|":
-            choices, said = choices + said, [""]
+            choices += map("".join, product(*parts))
+            parts = []
         elif piece in ("(", "["):
-            group = [""] * (piece == "[") + _choices_of(pieces)
-            said = [before + choice for before in said for choice in group]
-        else:
-            said = [before + piece for before in said]
-    return choices + said
+            parts.append([""] * (piece == "[") + _choices_of(pieces))
+        elif piece:
+            parts.append([piece])
+    choices += map("".join, product(*parts))
+    return choices
 
 
 def with_rules(said: Any, rules: Mapping[str, str]) -> Any:
