@@ -33,6 +33,7 @@ _THINGS = frozenset({"one", "a", "an", "both"})
 _BEFORE = "actually|and|no|oh|ok|please|sorry|so|then|well"
 _BEHIND = "(?: (?:, )?please)?"
 _DENIED = re.compile(r"(?: ,)? (?:and )?(?:not|instead of|rather than) (?:by )?")
+_PIECES = re.compile(r"([^{]*)({\d?}|$)")
 _PIECE = re.compile(r"\d+(?:\.\d+)?|[a-z°]+|[.,;]")
 
 
@@ -152,14 +153,22 @@ def _rank(match: re.Match[str]) -> tuple[int, int, int]:
 
 
 def _with_words(said: Normalised, match: re.Match[str], means: str) -> Normalised:
-    """The sentence with other words in the place of some of it; "{}" are those of its groups."""
+    """The sentence with other words in the place of some of it.
+
+    In them each "{}" are the words of the next group of the match, "{2}" those of the second.
+    """
     over: Span = said.original_span(*match.span())
-    places = iter([span for span in match.regs[1:] if span[0] >= 0])
+    places = [span for span in match.regs[1:] if span[0] >= 0]
+    following = iter(places)
     text, columns = "", list[Span]()
-    for i, words in enumerate(means.split("{}")):
-        start, end = next(places, (match.end(),) * 2) if i else (0, 0)
-        text += said.text[start:end] + words
-        columns += [*said.columns[start:end], *(over,) * len(words)]
+    for words, number in _PIECES.findall(means):
+        text += words
+        columns += (over,) * len(words)
+        if number:
+            told = number.strip("{}")
+            start, end = places[int(told) - 1] if told else next(following)
+            text += said.text[start:end]
+            columns += said.columns[start:end]
     return replace(
         said,
         text=said.text[: match.start()] + text + said.text[match.end() :],

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from planner.types.world_state import SeenObject, WorldState
 
 _MORE = {"mass": ("heavier", "kg"), "height": ("taller", "m"), "width": ("wider", "m"),
-         "size": ("bigger", "m³")}  # fmt: skip
+         "size": ("bigger", "m³"), "friction": ("rougher", "")}  # fmt: skip
 """Property → who has more of it, and its unit."""
 
 
@@ -59,7 +59,8 @@ def comparison_answer(frame: g.Frame, state: WorldState) -> Answer:
     other, (word, unit) = state.objects[than.id], _MORE[which]
     more, less = sorted((one, other), key=lambda each: -_amount(each, which))
     a, b = _amount(more, which), _amount(less, which)
-    sd = math.hypot(more.model.mass_sd, less.model.mass_sd) if which == "mass" else 0.0
+    own = {"mass": "mass_sd", "friction": "friction_sd"}.get(which, "")
+    sd = math.hypot(*(getattr(each.model, own, 0.0) for each in (more, less)))
     sure = "" if a - b > 2.0 * sd else ", as far as I know"
     figures = f"{quantity(a, unit)} to {quantity(b, unit)}"
     text = f"The {more.name} is {word} than the {less.name}{sure}: {figures}."
@@ -69,7 +70,8 @@ def comparison_answer(frame: g.Frame, state: WorldState) -> Answer:
 def _amount(seen: SeenObject, which: str) -> float:
     """The believed value of a property [SI]; of the size, the volume around it."""
     x, y, z = seen.model.extents
-    return {"mass": seen.model.mass, "height": z, "width": min(x, y), "size": x * y * z}[which]
+    sizes = {"height": z, "width": min(x, y), "size": x * y * z}
+    return {"mass": seen.model.mass, "friction": seen.model.friction, **sizes}[which]
 
 
 def capable_answer(frame: g.Frame, state: WorldState, robot: Robot, defaults: Defaults) -> Answer:

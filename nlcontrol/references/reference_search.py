@@ -239,6 +239,7 @@ def matching_objects(ref: ObjectRef, around: Surroundings, spoken: Spoken) -> li
 _RANKED: dict[Quality, tuple[str, int]] = {
     "heavy": ("mass", 1), "light": ("mass", 2), "tall": ("height", 1), "short": ("height", 2),
     "wide": ("width", 1), "narrow": ("width", 2), "big": ("size", 1), "small": ("size", 2),
+    "rough": ("friction", 1), "slippery": ("friction", 2),
 }  # fmt: skip
 """Quality → the property that it compares, and the place of who has it among two."""
 
