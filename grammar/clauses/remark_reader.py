@@ -52,6 +52,14 @@ def joint_dialogue(remarks: Sequence[ph.Remark], sentence: Normalised) -> g.Dial
     return None
 
 
+def _without_comparisons(remarks: Sequence[ph.Remark], parts: Sequence[ph.Part]) -> list[ph.Remark]:
+    """The remarks; of "slower" behind "the same with the mug" only how it is done."""
+    if not any(remark.dialogue == "same" for remark in remarks):
+        return list(remarks)
+    how = {part.span for part in parts if isinstance(part, ph.Constraint)}
+    return [each for each in remarks if each.dialogue != "more" or each.span not in how]
+
+
 class RemarkReader:
     """Reads a clause that has no verb, given its remarks and its other parts."""
 
@@ -67,7 +75,7 @@ class RemarkReader:
         self._things = [part for part in parts if isinstance(part, ph.Thing)]
         self._excluded = [part for part in parts if isinstance(part, ph.NotThis)]
         self._parts = [part for part in parts if not isinstance(part, ph.Thing | ph.NotThis)]
-        self._remarks = list(remarks)
+        self._remarks = _without_comparisons(remarks, parts)
 
     def question(self, ask: ph.Ask) -> g.Frame:
         """The frame of a question about what was said last: "what if at the top?".

@@ -32,6 +32,7 @@ _THINGS = frozenset({"one", "a", "an", "both"})
 
 _BEFORE = "actually|and|no|oh|ok|please|sorry|so|then|well"
 _BEHIND = "(?: (?:, )?please)?"
+_SHARES = re.compile("half|third|quarter|fifth|tenth")
 _DENIED = re.compile(r"(?: ,)? (?:and )?(?:not|instead of|rather than) (?:by )?")
 _PIECES = re.compile(r"([^{]*)({\d?}|$)")
 _PIECE = re.compile(r"\d+(?:\.\d+)?|[a-z°]+|[.,;]")
@@ -83,7 +84,9 @@ class OtherReadings:
         """The sentence with the unit said before behind each number that has none."""
         lacking, unit = list[tuple[re.Match[str], str]](), ""
         for number, own in self._amounts(said.text):
-            if not own and number[0] not in _THINGS and self._may_end(said.text, number.end() + 1):
+            share = _SHARES.search(number[0])
+            counts = not own and not share and number[0] not in _THINGS
+            if counts and self._may_end(said.text, number.end() + 1):
                 unit = unit or self._unit_before(before)
                 lacking.append((number, unit))
             unit = own or unit
