@@ -80,6 +80,7 @@ SAID_AGAIN = {
     "REPEAT": "stand it up again; no, push it again",
     "SETTLES": "what is tilted falls back",
     "STOP": "stop, no, push it to the left: what is said next stops it as well",
+    "THINK": "do you think it will topple?",
     "UNDO": "revert that, undo it",
     "VERB": "push it left, then push it right",
     "WAY": "all the way to the edge",
