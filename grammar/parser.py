@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from copy import copy
 from functools import cache, lru_cache
+from itertools import islice
 
 from grammar.clauses.frame_builder import frames_of
 from grammar.errors import ParseError
@@ -31,6 +32,8 @@ from grammar.words.phrase_lexer import PhraseLexer
 _OF_WORDS = ("unexpected_words", "does_not_apply", "several_objects", "missing_unit", "said_twice")
 """Errors about some words, before which there may be a whole sentence."""
 
+_MOST_READINGS = 16
+"""Readings without statements that are tried, so that no text takes long."""
 
 _OFFERED = re.compile(r'^(?:to have it done|to ask|this would do): "(.+)"$')
 
@@ -134,7 +137,7 @@ class Parser:
         """
         if self._names is None or self._names.are_borne(command.frames):
             return command
-        for said, topic in self._statements.readings(whole):
+        for said, topic in islice(self._statements.readings(whole), _MOST_READINGS):
             with suppress(ParseError):
                 other = self._command_of(self._asides.of_rest(said, topic, whole))
                 if self._names.are_borne(other.frames):
@@ -146,7 +149,7 @@ class Parser:
     ) -> Iterator[Normalised]:
         """Other readings of a sentence that is not read as it stands, nor without its asides."""
         yield from self._reworded(sentence, before)
-        for said, topic in self._statements.readings(whole):
+        for said, topic in islice(self._statements.readings(whole), _MOST_READINGS):
             plain = self._asides.of_rest(said, topic, whole)
             if plain.text:
                 yield plain

@@ -71,7 +71,8 @@ def _displacement(clause: Clause, place: ph.Place | None, share: ph.Share | None
     target = None if toward is None else toward.target
     away_from: g.ObjectRef | g.TableRegion | None = None if off is None else off.region
     if place is not None:
-        assert isinstance(place.reference, tuple)
+        if not isinstance(place.reference, tuple):
+            raise clause.does_not_apply_error(place, "names no object", "away from the mug")
         if place.relation == "to":
             target = place.reference[0]
         else:

@@ -126,7 +126,8 @@ class TokenReader:
     def angle_in(self, children: Children, *, signed: bool = False) -> float:
         """The angle [rad]; a heading may also be zero or negative."""
         number, unit = float(self.numbers_in(children)[0]), self.value_of(children, "ANGLE_UNIT")
-        angle = {"degree": math.radians(number), "turn": math.tau * number}.get(unit, number)
+        units = {"degree": math.radians(1.0), "right angle": math.tau / 4, "turn": math.tau}
+        angle = units.get(unit, 1.0) * number
         if signed:
             range_ = "a heading is at most one turn"
             self.require_possible(children, abs(angle) or math.tau, math.tau, range_)

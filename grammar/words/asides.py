@@ -53,7 +53,11 @@ with a word of the text are made patterns of."""
 _MOST_REPEATS = 4
 """Repeats that are left out of one sentence, so that no text takes long."""
 
+_PAUSE = re.compile(" ,(?= )")
 _OPENING = re.compile(r"(?:^|(?<=[.;] ))[^ ]+")
+_MOST_TRIED = 6
+"""Marks of a correction of which one text may have as many, so that none takes long."""
+
 _TOPIC = re.compile(
     r"(?:[a-z]+ ){1,3}((?:the|my|your|our)(?: [a-z0-9]+){1,5}) "
     r"(?:is|are|was|stands|blocks|has|gets|might|could|will) [^,]* (?:, )?(?:[a-z]+ ){1,3}it(?= |$)"
@@ -127,10 +131,13 @@ class Asides:
         return replace(said, asides=_gaps(kept, whole))
 
     def without_hesitations(self, sentence: Normalised) -> Normalised | None:
-        """A sentence that is not read as it stands, without words that may hesitate; None if so."""
-        if self._templates["hesitations"].keys().isdisjoint(sentence.text.split()):
-            return None
-        said = self._without_all(sentence, "anywhere", self._hesitating.search)
+        """A sentence that is not read as it stands, without words and pauses that may hesitate."""
+        said = sentence
+        if not self._templates["hesitations"].keys().isdisjoint(sentence.text.split()):
+            said = self._without_all(sentence, "anywhere", self._hesitating.search)
+        for pause in reversed(list(_PAUSE.finditer(said.text))):
+            if self._repeats.pauses_within(said.text, *pause.span()):
+                said = said.words_in((0, pause.start()), (pause.end(), len(said.text)))
         if said is sentence or not said.text:
             return None
         kept = {column for span in said.columns for column in range(*span)}
@@ -169,8 +176,9 @@ class Asides:
         return next(filter(None, asides), None)
 
     def _without_all(self, said: Normalised, kind: str, aside_in: _Search) -> Normalised:
-        start = 0
-        while match := aside_in(said.text, start):
+        start = tried = 0
+        while tried < _MOST_TRIED and (match := aside_in(said.text, start)):
+            tried += kind == "corrections"
             shorter = None
             if not self._is_named(said.text, *match.span()):
                 shorter = self._without(said, kind, match)

@@ -73,8 +73,8 @@ class Corrections:
         before, after = self._groups(said.text, 0, start), self._groups(said.text, end)
         if self._repeats.ends_open(said.text[:start]):
             verbs = [group for group in before if "VERB" in group.kinds]
-            if not verbs or not after or "VERB" not in after[0].kinds:
-                return None  # "in front of, hold on, the jar"
+            if not verbs or len(after) < 2 or "VERB" not in after[0].kinds:
+                return None  # "in front of, hold on, the jar"; "the, er, bowl"
             return said.words_in((0, verbs[-1].start), (end, len(said.text)))
         if not before or not after:
             return None
@@ -105,7 +105,7 @@ class Corrections:
         mark = text[start:end].strip(" ,.;")
         start = text.index(mark, start)
         phrases = self._phrases.phrases_at(text, start)
-        return any(phrase.startswith(f"{mark} ") for phrase, _ in phrases)
+        return any(phrase.rstrip(" ,.").startswith(f"{mark} ") for phrase, _ in phrases)
 
     def _within(self, text: str, group: _Group, kinds: frozenset[str]) -> int:
         """Place of a thing or a number within a group, as in "left of the tin"; 0 if none is."""

@@ -59,7 +59,7 @@ _OUTCOME = re.compile(
 """The beginning of a question for what becomes of something: "what would be pushing it"."""
 
 _PAUSES = frozenset(",.;!?")
-_LONGEST_REQUEST = 32
+_LONGEST_REQUEST = 20
 """Words of the longest request before a verb, so that no text takes long."""
 
 _LONGEST_CLOSING = 8

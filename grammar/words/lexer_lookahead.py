@@ -263,9 +263,10 @@ class Lookahead:
         return held and self._any("VERB", text, end + 1)
 
     def _behind_several(self, phrase: str, text: str, end: int, last: str) -> bool:
-        """All boxes but the red one; but not push it, but the jar to the left."""
+        """All but the red one, not push it, but the jar, nor push a box, but it must not fall."""
+        denied = stands_at("it", text, end + 1) and self._any("DOES_NOT", text, end + len(" it "))
         listed = last in ("WORD", "QUANTIFIER") or self._ends_with_name(text, end)
-        return self._names_begin(text, end) and (not phrase.endswith("but") or listed)
+        return not denied and self._names_begin(text, end) and (listed or phrase[-3:] != "but")
 
     def _ends_with_name(self, text: str, end: int) -> bool:
         name = text[end:].split()[1:]

@@ -13,12 +13,16 @@ from collections.abc import Iterator
 
 from grammar.frames.command import Span
 from grammar.words.lexicon import Lexicon
+from grammar.words.numerals import DIGITS
 from grammar.words.phrase_places import WORD, Phrases
 
 _OPEN = frozenset({"A", "AND_WITH", "AT", "BETWEEN", "BY", "EXCHANGED_WITH", "FILLED_WITH", "FROM",
                    "GAP", "IN", "INTO", "NEXT", "OF", "PART_OF", "RANGE", "RELATION", "THE",
-                   "TO_DO", "TO_LEVEL", "TOWARD", "UNTIL", "WITH", "WITHOUT"})  # fmt: skip
+                   "TOUCH", "TOUCHES", "TOUCHING", "TO_DO", "TO_LEVEL", "TOWARD", "UNTIL", "WITH",
+                   "WITHOUT"})  # fmt: skip
 """Terminals that say nothing by themselves, so that one said twice is stammered."""
+
+_UNITS = ("ANGLE_UNIT", "FORCE_UNIT", "LENGTH_UNIT", "SPEED_UNIT", "TIME_UNIT")
 
 _LONGEST_OPEN = 4
 """Words of the longest of them that are looked at: "on the left of"."""
@@ -36,6 +40,7 @@ class Repeats:
     def __init__(self, lexicon: Lexicon, phrases: Phrases) -> None:
         self._phrases = phrases
         self._doubles = frozenset(lexicon.asides["doubles"])
+        self._numbers = lexicon.numbers.pattern
         self._pronouns = lexicon.terminals["IT"].keys()
 
     def repeat_in(self, text: str, marks: re.Pattern[str] | None) -> Span | None:
@@ -66,6 +71,14 @@ class Repeats:
         """Check for a text that ends in the beginning of a phrase: "in front of"."""
         words = text.rsplit(" ", _LONGEST_OPEN)[-_LONGEST_OPEN:]
         return any(self._is_open(" ".join(words[i:])) for i in range(len(words)))
+
+    def pauses_within(self, text: str, start: int, end: int) -> bool:
+        """Check for a pause within a phrase: "until it touches, the jar", "3, inches"."""
+        last, after = text[:start].rpartition(" ")[2], end + 1
+        counted = DIGITS.fullmatch(last) or self._numbers.fullmatch(last)
+        measured = counted and self._phrases.has_any_at(_UNITS, text, after)
+        told = self._phrases.has_terminal_at("TOUCHES", text, after)
+        return bool(measured) or told or self.ends_open(text[:start])
 
     def _is_open(self, words: str) -> bool:
         """Check for the beginning of a phrase, which says nothing by itself."""

@@ -39,6 +39,7 @@ def test_whatever_is_read_can_be_said(text: str, said: str) -> None:
     ("text", "code", "at"),
     [
         ("again the box", "no_verb", "box"),
+        ("separate the away from the edge", "does_not_apply", "from the edge"),
         ("to do it again", "no_verb", "it"),
         ("pull the box so that it does not move", "contradiction", "so that it does not move"),
         ("poke what is the height of the red can?", "unsupported_question", "poke"),

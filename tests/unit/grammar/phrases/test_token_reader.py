@@ -14,6 +14,7 @@ from grammar.words.lexicon import default_lexicon
 from grammar.words.numerals import exact_decimal
 
 UNITS: Any = pint.UnitRegistry()
+UNITS.define("right_angle = 0.25 * turn")
 LEXICON = default_lexicon()
 
 # A few units in the last place: pint and the grammar multiply in different orders.
@@ -65,6 +66,7 @@ ANGLES = {
         "degrees of rotation",
     ),
     "radian": ("radians", "rad", "radian"),
+    "right_angle": ("right angle", "right angles"),
     "turn": (
         "turns", "turn", "of a turn", "of a full turn", "rotation", "rotations", "revolution",
         "revolutions", "full turn", "full turns", "complete turn", "complete turns", "whole turn",

@@ -23,6 +23,23 @@ def test_asides_are_kept_with_their_places(text: str, asides: list[str]) -> None
     assert [text[start:end] for start, end in parse(text).asides] == asides
 
 
+@pytest.mark.parametrize(
+    ("text", "plain"),
+    [
+        ("push the jar until it, er, touches the mug", "push the jar until it touches the mug"),
+        ("push the jar until it touches... the mug", "push the jar until it touches the mug"),
+        ("slide it 2, how should I say, inches away", "slide it 2 inches away"),
+        ("push it with at most 3, I guess, N", "push it with at most 3 N"),
+        ("push it to the left of the, er, bowl", "push it to the left of the bowl"),
+        ("lift it 15 cm, correction, 8 cm", "lift it 8 cm"),
+        ("push the jar, but it must not touch the mug", "push the jar without touching the mug"),
+        ("turn it by half a right angle", "turn it by 45 degrees"),
+    ],
+)
+def test_pauses_within_a_phrase_change_nothing(text: str, plain: str) -> None:
+    assert parse(text).paraphrase == parse(plain).paraphrase
+
+
 @pytest.mark.parametrize("text", ["no, the jar", "no, to the left", "actually, push the jar"])
 def test_where_nothing_stands_before_it_a_correction_stays_a_remark(text: str) -> None:
     command = parse(text)
