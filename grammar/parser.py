@@ -32,7 +32,7 @@ from grammar.words.phrase_lexer import PhraseLexer
 _OF_WORDS = ("unexpected_words", "does_not_apply", "several_objects", "missing_unit", "said_twice")
 """Errors about some words, before which there may be a whole sentence."""
 
-_MOST_READINGS = 16
+_MOST_READINGS = 8
 """Readings without statements that are tried, so that no text takes long."""
 
 _OFFERED = re.compile(r'^(?:to have it done|to ask|this would do): "(.+)"$')
