@@ -14,6 +14,7 @@ from grammar.frames import command as g
 from grammar.frames.conflicts import HOW_FAR
 from grammar.words.lexicon_plugins import installed_lexicon
 from nlcontrol.errors import error, whole_span
+from nlcontrol.references.reference_resolution import parts_within
 from nlcontrol.session.remarks.merged_frames import (
     FAR_FIELDS,
     Rename,
@@ -70,9 +71,9 @@ def meant_command(
                 frames += _continued_frames(frame, frames, said, done)
             case remark:
                 last = frames or followed_frames(frame, frames_said(said), frames_said(done))
-                if not last and frame.dialogue == "same" and stated_fields(frame.goal):
+                if frame.dialogue == "same" and _says_all(frame, last):
                     frames.append(frame.model_copy(update={"dialogue": None, "action": "move"}))
-                    continue  # "the mug 10 cm to the right"
+                    continue  # "the mug 10 cm to the right", "the mug next to the jar"
                 last = last or nothing_before("there is nothing before that this could be about")
                 frames += _FOLLOW_UPS[remark](last, frame)
     if tuple(frames) == command.frames:
@@ -169,6 +170,15 @@ def _says_place(said: g.Frame) -> bool:
     """Check for a place at which something is to be: of "and to the mug" it is not clear what."""
     goal = said.goal
     return isinstance(goal, g.Place) and (bool(said.object) or goal.relation == "next_to")
+
+
+def _says_all(said: g.Frame, before: Sequence[g.Frame]) -> bool:
+    """Check for "the mug" and where to, which nothing before it has to complete."""
+    if isinstance(said.goal, g.Place):
+        placed = any(isinstance(frame.goal, g.Place) for frame in before)
+        points = any(isinstance(p, g.ObjectRef) and p.pronoun for p in parts_within(said))
+        return said.object is not None and not (said.action or placed or points)
+    return not before and bool(stated_fields(said.goal))
 
 
 def _repeats_plainly(command: g.Command) -> bool:

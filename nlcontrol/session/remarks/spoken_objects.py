@@ -8,13 +8,13 @@ object that was spoken of before would be a guess.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from grammar.frames import command as g
 from nlcontrol.errors import whole_span
-from nlcontrol.references.object_names import name_words, names_on_table
+from nlcontrol.references.object_names import find_by_name, name_words, names_on_table
 from nlcontrol.references.reference_resolution import Context, names_together, parts_within
 from nlcontrol.session.remarks.merged_frames import are_alike
 
@@ -29,6 +29,8 @@ _BESIDE = ("than ", "from ", "to ", "of ", "behind ", "beside ", "near ", "touch
 
 _ONE = ("one", "ones")
 _TELLING = frozenset({"left", "right", "other", "first", "last", "big", "small"})
+_WORDS = re.compile(r"[^\s\-_,.;:!?]+|[,.;:!?]")
+_DETERMINERS = frozenset({"her", "his", "my", "our", "that", "the", "their", "this", "your"})
 _NO_OBJECT = frozenset({"direction", "side", "way"})
 _WHICH = frozenset({"which", "what", "who"})
 _NOT_FOUND = ("ambiguous_object", "no_antecedent", "not_on_table", "unknown_object")
@@ -131,31 +133,38 @@ def tells_of_one(text: str) -> bool:
     return any(word in _ONE and i and words[i - 1] in _TELLING for i, word in enumerate(words))
 
 
-def _place_of_kind(words: str, kind: str) -> int:
-    """Place of "the tin" in a text; -1 if it is not there."""
-    told = re.search(rf"\b(?:the|that|this|my) ({re.escape(kind)})\b", words)
-    return -1 if told is None else told.start(1)
-
-
 def names_said(text: str, cell: CellDescription, models: Mapping[str, ObjectModel]) -> list[str]:
-    """The objects that a text names as what it is about; an "ice tea box" is no ice tea."""
-    words = " ".join(name_words(text))
-    called = {name: c.name for c in names_on_table(cell.objects, models) for name in c.names}
-    named = {name.casefold(): called[name] for name in sorted(called, key=len)}
-    kinds: dict[str, set[str]] = {}
-    for name, of in named.items():
-        kinds.setdefault(name.split()[-1], set()).add(of)
-    found = {_place_of_kind(words, kind): of for kind, (of, *more) in kinds.items() if not more}
-    found |= {_place_of_name(words, name): of for name, of in named.items()}
-    places = sorted(found.items(), reverse=True)
-    told = [of for place, of in places if place >= 0 and not _is_beside(words[:place])]
+    """The objects that a text names as what it is about, the last first.
+
+    "The mug" is one if it fits one object only; "a nice cup" is none.
+    """
+    known = names_on_table(cell.objects, models)
+    names = {name_words(name) for each in known for name in each.names}
+    vocabulary = {word for name in names for word in name}
+    words = _WORDS.findall(text.casefold())
+    told = list[str]()
+    for start, end in _runs(words, vocabulary):
+        run, before = words[start:end], words[:start]
+        found = find_by_name(" ".join(run), known)
+        named = tuple(run) in names or not _DETERMINERS.isdisjoint(before[-2:])
+        if named and len(found) == 1 and not _is_beside(" ".join([*before, ""])):
+            told.insert(0, found[0].name)
     return list(dict.fromkeys(told))
 
 
-def _place_of_name(words: str, name: str) -> int:
-    """Place of a whole name in a text; -1 if it is not there."""
-    told = re.search(rf"(?<![a-z0-9]){re.escape(name)}(?![a-z0-9])", words)
-    return -1 if told is None else told.start()
+def _runs(words: list[str], vocabulary: set[str]) -> Iterator[tuple[int, int]]:
+    """Places of the longest runs of words of names; "of" may stand within one."""
+    start = 0
+    while start < len(words):
+        end = start
+        while end < len(words) and (
+            words[end] in vocabulary or (end > start and words[end] == "of")
+        ):
+            end += 1
+        last = end - (end > start and words[end - 1] == "of")
+        if last > start:
+            yield start, last
+        start = max(end, start + 1)
 
 
 def _is_beside(before: str) -> bool:

@@ -37,6 +37,9 @@ KNOWN = parser_for({"tea tin", "coffee box", "jar"})
         ("make ten centimetres more", "ten centimetres more"),
         ("leave ten centimetres between them", "ten centimetres away from it"),
         ("back to where it was", "undo that"),
+        ("take the jar and put it back where it was", "undo the push of the jar"),
+        ("now the jar. Take its lid off", "open the jar"),
+        ("be careful with the jar, please. Push it away", "gently push the jar away"),
         ("is the jar left of the tea tin or behind it?", "is the jar left of the tea tin?"),
     ],
 )

@@ -25,6 +25,7 @@ from grammar import ParseError, parse
         ("My back hurts and I have no hands free, push the mug away", "push the mug away"),
         ("Let's begin with something easy: push the mug away.", "push the mug away"),
         ("Hang on, the jar is closed, so open that first.", "open the jar"),
+        ("So at the bottom, then. Push it away.", "push it away at the bottom"),
         ("Stop, that's too risky. Push it left.", "push it to the left"),
     ],
 )  # fmt: skip

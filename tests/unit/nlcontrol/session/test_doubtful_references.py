@@ -138,3 +138,25 @@ def test_it_is_what_a_sentence_with_an_unknown_verb_named(conversation: Conversa
     (frame,) = conversation.say("then push it 3 cm away", plan_only=True).frames
     assert frame.object is not None
     assert frame.object.id == "ice tea cup"
+
+
+def test_the_one_moved_first_is_that_of_the_plans_where_nothing_was_moved(
+    conversation: Conversation,
+) -> None:
+    said = ("push the mug away", "push the cereal box left", "lift the one you moved first")
+    result = [conversation.say(text, plan_only=True) for text in said][-1]
+    assert [frame.object.id for frame in result.frames if frame.object] == ["mug"]
+
+
+def test_a_thing_and_its_place_need_nothing_before(conversation: Conversation) -> None:
+    said = ("push the mug away", "cereal box next to the coffee box")
+    result = [conversation.say(text, plan_only=True) for text in said][-1]
+    (frame,) = result.frames
+    assert (frame.action, frame.object and frame.object.id) == ("move", "cereal box")
+
+
+def test_what_is_lost_may_be_named_by_some_of_its_words(conversation: Conversation) -> None:
+    said = ("push the mug away", "blorp the big cereal over there", "faster")
+    result = [conversation.say(text, plan_only=True) for text in said][-1]
+    assert result.error is not None
+    assert result.error.code == "nothing_before"
