@@ -36,6 +36,7 @@ from nlcontrol.session.events import Supervisor
 from nlcontrol.session.foresight.kept_plans import KeptPlans
 from nlcontrol.session.foresight.onward_plans import onward_plan
 from nlcontrol.session.foresight.step_search import Ways, ways_around
+from nlcontrol.session.foresight.stranded_things import stranded_things
 from nlcontrol.session.frame_answers import answer_to, frames_asked_at_once
 from nlcontrol.session.whereabouts import whereabouts
 from planner.explanation.push_explanation import Basis
@@ -110,7 +111,10 @@ def run_command(
             "where the others start depends on what comes of it"
         )
         result = result_with(result, notes=(*result.notes, note))
-    return result_with(result, notes=(*result.notes, *whereabouts(result, controller.held)))
+    notes = (*result.notes, *whereabouts(result, controller.held))
+    if result.trace is not None and result.status != "cancelled":
+        notes = (*notes, *stranded_things(controller, result.trace, supervisor.stop))
+    return result_with(result, notes=notes)
 
 
 def _answer_question(
