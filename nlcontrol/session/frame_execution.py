@@ -113,7 +113,8 @@ def run_command(
         result = result_with(result, notes=(*result.notes, note))
     notes = (*result.notes, *whereabouts(result, controller.held))
     if result.trace is not None and result.status != "cancelled":
-        notes = (*notes, *stranded_things(controller, result.trace, supervisor.stop))
+        look, stop = controller.look, supervisor.stop
+        notes = (*notes, *stranded_things(controller, result.trace, look, stop))
     return result_with(result, notes=notes)
 
 

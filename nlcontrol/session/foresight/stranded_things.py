@@ -21,7 +21,9 @@ from sim.rotations import from_quaternion
 from sim.supervision import Stopped, StopToken
 
 if TYPE_CHECKING:
-    from nlcontrol.session.controller import Controller
+    from collections.abc import Callable
+
+    from nlcontrol.session.foresight.foreseen_steps import StepPlanner
     from planner.types.world_state import WorldState
     from sim.traces.trace import Trace
 
@@ -30,13 +32,15 @@ _WAY = 0.05  # of a push, and up in a lift, that is a hold on an object [m]
 _MOST = 0.1  # work of each plan, in what a plan may take
 
 
-def stranded_things(controller: Controller, trace: Trace, stop: StopToken) -> Iterator[str]:
+def stranded_things(
+    controller: StepPlanner, trace: Trace, look: Callable[[], WorldState], stop: StopToken
+) -> Iterator[str]:
     """Sentences on what fell, and is neither pushed nor lifted from where it lies."""
     names = fallen_things(trace)
     if not names:
         return
     try:
-        state = controller.look()
+        state = look()
         held = state.held.name if state.held is not None else None
         for name in names:
             if name != held and name in state.objects:
@@ -52,7 +56,7 @@ def fallen_things(trace: Trace) -> list[str]:
 
 
 def _stranded(
-    controller: Controller, name: str, state: WorldState, stop: StopToken
+    controller: StepPlanner, name: str, state: WorldState, stop: StopToken
 ) -> Iterator[str]:
     robot = RecallingRobot(controller.robot, stop, controller.time_limit)
     most = int(_MOST * controller.defaults.most_work)

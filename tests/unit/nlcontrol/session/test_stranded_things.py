@@ -12,6 +12,7 @@ from nlcontrol import Controller
 from nlcontrol.results.result import Result
 from nlcontrol.session.foresight.stranded_things import fallen_things, stranded_things
 from planner.types.refusal import Refusal
+from planner.types.world_state import WorldState
 from sim.supervision import StopToken
 
 NO_REACH = Refusal(code="no_push_reached", reason="out_of_reach", message="out of reach")
@@ -45,19 +46,22 @@ def test_what_fell_out_of_reach_is_named_with_its_place(
         return NO_REACH
 
     monkeypatch.setattr(controller, "planner", refuse)
-    (told,) = stranded_things(controller, result.trace, StopToken())
+    (told,) = stranded_things(controller, result.trace, controller.look, StopToken())
     assert "the ice tea box lies at x " in told
     assert asked == [*["displace"] * 4, "lift"]
 
 
 def test_nothing_is_looked_through_when_nothing_fell(
-    toppled: tuple[Controller, Result], monkeypatch: pytest.MonkeyPatch
+    toppled: tuple[Controller, Result],
 ) -> None:
     controller, result = toppled
     assert result.trace is not None
+
+    def no_look() -> WorldState:
+        pytest.fail("nothing is looked for")
+
     seen = {
         name: np.repeat(poses[:1], len(poses), axis=0) for name, poses in result.trace.seen.items()
     }
-    monkeypatch.setattr(controller, "look", lambda: pytest.fail("nothing is looked for"))
     still = replace(result.trace, seen=seen)
-    assert list(stranded_things(controller, still, StopToken())) == []
+    assert list(stranded_things(controller, still, no_look, StopToken())) == []
