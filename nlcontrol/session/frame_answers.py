@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Protocol
 from grammar.frames import command as g
 from grammar.paraphrasing.command_wording import paraphrase
 from nlcontrol.questions.answer import Answer
+from nlcontrol.session.remarks.merged_frames import without_spans
 
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result
@@ -92,7 +93,11 @@ def _possibility(tried: Result) -> Answer:
     from nlcontrol.questions.question_answers import plan_answer  # not needed to execute
 
     several = len(tried.frames) > 1
-    how = f"Yes, in {len(tried.frames)} steps: {paraphrase(tried.frames)}." if several else ""
+    how = (
+        f"Yes, in {len(tried.frames)} steps: {paraphrase(list(map(without_spans, tried.frames)))}."
+        if several
+        else ""
+    )
     if tried.plan is None:  # what the first step asks is so by now
         return Answer(query="possible", text=how or "Yes: it is there already.", yes=True)
     first = plan_answer(tried.plan)
