@@ -181,13 +181,22 @@ def _with_meant_verb(parts: Sequence[ph.Part], lexicon: Lexicon, sentence: Norma
         raise unexpected_part(told[0], sentence)  # "push the box is supposed to be"
     if strokes or not wishes or verb is not None:
         return [part for part in parts if not isinstance(part, ph.Wish)]
-    if any(isinstance(part, GOES_ON) for part in rest):
+    if _says_only_how_far(rest):  # "it should be 6 cm"
+        rest = [part for part in rest if not isinstance(part, ph.Thing)]
+    elif any(isinstance(part, GOES_ON) for part in rest):
         wish = wishes[0]
         verb = ph.Verb(wish.span, "move", passive=True, completed=wish.state)
         return [verb, *rest]
-    if wishes[0].state:
+    elif wishes[0].state:
         raise no_verb(sentence, rest)
     return [ph.Remark(wishes[0].span, "correct"), *rest]
+
+
+def _says_only_how_far(parts: Parts) -> bool:
+    """Check for an amount of "it", which corrects what was said of that."""
+    goal = [part for part in parts if isinstance(part, GOES_ON)]
+    named = any(isinstance(part, ph.Thing) and not part.ref.pronoun for part in parts)
+    return bool(goal) and not named and all(isinstance(p, ph.Length | ph.Angle) for p in goal)
 
 
 def _with_receiver(parts: Parts) -> Parts:
