@@ -251,7 +251,8 @@ class Statements:
         begins = ((_end(_JOINT.match(said.text, s)) if s in cut else s, e) for s, e in kept)
         rest = said.words_in(*((max(b, s), e) for (b, e), (s, _) in zip(begins, kept, strict=True)))
         rest = rest.words_in((_end(_JOINT.match(rest.text)), len(rest.text.rstrip(" ,.;!?"))))
-        rest = replace(rest, question=rest.question and max(kept) > max(told))
+        asks = rest.question and (not told or max(kept) > max(told))
+        rest = replace(rest, question=asks)
         before = [span for span in told if span < min(kept)]
         about = [said.words_in(thing) for span in before for thing in self._things(said.text, span)]
         points = next(filter(self._stands_alone, _POINTS.finditer(rest.text)), None)

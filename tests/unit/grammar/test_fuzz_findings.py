@@ -66,3 +66,9 @@ def _time(text: str) -> float:
     with suppress(ParseError):
         parse(text)
     return time.process_time() - start
+
+
+@pytest.mark.parametrize("text", ["at the top. move?", "would. move if you poke it?"])
+def test_a_question_that_only_says_where_first_is_refused_or_read(text: str) -> None:
+    with suppress(ParseError):
+        assert parse(text).frames
