@@ -192,8 +192,9 @@ class Statements:
 
     def _end_of_subject(self, text: str) -> int:
         """End of what a text is said of; 0 if it does not tell anything of it."""
-        if one := self._told["about_it"].match(text):
-            return one.end() if self._is_told(text, one.end()) else 0
+        one = self._told["about_it"].match(text)
+        if one and self._is_told(text, one.end()):
+            return one.end()
         if one := self._told["persons"].match(text):
             verb = WORD.match(text, self._behind_adverbs(text, one.end()))
             acts = verb and self._phrases.has_terminal_at("VERB", text, verb.start())
@@ -275,7 +276,8 @@ class Statements:
         for first, end in _parts(text, span, _AND):
             start = first + self._start(text[first:end])
             said = text[start:end]
-            if self._told["about_it"].match(said):
+            one = self._told["about_it"].match(said)
+            if one and self._is_told(said, one.end()):
                 continue
             subject = self._end_of_subject(said)
             if subject and not self._told["persons"].match(said):

@@ -37,6 +37,8 @@ KNOWN = parser_for({"tea tin", "coffee box", "jar"})
         ("make ten centimetres more", "ten centimetres more"),
         ("leave ten centimetres between them", "ten centimetres away from it"),
         ("back to where it was", "undo that"),
+        ("treat the jar the same way", "do the same with the jar"),
+        ("give the jar half a turn", "turn the jar by half a turn"),
         ("take the jar and put it back where it was", "undo the push of the jar"),
         ("now the jar. Take its lid off", "open the jar"),
         ("be careful with the jar, please. Push it away", "gently push the jar away"),

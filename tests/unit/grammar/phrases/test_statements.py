@@ -26,6 +26,7 @@ from grammar import ParseError, parse
         ("Let's begin with something easy: push the mug away.", "push the mug away"),
         ("Hang on, the jar is closed, so open that first.", "open the jar"),
         ("So at the bottom, then. Push it away.", "push it away at the bottom"),
+        ("Blimey, that jar is in the way again. Push it away.", "push the jar away"),
         ("Stop, that's too risky. Push it left.", "push it to the left"),
     ],
 )  # fmt: skip
@@ -49,6 +50,11 @@ def test_a_statement_changes_nothing_but_what_it_means(text: str, plain: str) ->
 def test_what_may_say_what_is_meant_is_no_statement(text: str) -> None:
     with pytest.raises(ParseError):
         parse(text)
+
+
+def test_a_question_with_a_way_before_it_is_refused_quietly() -> None:
+    with pytest.raises(ParseError):
+        parse("at the top. did it blorp?")
 
 
 def test_what_is_told_is_kept_as_an_aside() -> None:
