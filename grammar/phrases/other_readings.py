@@ -146,7 +146,7 @@ def _pattern_of(template: str) -> re.Pattern[str]:
     """The pattern of a template, in which "{}" is any words up to an end."""
     said = template_pattern(template).replace("{}", "(.+?)")
     if "{}" in template:
-        return re.compile(rf"^(?:(?:{_BEFORE}) (?:, )?)*(?:{said}){_BEHIND}$")
+        return re.compile(rf"^(?:(?:{_BEFORE}) (?:, )?){{0,3}}(?:{said}){_BEHIND}$")
     return re.compile(rf"(?<![^ ])(?:{said})(?= |$)")
 
 

@@ -77,6 +77,9 @@ _NO_THING = frozenset({"corner", "day", "edge", "end", "idea", "middle", "moment
                        "room", "same", "side", "table", "time", "view", "way"})  # fmt: skip
 """Nouns that name nothing that is moved."""
 
+_MOST_PAUSES = 8
+"""Pauses in what stands before a command, and behind it, so that no text takes long."""
+
 _SHORTEST = 3
 """Words of the shortest statement that ends in a comma, as a name with its article has two."""
 
@@ -136,12 +139,12 @@ class Statements:
         return (
             [
                 start
-                for end, start in splits
+                for end, start in splits[:_MOST_PAUSES]
                 if self._all_tell(text, (span[0], end), _HOW, _SHORTEST)
             ],
             [
                 end
-                for end, start in splits
+                for end, start in splits[-_MOST_PAUSES:]
                 if self._all_tell(text, (start, span[1]), _TAIL, _SHORTEST)
             ],
         )
