@@ -13,6 +13,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from grammar.frames import command as g
+from grammar.words.lexicon_plugins import installed_lexicon
 from nlcontrol.errors import whole_span
 from nlcontrol.references.object_names import find_by_name, name_words, names_on_table
 from nlcontrol.references.reference_resolution import Context, names_together, parts_within
@@ -128,8 +129,10 @@ def asks_which(text: str) -> bool:
 
 
 def tells_of_one(text: str) -> bool:
-    """Check for "the right one", which means something without its name."""
-    words = name_words(text)
+    """Check for "the right one", "heaviest thing", which mean something without its name."""
+    words, (lexicon, _) = name_words(text), installed_lexicon()
+    if not lexicon.words_of("SUPERLATIVE").keys().isdisjoint(words):
+        return True
     return any(word in _ONE and i and words[i - 1] in _TELLING for i, word in enumerate(words))
 
 

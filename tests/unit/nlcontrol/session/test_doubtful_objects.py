@@ -56,3 +56,12 @@ def test_a_statement_is_not_taken_for_a_name() -> None:
     result = talk.say("The bottle can break. Push it 2 cm to the left.", plan_only=True)
     assert result.error is None
     assert [frame.object and frame.object.id for frame in result.frames][-1] == "water bottle"
+
+
+def test_it_is_asked_back_after_a_question_for_the_most_that_was_not_read() -> None:
+    talk = Conversation(Controller("kitchen", seed=1))
+    assert talk.say("push the mug to the left by 10 cm", plan_only=True).status == "planned"
+    assert talk.say("heaviest thing on the table?", plan_only=True).status == "not_understood"
+    pushed = talk.say("push it away from you", plan_only=True)
+    assert pushed.error is not None
+    assert pushed.error.code == "no_antecedent"
