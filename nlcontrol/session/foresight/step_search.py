@@ -52,6 +52,9 @@ if TYPE_CHECKING:
 MOST_WORKS = 2
 """Work of all plans of an answer, the refused first one included, in that of one plan."""
 
+MOST_WORKS_GIVEN_UP = 1.3
+"""The same where that first plan was given up: beside what takes so long little else is found."""
+
 MOST_EACH = 0.5
 """Of the same, the work of each plan of a search.
 
@@ -156,7 +159,9 @@ class StepSearch:
         self._controller, self._stop = controller, stop
         self._robot = RecallingRobot(controller.robot, stop, controller.time_limit)
         self._planner = controller.planner
-        self._left = int(MOST_WORKS * controller.defaults.most_work - done)
+        most = controller.defaults.most_work
+        works = MOST_WORKS if done < most else MOST_WORKS_GIVEN_UP
+        self._left = int(works * most - done)
         self._kept = kept
 
     def ways(self, state: WorldState, why: str) -> Ways | None:

@@ -10,7 +10,12 @@ import pytest
 from nlcontrol import Controller
 from nlcontrol.session.events import Supervisor
 from nlcontrol.session.foresight.kept_plans import KeptPlans
-from nlcontrol.session.foresight.step_search import MOST_EACH, MOST_WORKS, ways_around
+from nlcontrol.session.foresight.step_search import (
+    MOST_EACH,
+    MOST_WORKS,
+    MOST_WORKS_GIVEN_UP,
+    ways_around,
+)
 from planner import planning
 from planner.problem.search_budget import SearchBudget
 from planner.types.default_kinds import CLEARED
@@ -22,9 +27,12 @@ from tests.unit.planner.conftest import frame_of
 MOST_WORK = 1000
 
 
-@pytest.mark.parametrize("before", [0, MOST_WORK])
+@pytest.mark.parametrize(
+    ("before", "works"),
+    [(0, MOST_WORKS), (MOST_WORK // 2, MOST_WORKS), (MOST_WORK, MOST_WORKS_GIVEN_UP)],
+)
 def test_an_answer_has_one_budget_and_each_plan_of_the_search_a_share(
-    monkeypatch: pytest.MonkeyPatch, before: int
+    monkeypatch: pytest.MonkeyPatch, before: int, works: float
 ) -> None:
     numbers = {"tried_work": float(before)} if before else {}
     marks = (obstacle_mark("mug"),)
@@ -44,5 +52,5 @@ def test_an_answer_has_one_budget_and_each_plan_of_the_search_a_share(
     frames = (frame_of("push the ice tea box away"),)
     refused = refusal, controller.look()
     assert ways_around(controller, frames, 0, refused, Supervisor(), KeptPlans()) is None
-    assert sum(allowed) == MOST_WORKS * MOST_WORK - before
-    assert max(allowed) == MOST_EACH * MOST_WORK
+    assert sum(allowed) == works * MOST_WORK - before
+    assert max(allowed) == min(MOST_EACH * MOST_WORK, works * MOST_WORK - before)
