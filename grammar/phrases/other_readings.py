@@ -98,8 +98,8 @@ class OtherReadings:
         """The sentence without an amount that is not meant: "5 cm, not 8"."""
         denied = {mark.end(): mark.start() for mark in _DENIED.finditer(said.text)}
         for (_, unit), (number, own) in pairwise(self._amounts(said.text) if denied else ()):
-            end = number.end() + len(f" {own}") * bool(own)
-            ends = end == len(said.text) or said.text[end + 1] in _PAUSES
+            end = said.text.index(own, number.end()) + len(own)
+            ends = not said.text[end:] or said.text[end : end + 2].strip() in _PAUSES
             if unit and own in ("", unit) and ends and number.start() in denied:
                 return said.words_in((0, denied[number.start()]), (end, len(said.text)))
         return said
@@ -125,7 +125,7 @@ class OtherReadings:
             if number is None:
                 continue
             start = number.end()
-            found = self._phrases.phrases_at(text, start + 1)
+            found = self._phrases.phrases_at(text, start + text.startswith(" ", start))  # "3°"
             yield number, next((each for each, kinds in found if not _UNITS.isdisjoint(kinds)), "")
 
     def _may_end(self, text: str, after: int) -> bool:

@@ -72,3 +72,9 @@ def _time(text: str) -> float:
 def test_a_question_that_only_says_where_first_is_refused_or_read(text: str) -> None:
     with suppress(ParseError):
         assert parse(text).frames
+
+
+def test_an_amount_that_is_not_meant_may_have_its_unit_beside_it() -> None:
+    assert parse("turn it 5°, not 3°").paraphrase == parse("turn it 5 degrees").paraphrase
+    with pytest.raises(ParseError):
+        parse("do not a 3°")

@@ -34,6 +34,13 @@ def test_asides_are_kept_with_their_places(text: str, asides: list[str]) -> None
         ("lift it 15 cm, correction, 8 cm", "lift it 8 cm"),
         ("push the jar, but it must not touch the mug", "push the jar without touching the mug"),
         ("turn it by half a right angle", "turn it by 45 degrees"),
+        ("pull the tea mm box 2 inches to the left", "pull the tea box 2 inches to the left"),
+        ("turn the blue okay mug 45 degrees", "turn the blue mug 45 degrees"),
+        ("push well the jar to the left", "push the jar to the left"),
+        (
+            "let the jar have a turn 45 degrees counterclockwise",
+            "give the jar a turn 45 degrees counterclockwise",
+        ),
     ],
 )
 def test_pauses_within_a_phrase_change_nothing(text: str, plain: str) -> None:
