@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from objectmodels.geometry.vector_arrays import spatial_cross
+
 Array = NDArray[np.float64]
 
 
@@ -20,7 +22,7 @@ def axis_rotation(axis: ArrayLike, angle: ArrayLike) -> Array:
     """
     a = np.asarray(axis, dtype=float)
     t = np.asarray(angle, dtype=float)[..., None, None]
-    K = cross(np.eye(3), a[..., None, :])
+    K = spatial_cross(np.eye(3), a[..., None, :])
     return np.asarray(np.eye(3) + np.sin(t) * K + (1.0 - np.cos(t)) * (K @ K))
 
 
@@ -51,13 +53,6 @@ def rot_z(angle: ArrayLike) -> Array:
     return _about(2, angle)
 
 
-def cross(a: Array, b: Array) -> Array:
-    """Cross product along the last axis; several times as fast as numpy's for single vectors."""
-    a_x, a_y, a_z = a[..., 0], a[..., 1], a[..., 2]
-    b_x, b_y, b_z = b[..., 0], b[..., 1], b[..., 2]
-    return np.stack([a_y * b_z - a_z * b_y, a_z * b_x - a_x * b_z, a_x * b_y - a_y * b_x], axis=-1)
-
-
 def quaternion(R: Array) -> Array:
     """Quaternions (w, x, y, z) of rotations, shape (..., 4) for shape (..., 3, 3)."""
     # Each row of 4 q qᵀ is the quaternion times four of its components; the longest is used.
@@ -78,7 +73,7 @@ def quaternion(R: Array) -> Array:
 
 def from_quaternion(q: Array) -> Array:
     """Rotations of unit quaternions (w, x, y, z), shape (..., 3, 3) for shape (..., 4)."""
-    K = cross(np.eye(3), q[..., None, 1:])
+    K = spatial_cross(np.eye(3), q[..., None, 1:])
     return np.asarray(np.eye(3) + 2.0 * (q[..., :1, None] * K + K @ K))
 
 

@@ -16,6 +16,7 @@ import numpy as np
 
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.side_faces import Face
+from objectmodels.geometry.vector_arrays import spatial_cross
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,7 @@ class SidePress:
             contacts: of the fingertips, along the approach and along their line, shape (k, 2) [m].
             tip_radius: of the fingertips [m].
         """
-        slope = min(1.0, abs(float(np.cross(approach, closing) @ face.tangent)))
+        slope = min(1.0, abs(float(spatial_cross(approach, closing) @ face.tangent)))
         aside = float(np.abs(contacts[:, 1]).max())
         behind, turned = (float(each) for each in face.set_back(aside * slope, tip_radius))
         sine, cosine = math.sin(turned), math.cos(turned)

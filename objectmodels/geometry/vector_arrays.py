@@ -1,6 +1,6 @@
 """Arrays of vectors: products in the table plane, checks of what callers hand in, tuples.
 
-Vectors in the table plane hold x and y in their last axis.
+Vectors in the table plane hold x and y in their last axis, those in space z, too.
 """
 
 from __future__ import annotations
@@ -34,9 +34,23 @@ def cross(a: Array, b: Array) -> Array:
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
 
 
+def spatial_cross(a: Array, b: Array) -> Array:
+    """A × b of vectors (..., 3); several times as fast as numpy's for single ones."""
+    a_x, a_y, a_z = a[..., 0], a[..., 1], a[..., 2]
+    b_x, b_y, b_z = b[..., 0], b[..., 1], b[..., 2]
+    c = np.array([a_y * b_z - a_z * b_y, a_z * b_x - a_x * b_z, a_x * b_y - a_y * b_x])
+    return c.transpose(*range(1, c.ndim), 0)
+
+
 def left_of(v: Array) -> Array:
     """ẑ × v, shape (..., 2)."""
     return np.stack((-v[..., 1], v[..., 0]), axis=-1)
+
+
+def circle_around(corners: Array) -> tuple[Array, float]:
+    """Middle, shape (2,), and radius of a circle around points of the plane, shape (k, 2)."""
+    middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
+    return middle, float(np.hypot(*(corners - middle).T).max())
 
 
 def rotate(v: Array, angle: Array) -> Array:

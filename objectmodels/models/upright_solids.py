@@ -119,7 +119,7 @@ class CylinderModel(ObjectModel):
         """A disc, that of its side."""
         return Disc(self.radius)
 
-    @property
+    @cached_property
     def outline(self) -> Array:
         """A polygon around the side."""
         around = Disc(self.radius)

@@ -24,6 +24,7 @@ import numpy as np
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.side_faces import Face
 from objectmodels.geometry.side_press import FLAT, SidePress
+from objectmodels.geometry.vector_arrays import spatial_cross
 from objectmodels.models.object_parts import LiftOffLid, ScrewCap
 from planner.geometry.footprints import footprint, overlaps
 from planner.problem.planning_problem import GraspProblem
@@ -83,18 +84,17 @@ class Candidate:
         at = (R_WB @ self.middle + target.pose.p_WB)[:2]
         fingers, thumb = (0.5 * self.width + room for room in self.grip.room)
         half = 0.5 * float(np.ptp(self.grip.contacts, axis=0).max()) + _BORDER
-        swept = np.array(
-            [
-                at - fingers * closing - half * across,
-                at + thumb * closing - half * across,
-                at + thumb * closing + half * across,
-                at - fingers * closing + half * across,
-            ]
-        )
-        others = (seen for name, seen in state.objects.items() if name != target.name)
+        first, last = at - fingers * closing, at + thumb * closing
+        side = half * across
+        swept = np.array([first - side, last - side, last + side, first + side])
+        (x, y), around = (0.5 * (first + last)).tolist(), math.hypot(0.5 * (fingers + thumb), half)
         low = target.pose.z + float(self.middle[2])
         return any(
-            seen.top_height > low and overlaps(swept, footprint(seen), 0.0) for seen in others
+            seen.top_height > low
+            and seen.is_within(around, x, y)
+            and overlaps(swept, footprint(seen), 0.0)
+            for name, seen in state.objects.items()
+            if name != target.name
         )
 
 
@@ -295,7 +295,7 @@ def _pair_of_sides(one: Face, other: Face) -> _Sides | None:
         return None
     across = (n - m) * _LEVEL
     across /= np.linalg.norm(across)
-    along = np.cross(_UP, across)
+    along = spatial_cross(_UP, across)
     low, high = max(one.bottom, other.bottom), min(one.top, other.top)
     steep = math.hypot(n[2], m[2])
     if steep > _UPRIGHT:
@@ -359,7 +359,7 @@ def _middles(
     """
     closing, approach = ways
     low, high = max(limits[0], pair.heights[0]), min(limits[1], pair.heights[1])
-    offsets = grip.contacts @ np.array([approach, np.cross(approach, closing)])
+    offsets = grip.contacts @ np.array([approach, spatial_cross(approach, closing)])
     heights = _range_within((low, high), offsets @ _UP)
     laterals = _range_within(pair.extent, offsets @ pair.along)
     if heights is None or laterals is None:

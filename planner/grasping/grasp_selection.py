@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.vector_arrays import spatial_cross
 from objectmodels.mechanics.grasp_stability import Contacts, Lifted, least_squeezes
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.models.object_model import ObjectModel
@@ -95,7 +96,7 @@ class GraspLoad:
             # The fingers around a knob do not keep it from swinging until its weight is below.
             borne = borne.model_copy(update={"com": tuple(each.middle), "com_sd": (0.0, 0.0, 0.0)})
             contacts, shares = _PATCH, np.array([1.0, 0.5, 0.5])
-        R_BG = np.column_stack([closing, np.cross(approach, closing), approach])
+        R_BG = np.column_stack([closing, spatial_cross(approach, closing), approach])
         grasp = Contacts(contacts, shares, each.press)
         return Lifted(borne, grasp, each.middle, R_BG, self.down, ACCELERATION)
 
@@ -276,30 +277,36 @@ class _GraspBeliefs:
 
     def __init__(self, model: ObjectModel) -> None:
         self._model = model
+        self._keyed: dict[GraspLoad, tuple[bytes, Lifted]] = {}
         self._likely: dict[bytes, float] = {}
 
     def squeezes_needed(self, bearings: Sequence[GraspLoad]) -> tuple[Array, Array]:
         """Squeezes with everything as believed, and in the worst case, each shape (n,) [N]."""
-        lifted = [bearing.lifted_object(self._model) for bearing in bearings]
-        keys = [self._cache_key(each) for each in lifted]
         distinct: dict[bytes, Lifted] = {}
-        for key, each in zip(keys, lifted, strict=True):
+        for key, each in map(self._key_and_object, bearings):
             distinct.setdefault(key, each)
         where = {key: i for i, key in enumerate(distinct)}
         needed, worst = least_squeezes(list(distinct.values()))
-        at = [where[key] for key in keys]
+        at = [where[self._key_and_object(bearing)[0]] for bearing in bearings]
         return needed[at], worst[at]
 
     def probability(self, bearing: GraspLoad, squeeze: float) -> float:
         """Probability that a squeeze holds."""
-        lifted = bearing.lifted_object(self._model)
-        key = self._cache_key(lifted) + f"{squeeze:.6g}".encode()
+        key, lifted = self._key_and_object(bearing)
+        key += f"{squeeze:.6g}".encode()
         if key not in self._likely:
             self._likely[key] = lifted.hold_probability(squeeze)
         return self._likely[key]
 
+    def _key_and_object(self, bearing: GraspLoad) -> tuple[bytes, Lifted]:
+        """All that a hold depends on, and the object in the hand."""
+        if bearing not in self._keyed:
+            lifted = bearing.lifted_object(self._model)
+            self._keyed[bearing] = self._key_of(lifted), lifted
+        return self._keyed[bearing]
+
     @staticmethod
-    def _cache_key(lifted: Lifted) -> bytes:
+    def _key_of(lifted: Lifted) -> bytes:
         """All that a hold depends on, in the frame of the grasp."""
         R, model = lifted.R_BG, lifted.model
         spread = R.T @ np.diag(np.square(model.com_sd)) @ R

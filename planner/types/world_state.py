@@ -8,6 +8,7 @@ world's truth: poses come through the camera port, geometry and physics from the
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from objectmodels.containers.lid_geometry import lid_rise
 from objectmodels.errors import ModelError
 from objectmodels.geometry.support_points import hull_polygon
+from objectmodels.geometry.vector_arrays import circle_around
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.resting_face import Resting
 from planner.types.actions import Grasp
@@ -155,6 +157,18 @@ class SeenObject:
         A lid counts as far as it rises above it, not as far as it stands out.
         """
         return self._bulk
+
+    def is_within(self, radius: float, x: float, y: float) -> bool:
+        """Return True if it may be within a distance [m] of a place on the table in W."""
+        (at_x, at_y), around = self._circle
+        return math.hypot(at_x - x, at_y - y) < around + radius
+
+    @functools.cached_property
+    def _circle(self) -> tuple[tuple[float, float], float]:
+        """Middle in W, and radius, of a circle around it as seen from above [m]."""
+        middle, radius = circle_around(self._bulk[0])
+        x, y = middle.tolist()
+        return (x, y), radius
 
     @property
     def top_height(self) -> float:

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from objectmodels.geometry.vector_arrays import circle_around
 from objectmodels.models.open_box import open_box_parts
 from objectmodels.models.upright_solids import CylinderModel
 from planner.types.world_state import SeenObject, WorldState
@@ -77,13 +78,12 @@ class Obstacle:
         outline, height = seen.bulk()
         if seen.attitude is not None:
             return replace(cls.at_origin(outline, height), name=seen.name, clearance=clearance)
+        outline = seen.model.outline
         radius = seen.model.radius if isinstance(seen.model, CylinderModel) else 0.0
-        made = cls.at_origin(seen.model.outline, height, radius)
+        middle_B, around = circle_around(outline)
         R_WB, p_WB = seen.pose.R_WB, seen.pose.p_WB
-        middle = p_WB[:2] + R_WB[:2, :2] @ made.middle
-        return replace(
-            made, name=seen.name, clearance=clearance, R_WB=R_WB, p_WB=p_WB, middle=middle
-        )
+        middle = p_WB[:2] + R_WB[:2, :2] @ middle_B
+        return cls(seen.name, clearance, R_WB, p_WB, outline, height, middle, around, radius)
 
     @classmethod
     def parts_of(cls, seen: SeenObject, clearance: float) -> tuple[Obstacle, ...]:
@@ -105,8 +105,7 @@ class Obstacle:
     @classmethod
     def at_origin(cls, outline: Array, height: float, radius: float = 0.0) -> Obstacle:
         """An object without a name whose frame is W's."""
-        middle = 0.5 * (outline.min(axis=0) + outline.max(axis=0))
-        around = float(np.hypot(*(outline - middle).T).max())
+        middle, around = circle_around(outline)
         return cls("", 0.0, np.eye(3), np.zeros(3), outline, height, middle, around, radius)
 
     def after_motion(self, before: Array, after: Array, turn: float) -> Obstacle:

@@ -117,7 +117,8 @@ class HoldClearance:
         if self._owner is not None:
             near[self._owner] = _OWNER_CLEARANCE - self._spare
         others = (
-            replace(each, clearance=near.get(each.name, each.clearance)) for each in scenery.others
+            replace(each, clearance=near[each.name]) if each.name in near else each
+            for each in scenery.others
         )
         lifted = np.array([0.0, 0.0, self._handled.height if self._owner else 0.0])
         pushed = replace(scenery.pushed, p_WB=scenery.pushed.p_WB + lifted)

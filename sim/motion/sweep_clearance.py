@@ -20,6 +20,7 @@ from sim.rotations import Array
 
 _STEP = 0.025  # largest step of the hand along the stroke [m]
 _TOGETHER = 384  # hands whose spheres a processor keeps at hand
+_FEW = 24  # hands of which all spheres are looked at together
 _AT_T, _AS_D = np.zeros((1, 3)), np.eye(3)[None]  # where T is about itself, how D stands in itself
 
 
@@ -66,7 +67,7 @@ def first_obstacles(
         (close,) = np.nonzero(near[beside, number] & (stopped_by[beside] < 0))
         for k in range(0, len(close), _TOGETHER):
             clear = some = close[k : k + _TOGETHER]
-            for part in parts:
+            for part in parts if len(some) > _FEW else (spheres,):
                 clear = clear[each.is_clear_along(part[clear], *sweep, each.clearance)]
             stopped_by[beside[some]] = number
             stopped_by[beside[clear]] = -1

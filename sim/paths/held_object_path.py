@@ -23,6 +23,7 @@ import numpy as np
 
 from objectmodels.containers import lid_geometry
 from objectmodels.geometry.side_press import SidePress
+from objectmodels.geometry.vector_arrays import spatial_cross
 from objectmodels.models.object_parts import ScrewCap
 from planner.types.actions import (
     Action,
@@ -176,7 +177,7 @@ def grasp_frame(grasp: Grasp, R_WB: Array) -> tuple[Array, Array]:
     The object stands at R_WB, shape (3, 3).
     """
     closing, approach = np.array(grasp.closing_W), np.array(grasp.approach_W)
-    R_WG = np.column_stack([closing, np.cross(approach, closing), approach])
+    R_WG = np.column_stack([closing, spatial_cross(approach, closing), approach])
     return R_WB.T @ R_WG, np.array(grasp.p_BG)
 
 

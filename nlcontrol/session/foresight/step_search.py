@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     Frames = tuple[g.Frame, ...]
     Steps = list[tuple[g.Frame, Plan | Reached]]
 
-MOST_WORKS = 2
+MOST_WORKS = 1.7
 """Work of all plans of an answer, the refused first one included, in that of one plan."""
 
 MOST_WORKS_GIVEN_UP = 1.3
@@ -61,7 +61,7 @@ MOST_EACH = 0.5
 What can be done after a step mostly shows soon, and what stops the hand then shows as soon.
 """
 
-MOST_BRINGING = 0.5
+MOST_BRINGING = 0.3
 """Of that, the share in which places are looked through that an object is brought to."""
 
 MOST_ASIDE = 3
@@ -231,7 +231,8 @@ class StepSearch:
 
         What is held is put down.
         """
-        least = self._left - MOST_BRINGING * MOST_WORKS * self._defaults.most_work
+        share = MOST_BRINGING * MOST_WORKS * self._defaults.most_work
+        least = max(0.0, self._left - share)
         anew = may_be_grasped_anew(frame, state)
         steps = (
             (setting_down_frame(frame),) if anew else bringing_frames(frame, state, self._defaults)

@@ -19,6 +19,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from objectmodels.geometry.vector_arrays import spatial_cross
 from planner.types.robot import Grip
 from sim.hands.four_finger.hand_kinematics import (
     EFFORT,
@@ -35,7 +36,7 @@ from sim.hands.four_finger.hand_kinematics import (
 )
 from sim.hands.four_finger.hand_posture import CURLED, hand_spheres, touching_posture
 from sim.hands.hand_model import Angles, GraspPosture, Posture
-from sim.rotations import Array, cross
+from sim.rotations import Array
 
 HOLDING: tuple[str, ...] = ("thumb", "index", "middle", "ring")
 """The fingers that hold, in the order of `Grip.contacts`."""
@@ -135,7 +136,7 @@ class FourFingerGrasp(GraspPosture):
         angles = self.posture_at().angles
         for finger in self.touching_fingers:
             arm = self.touch_point(finger) - self.middle
-            motion = np.hstack([np.eye(3), cross(np.eye(3), arm[None, :]).T])
+            motion = np.hstack([np.eye(3), spatial_cross(np.eye(3), arm[None, :]).T])
             held = tip_stiffness(finger, angles[finger], self.touch_point(finger))
             whole += motion.T @ held @ motion
         return float(1.0 / np.linalg.inv(whole)[3, 3])

@@ -15,8 +15,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from objectmodels.geometry.vector_arrays import spatial_cross
 from sim.hands.hand_model import Angles
-from sim.rotations import Array, axis_rotation, cross, rot_x, rot_y
+from sim.rotations import Array, axis_rotation, rot_x, rot_y
 
 LINKS = (0.0678, 0.030, 0.0295)
 """Lengths of the proximal, middle and distal link [m]."""
@@ -131,7 +132,7 @@ def finger_jacobian(finger: str, angles: Angles, p_PC: Array) -> Array:
     from_base = p_PC - base
     # The distal joint's axis is parallel to the middle one's: their arms add up.
     arms = np.stack([from_base, from_base, 2.0 * p_PC - middle - distal], axis=-2)
-    return np.swapaxes(cross(R[:, [0, 1, 1]].T, arms), -1, -2)
+    return np.swapaxes(spatial_cross(R[:, [0, 1, 1]].T, arms), -1, -2)
 
 
 def tip_centre(finger: str, angles: Angles) -> Array:
