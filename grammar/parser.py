@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from copy import copy
 from functools import cache, lru_cache
-from itertools import islice
+from itertools import chain, islice
 
 from grammar.clauses.frame_builder import frames_of
 from grammar.errors import ParseError
@@ -35,6 +35,12 @@ _OF_WORDS = ("unexpected_words", "does_not_apply", "several_objects", "missing_u
 _MOST_READINGS = 8
 """Readings without statements that are tried, so that no text takes long."""
 
+_FEW_READINGS = 5
+"""The same of a long text."""
+
+_LONGEST_TRIED = 150
+"""Characters beyond which a text is long, and not read again with each quantity that is offered."""
+
 _OFFERED = re.compile(r'^(?:to have it done|to ask|this would do): "(.+)"$')
 
 
@@ -58,6 +64,7 @@ class Parser:
         """A parser with the same words that knows the names of some objects."""
         parser = copy(self)
         parser._names = KnownNames(names, self.lexicon)
+        parser._statements = self._statements.with_names(parser._names.words)
         return parser
 
     def parse(self, text: str, before: Sequence[str] | None = None) -> Command:
@@ -91,7 +98,8 @@ class Parser:
     def _with_what_is_read(self, error: ParseError, text: str) -> ParseError:
         """The error, of whose sentences and quantities only those are offered that are read."""
         if error.code == "missing_unit" and error.span is not None:
-            tried = {s: _with_quantity(text, s, error.span) for s in error.suggestions}
+            few = error.suggestions if len(text) <= _LONGEST_TRIED else ()
+            tried = {s: _with_quantity(text, s, error.span) for s in few}
         else:
             tried = {s: said[1] for s in error.suggestions if (said := _OFFERED.search(s))}
         unread = {s for s, sentence in tried.items() if not self._is_read(sentence)}
@@ -111,35 +119,45 @@ class Parser:
         """The error, and as a suggestion the sentence up to it, where that alone would do."""
         if error.code in _OF_WORDS and error.span is not None:
             with suppress(ParseError):
-                understood = self._command(text[: error.span[0]]).paraphrase
-                error.suggestions += (f'this much is understood: "{understood}"',)
+                understood = self._command(text[: error.span[0]])
+                if understood.frames[0].dialogue != "thank":
+                    error.suggestions += (f'this much is understood: "{understood.paraphrase}"',)
         return error
 
     def _command(self, text: str, before: Sequence[str] | None = None) -> Command:
         whole = normalise(text, self.lexicon.contractions)
         sentence = self._asides.left_out(whole)
         if not sentence.text:
-            thanks = Frame(dialogue="thank", spans=sentence.asides)
-            return Command(text=text, frames=(thanks,), paraphrase="thank you")
+            return _thanks(text, sentence.asides)
         try:
             command = self._command_of(sentence)
         except ParseError:
             for said in self._other_readings(sentence, whole, before):
                 with suppress(ParseError):
                     return self._command_of(said)
+            if self._statements.only_tells(whole):
+                return _thanks(text, (whole.original_span(0, len(whole.text)),))
             raise
-        return self._with_known_names(command, whole)
+        return self._with_known_names(command, sentence, whole, before)
 
-    def _with_known_names(self, command: Command, whole: Normalised) -> Command:
+    def _with_known_names(
+        self,
+        command: Command,
+        sentence: Normalised,
+        whole: Normalised,
+        before: Sequence[str] | None,
+    ) -> Command:
         """The command, or that without what was taken for a name: "the mug can break. Push it".
 
-        A name that nothing has is none if the text is read otherwise.
+        A name that nothing has is none if the text is read otherwise: "push it near the cap".
         """
         if self._names is None or self._names.are_borne(command.frames):
             return command
-        for said, topic in islice(self._statements.readings(whole), _MOST_READINGS):
+        told = islice(self._statements.readings(whole), _MOST_READINGS)
+        rests = (self._asides.of_rest(said, topic, whole) for said, topic in told)
+        for said in chain(self._others.readings(sentence, before), rests):
             with suppress(ParseError):
-                other = self._command_of(self._asides.of_rest(said, topic, whole))
+                other = self._command_of(said)
                 if self._names.are_borne(other.frames):
                     return other
         return command
@@ -149,7 +167,12 @@ class Parser:
     ) -> Iterator[Normalised]:
         """Other readings of a sentence that is not read as it stands, nor without its asides."""
         yield from self._reworded(sentence, before)
-        for said, topic in islice(self._statements.readings(whole), _MOST_READINGS):
+        if sentence.text != whole.text:  # "I said left, but I meant right"
+            for said in self._others.readings(whole, before):
+                if (plain := self._asides.of_rest(said, None, whole)).text:
+                    yield plain
+        most = _MOST_READINGS if len(whole.text) <= _LONGEST_TRIED else _FEW_READINGS
+        for said, topic in islice(self._statements.readings(whole), most):
             plain = self._asides.of_rest(said, topic, whole)
             if plain.text:
                 yield plain
@@ -186,6 +209,12 @@ class Parser:
             return self._lalr.parse(sentence.text)
         except UnexpectedTokenError as error:
             raise diagnose(error, sentence, self.lexicon) from None
+
+
+def _thanks(text: str, asides: tuple[Span, ...]) -> Command:
+    """The command of a text that asks for nothing."""
+    thanks = Frame(dialogue="thank", spans=asides)
+    return Command(text=text, frames=(thanks,), paraphrase="thank you")
 
 
 def _with_quantity(text: str, quantity: str, span: Span) -> str:

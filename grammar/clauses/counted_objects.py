@@ -110,7 +110,8 @@ def require_countable(frames: Sequence[g.Frame], sentence: Normalised) -> None:
         plain = frame.action is not None and not frame.dialogue
         instead = frame.action is None and frame.dialogue in ("correct", "same", "repeat")
         done = frame.query in (None, "possible")
-        allowed = [frame.object] if (plain or instead) and done else []
+        apart = isinstance(goal, g.Parameters) and goal.which == ("distance",)
+        allowed = [frame.object] if ((plain or instead) and done) or apart else []
         if between and isinstance(goal, g.Place) and isinstance(goal.reference, tuple):
             allowed += goal.reference
         for ref in references_in(frame):

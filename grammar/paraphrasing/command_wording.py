@@ -158,7 +158,7 @@ class _Speaker(Phrasing):
             return self._state_words(frame, frame.goal)
         if query == "value" and isinstance(frame.goal, g.Parameters):
             which = frame.goal.which
-            if frame.goal.than:
+            if frame.goal.than or frame.goal.which == ("distance",):
                 return self._distance_words(frame, frame.goal)
             return f"{self.phrase_for('WHAT_IS')} {self._property_words(frame, which)}?"
         if query == "affordances" and frame.object is not None:
@@ -220,10 +220,12 @@ class _Speaker(Phrasing):
         return f"{is_it} {' '.join(self.goal_words(state))}?"
 
     def _distance_words(self, frame: g.Frame, goal: g.Parameters) -> str:
-        if goal.which != ("distance",) or len(goal.than) != 1 or frame.object is None:
+        if goal.which != ("distance",) or len(goal.than) > 1 or frame.object is None:
             raise no_words("a value that compares two things")
-        one, other = self.object_words(frame.object), self.object_words(goal.than[0])
-        return f"{self.phrase_for('HOW_FAR')} {one} {self.phrase_for('FROM')} {other}?"
+        words = [self.phrase_for("HOW_FAR"), self.object_words(frame.object)]
+        for other in goal.than:
+            words += [self.phrase_for("FROM"), self.object_words(other)]
+        return f"{' '.join(words)}?"
 
     def _to_make(self, event: g.Event) -> str:
         return f"{self.phrase_for('TO_MAKE')} it {self.phrase_for('EVENT_INFINITIVE', event)}"

@@ -11,7 +11,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cache, cached_property
-from itertools import pairwise
+from itertools import islice, pairwise
 
 from grammar.frames.command import Span
 from grammar.words.lexicon import Lexicon
@@ -26,14 +26,26 @@ _BEHIND_NUMBER = frozenset({"DIRECTION", "I_MEANT", "MORE", "NEXT", "OR_MORE", "
                             "SEPARATOR", "TOWARD"})  # fmt: skip
 """Terminals that may stand behind a number whose unit is left out."""
 
+_NO_NAME = frozenset({"BE", "CAN", "DO", "I_MEANT", "IF", "IS", "IT", "MORE", "NO", "NOT", "OR",
+                      "REPEAT", "SAME", "STOP", "TO_BE", "UNDO", "VERB", "VERB_ED", "VERB_ING",
+                      "WHICH", "WILL"})  # fmt: skip
+"""Terminals of which none stands in the name of what is to go somewhere."""
+
+_OPENING = re.compile("(?:(?:and|but|first|next|now|please|so|then) (?:, )?)*")
+_NAMED = re.compile("(?:the|my|your|our|all|both|every[a-z]*)(?: |$)")
+
+_MOST_STAGES = 4
+"""Stages of rewording that are tried, the last first, so that no text takes long."""
+
 _PAUSES = frozenset(",.;")
 _THINGS = frozenset({"one", "a", "an", "both"})
 """Number words that rather stand for a thing."""
 
-_BEFORE = "actually|and|no|oh|ok|please|sorry|so|then|well"
+_BEFORE = "actually|and|no|now|oh|ok|please|sorry|so|then|well"
 _BEHIND = "(?: (?:, )?please)?"
 _SHARES = re.compile("half|third|quarter|fifth|tenth")
 _DENIED = re.compile(r"(?: ,)? (?:and )?(?:not|instead of|rather than) (?:by )?")
+_ANY_WORDS = r"([^ ,.;!?](?:.*?[^ ,.;!?])?)"
 _PIECES = re.compile(r"([^{]*)({\d?}|$)")
 _PIECE = re.compile(r"\d+(?:\.\d+)?|[a-z°]+|[.,;]")
 
@@ -54,23 +66,58 @@ class OtherReadings:
             said: a sentence that is not read as it stands.
             before: what was said before, the last first; None outside of a conversation.
         """
-        reworded = self._without_denied(self._reworded(said))
-        if reworded is not said:
-            yield reworded
-        if before is not None:
-            measured = self._with_units(reworded, before)
-            if measured is not reworded:
-                yield measured
+        for stage in [*islice(reversed([*self._reworded(said)]), _MOST_STAGES), said]:
+            reworded = self._without_denied(stage)
+            if reworded is not said:
+                yield reworded
+            if before is not None:
+                measured = self._with_units(reworded, before)
+                if measured is not reworded:
+                    yield measured
+        if (told := self._with_verb(said)) is not None:
+            yield told
 
-    def _reworded(self, said: Normalised) -> Normalised:
-        """The sentence with plainer words in the place of those that have some."""
+    def _with_verb(self, said: Normalised) -> Normalised | None:
+        """The sentence of a thing and how far it goes, with a verb: "the mug, 5 cm left"."""
+        start = _end(_OPENING.match(said.text))
+        ends = (w.start() for w in WORD.finditer(said.text, start + 1))
+        end = next((end for end in ends if self._is_length(said.text, end)), None)
+        name = said.text[start:end].rstrip(" ,.;")
+        if end is None or said.question or not name or "." in name:
+            return None
+        found = (self._phrases.phrases_at(name, word.start()) for word in WORD.finditer(name))
+        kinds = [{kind for _, each in phrases for kind in each} for phrases in found]
+        if any(not _NO_NAME.isdisjoint(each) for each in kinds):
+            return None
+        named = _NAMED.match(name)
+        if not named and any(kinds):
+            return None
+        words = f"move {'' if named else 'the '}{name} "
+        over = said.original_span(start, start + len(name))
+        return replace(
+            said,
+            text=words + said.text[end:],
+            columns=(*((over,) * len(words)), *said.columns[end:]),
+        )
+
+    def _is_length(self, text: str, start: int) -> bool:
+        """Check for a number with a unit of length."""
+        number = DIGITS.match(text, start) or self._numbers.match(text, start)
+        unit = number.end() + text.startswith(" ", number.end()) if number else 0
+        return bool(unit) and self._phrases.has_terminal_at("LENGTH_UNIT", text, unit)
+
+    def _reworded(self, said: Normalised) -> Iterator[Normalised]:
+        """Yield the sentence with more and more plainer words in the place of those that have some.
+
+        Words that are put in plain ones may hold others that look like some: all stages count.
+        """
         words = {*said.text.split(), "{}"}
         for means, templates in self._templates.items():
             patterns = [_pattern_of(each) for each, first in templates if first & words]
             if found := list(filter(None, (each.search(said.text) for each in patterns))):
                 said = _with_words(said, min(found, key=_rank), means)
                 words.update(said.text.split())
-        return said
+                yield said
 
     @cached_property
     def _templates(self) -> dict[str, list[tuple[str, set[str]]]]:
@@ -136,6 +183,10 @@ class OtherReadings:
         return bool(found) and not _BEHIND_NUMBER.isdisjoint(found[0][1])
 
 
+def _end(match: re.Match[str] | None) -> int:
+    return match.end() if match else 0
+
+
 def _spaced(text: str) -> str:
     """A text in which numbers, words and marks stand apart."""
     return " ".join(_PIECE.findall(text.casefold()))
@@ -144,7 +195,7 @@ def _spaced(text: str) -> str:
 @cache
 def _pattern_of(template: str) -> re.Pattern[str]:
     """The pattern of a template, in which "{}" is any words up to an end."""
-    said = template_pattern(template).replace("{}", "(.+?)")
+    said = template_pattern(template).replace("{}", _ANY_WORDS)
     if "{}" in template:
         return re.compile(rf"^(?:(?:{_BEFORE}) (?:, )?){{0,3}}(?:{said}){_BEHIND}$")
     return re.compile(rf"(?<![^ ])(?:{said})(?= |$)")

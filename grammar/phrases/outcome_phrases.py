@@ -285,9 +285,9 @@ class Questions(TokenReader):
         return ph.Ask(span, "value", thing=thing, state=state, whole=True)
 
     def distance_part(self, children: Children) -> ph.Ask:
-        """A question for a distance: "how far is the box from the mug"."""
-        span, (one, other) = self.span_of(children), things_in(children)
-        which, than = ("distance",), (other.ref,)
+        """A question for a distance: how far is the box from the mug, how far apart are they."""
+        span, (one, *others) = self.span_of(children), things_in(children)
+        which, than = ("distance",), tuple(other.ref for other in others)
         return ph.Ask(span, "value", thing=one, which=which, than=than, whole=True)
 
     def same_with_part(self, children: Children) -> list[ph.Part]:

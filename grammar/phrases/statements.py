@@ -11,16 +11,18 @@ the edge, push it" is "the mug, push it". All this is tried on a text that is no
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
+from copy import copy
 from dataclasses import replace
 from functools import cached_property
 from itertools import islice
 
 from grammar.frames.command import Span
+from grammar.phrases.idle_words import IdleWords
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
 from grammar.words.phrase_places import WORD, Phrases
-from grammar.words.phrase_templates import template_pattern
+from grammar.words.phrase_templates import expand_template, template_pattern
 
 _HOW = frozenset({"AVOID_DOING", "COMING_WITHIN", "ENSURE", "EXCEPT", "FORCE_UNIT", "KEEP", "KEEPS",
                   "LETTING", "MANNER", "SPEED_UNIT", "STAYS", "UNTIL", "USING",
@@ -50,7 +52,7 @@ _DOING = frozenset({"he", "i", "never", "not", "she", "they", "to", "we", "who",
 """Words behind which a verb says what somebody does, and is no command."""
 
 _SHAPES = {
-    "openings": "(?:(?:{0}) (?:, )?)*",
+    "openings": "(?>(?:{0}) (?:, )?)*+",  # atomic, since "oh no" may be one opening or two
     "about_it": "(?:{0}) ",
     "persons": "(?:{0}) ",
     "adverbs": "(?:(?:{0}) )*",
@@ -61,11 +63,19 @@ _SHAPES = {
 }
 """Where the words of each kind stand."""
 
-_POINTS = re.compile(r"(?<![^ ])(?:its?|them|they|this|these|those|that)(?= |$)")
+_AMOUNT = (
+    r"(?:(?:about|just|only) )?(?:\d|a|an|half|[a-z]+teen|[a-z]+ty|one|two|three|four|five|six|"
+    "seven|eight|nine|ten|twelve)(?= |$|[^a-z])"
+)
+_POINTS = re.compile(
+    rf"(?<![^ ])(?<!do )(?!(?<=make )it {_AMOUNT})(?:its?|them|they|this|these|those|that)(?= |$)"
+)
 _NAMED = re.compile(r"(?<![^ ])(?:the|my|your|our|an?|every|both|all)(?= )")
 _SEVERAL = re.compile(r"(?<![^ ])(?:all|both|each|every|everything|rest|others?|two|three)(?= |$)")
+_SEVERAL_BUT = re.compile(r"(?<![^ ])(?:all|any|both|each|every(?:thing|body|one)?)$")
 _JOINT = re.compile(r"(?:(?:so|and|then|but|now|well|please|ok|okay)(?: ,)? )+|[,.;!?] ")
 _SENTENCE_END = re.compile(r" [.;!?](?= )")
+_END = re.compile(r" [,.;!?](?= )")
 _PAUSE = re.compile(r" ,(?= )|(?<=[^ ,.;])(?= (?:so|but) (?!that |far |much |, ))")
 _AND = re.compile(r" (?:and|but|while)(?= )")
 _ARTICLES = frozenset({"a", "an", "her", "his", "my", "our", "that", "the", "their", "these",
@@ -92,11 +102,21 @@ class Statements:
         self._ends_names = lexicon.ends_names
         self._stops = frozenset(lexicon.phrases_of("STOP"))
         self._statements = lexicon.statements
+        self._thanks = frozenset(lexicon.courtesy["thanking"].split())
+        self._idle = IdleWords(lexicon, phrases)
+
+    def with_names(self, names: Collection[str]) -> Statements:
+        """The same, where some words are those of the names of objects."""
+        statements = copy(self)
+        statements._idle = self._idle.with_names(names)
+        return statements
 
     @cached_property
     def _told(self) -> dict[str, re.Pattern[str]]:
         """The patterns of the words of each kind, made for the first text that needs them."""
         said = {k: "|".join(map(template_pattern, t)) for k, t in self._statements.items()}
+        openings = {each for t in self._statements["openings"] for each in expand_template(t)}
+        said["openings"] = "|".join(map(re.escape, sorted(openings, key=len, reverse=True)))
         return {kind: re.compile(shape.format(said[kind])) for kind, shape in _SHAPES.items()}
 
     def readings(self, said: Normalised) -> Iterator[tuple[Normalised, Normalised | None]]:
@@ -151,6 +171,8 @@ class Statements:
 
     def _all_tell(self, text: str, span: Span, denied: frozenset[str], least: int) -> bool:
         """Check for a part of a text that is a statement, or several ones."""
+        if _SEVERAL_BUT.search(text, *span):
+            return False  # "all but the mug"
         if self._tells(text, span, least, denied):
             return True
         parts = [part for part in _parts(text, span, _PAUSE) if not self._only_opens(text, part)]
@@ -164,10 +186,12 @@ class Statements:
     def _tells(self, text: str, span: Span, least: int = 2, denied: frozenset[str] = _HOW) -> bool:
         """Check for a part of a text that is a statement."""
         text = text[slice(*span)].strip(" ,.;!?")
+        if text in self._stops:
+            return False  # "push it. Never mind"
         if self._told["whole"].fullmatch(text):
             return True
         text = text[self._start(text) :]
-        if self._told["whole"].fullmatch(text):
+        if self._is_idle(text):
             return True
         if plan := self._told["plans"].match(text):
             return self._plans_elsewhere(text, plan.end())
@@ -176,6 +200,21 @@ class Statements:
             return False
         known = self._is_told(text, subject) or self._told["persons"].match(text)
         return not self._says_how(text, denied if known else denied | _TAIL | _WHERE)
+
+    def _is_idle(self, text: str) -> bool:
+        return bool(self._told["whole"].fullmatch(text)) or self._idle.are_all(text)
+
+    def only_tells(self, said: Normalised) -> bool:
+        """Check for thanks of which every part is idle: "not to worry, you have been kind"."""
+        text = said.text
+        if self._thanks.isdisjoint(text.split()):
+            return False
+        parts = _parts(text, (0, len(text)), _END)
+        told = (text[slice(*part)].strip(" ,.;!?") for part in parts)
+        return not said.question and all(
+            self._only_opens(each, (0, len(each))) or self._is_idle(each[self._start(each) :])
+            for each in told
+        )
 
     def _plans_elsewhere(self, text: str, start: int) -> bool:
         """Check for what somebody is going to do without any thing or action that is known."""
@@ -279,6 +318,8 @@ class Statements:
         for first, end in _parts(text, span, _AND):
             start = first + self._start(text[first:end])
             said = text[start:end]
+            if self._is_idle(said.strip(" ,.;!?")):
+                continue
             one = self._told["about_it"].match(said)
             if one and self._is_told(said, one.end()):
                 continue

@@ -25,8 +25,8 @@ from grammar.words.repeats import Repeats
 
 _Search = Callable[[str, int], re.Match[str] | None]
 
-_HESITATING = frozenset({",", "ah", "eh", "ehm", "er", "erm", "err", "oh", "uh", "uhh", "uhm", "um",
-                         "umm", "well"})  # fmt: skip
+_HESITATING = frozenset({",", "ah", "eh", "ehm", "er", "erm", "err", "hm", "hmm", "hmmm", "mm",
+                         "mmm", "oh", "uh", "uhh", "uhm", "um", "umm", "well"})  # fmt: skip
 """Marks that may be nothing but a pause."""
 
 _SHAPES = {
@@ -37,6 +37,7 @@ _SHAPES = {
     r"(?:(?:(?: ,)? )?(?<![^ ])(?:{0}))+(?= |$)",
     "reasons": r"(?:^(?!so (?!that ))|(?<= ))(?:{0})(?= |$)",
     "statements": r"(?<=[^ ] )(?:{0})(?: [^,.;]+)?(?= [,.;] )",
+    "shares": r"(?<=[^ ] )(?:{0})(?=$| )",
     "restarts": r"(?:^|(?<=[.;] )|(?<=^no )(?:, )?)(?:{0})(?= )",
     "after": r"(?<![^ ])(?<!the )(?:{0})(?=$| [.;])",
     "before": r"(?:^|(?<=[.;] ))(?:{0})(?= |$)",
@@ -49,6 +50,9 @@ _SHAPES = {
 _BY_FIRST_WORD = frozenset({"reasons", "after", "before"})
 """Kinds that begin with their first word, and have so many templates that only those that begin
 with a word of the text are made patterns of."""
+
+_WHEN = frozenset({"afterwards", "later", "now", "then", "today"})
+"""Words behind which a question is still one: "would you be able to close it again later?"."""
 
 _MOST_REPEATS = 4
 """Repeats that are left out of one sentence, so that no text takes long."""
@@ -74,6 +78,13 @@ _NO_REASON_BEHIND = re.compile(
     "|after|before|if|or|that|unless|until|whether|when|which|while) $"
 )
 """What looks like a reason is none: "as soon as it is", "leave it as it is", "if it bothers me"."""
+
+_SEVERAL = re.compile(r"(?<![^ ])(?:and|them|they|these|those|both|all|two|three|four)(?= )")
+
+_WHERE = ("DIRECTION", "TOWARD", "REGION_OF_TABLE")
+
+_TAKES_BACK = re.compile(r"(?<![^ ])(?:joking|kidding)(?= |$)")
+"""What is no reason, but takes back what was said: "I was joking"."""
 
 _STRAY = re.compile(
     r"(?<= the) ,(?= )|(?<=^the) ,(?= )|"
@@ -106,7 +117,8 @@ class Asides:
         for kind in _SHAPES:
             if kind == "before":
                 said = self._courtesy.put_plainly(said)
-            near = _OPENING.findall(said.text) if kind == "before" else words
+            opens = kind == "before" or (kind == "restarts" and not said.text.startswith("no "))
+            near = _OPENING.findall(said.text) if opens else words
             if not self._templates[kind].keys().isdisjoint(near):
                 said = self._without_all(said, kind, partial(self._aside_in, kind))
         if spoken.count(",") > 1:
@@ -201,6 +213,8 @@ class Asides:
     def _without(self, said: Normalised, kind: str, match: re.Match[str]) -> Normalised | None:
         """The sentence without a match, changed as its kind asks; None if it has to stay."""
         start, end = match.span()
+        if kind == "shares" and not self._is_shared(said.text, match):
+            return None
         if kind == "reasons":
             return self._without_reason(said, start, end)
         if kind == "hesitations" and self._corrections.begins_a_group(said.text, end + 1):
@@ -224,8 +238,24 @@ class Asides:
             return None
         polite = kind in ("before", "after") and re.search(r"\b(?:you|we|please)\b", match[0])
         tagged = kind in ("after", "fillers") and start > 0 and end == len(said.text)
-        tagged = tagged and match[0] != "then"
+        tagged = tagged and match[0].rpartition(" ")[2] not in _WHEN
         return replace(left, question=said.question and not (polite or tagged))
+
+    def _is_shared(self, text: str, match: re.Match[str]) -> bool:
+        """Check for "each" of what is done to several things, not "push each to the left"."""
+        said, before = match[0].lstrip(", "), text[: match.start()].rstrip(" ,")
+        each = said.startswith(("each", "apiece"))
+        several = _SEVERAL.search(before) is not None
+        if match.end() == len(text) or text[match.end() + 1] in ".;":
+            return (each or several) and (
+                self._courtesy.is_said(before) or said.startswith(("in", "one", "turn"))
+            )
+        goes_on = self._phrases.has_any_at(_WHERE, text, match.end() + 1)
+        measured = text[match.end() + 1 :].startswith("by ") or text[match.end() + 1].isdigit()
+        measured = measured or said.startswith(("in", "one", "turn"))
+        if each and goes_on and match[0] == said:
+            return self._courtesy.is_said(before)  # "5 cm each to the left"
+        return several and (measured or goes_on) and not self._courtesy.is_said(before)
 
     def _with_pauses(self, text: str, start: int, end: int) -> Span:
         """A filler with the pauses around it that stand within a phrase, or within a name."""
@@ -264,7 +294,7 @@ class Asides:
         if _NO_REASON_BEHIND.search(said.text, 0, start):
             return None
         end = self._reasons.end_of(said.text, start, opened)
-        if end is None:
+        if end is None or _TAKES_BACK.search(said.text, start, end):
             return None
         if start == 0 and (topic := _TOPIC.match(said.text)):
             if said.text[end] != ",":

@@ -78,6 +78,8 @@ class Corrections:
             return said.words_in((0, verbs[-1].start), (end, len(said.text)))
         if not before or not after:
             return None
+        if len(before) == 1 and "NOT" in before[0].kinds and "THING" in after[0].kinds:
+            return None  # "not the mug, I meant the jar"
         inner = self._within(said.text, before[-1], after[0].kinds)
         if only and not only & after[0].kinds & (only if inner else before[-1].kinds):
             return None

@@ -34,6 +34,7 @@ _BEGS = re.compile("(?:please )?(?:can|could|may|might) (?:i|we) (?:please )?(?:
 """A request, if a thing and a participle follow: "could I have the jar pushed away"."""
 
 _ABOUT_IT = ("IS_IT", "HOW", "HOW_MUCH_DOES", "WHERE_IS", "CAN_YOU")
+_IS_TO_GO = re.compile(r"(?:it|that|they|those) (?:should|must|ought to) (?:go|be) ")
 _BEHIND_TOPIC = re.compile(r" ([,.;?!]|and)(?: (?:and|then|please|now|(?:could|would) you))* ")
 _NEW_THING = re.compile(r"(?:there|here) is an? ")
 _BEHIND_NEW_THING = re.compile(
@@ -57,6 +58,9 @@ _OUTCOME = re.compile(
     "(?:what|who|which|where|when|how|why) (?:is|are|was|will|would|could|should) "
 )
 """The beginning of a question for what becomes of something: "what would be pushing it"."""
+
+_FORBIDDEN = frozenset({"must", "nothing"})
+"""What must not be is no courtesy, whatever its words: "nothing must happen to it"."""
 
 _PAUSES = frozenset(",.;!?")
 _LONGEST_REQUEST = 20
@@ -117,7 +121,7 @@ class Courtesy:
         """Check for words of courtesy that do not just point at something."""
         if not known.issuperset(words) or self._words["pointing"].issuperset(words):
             return False
-        if self._names_a_thing(words) or _goes_ahead(words):
+        if self._names_a_thing(words) or _goes_ahead(words) or _FORBIDDEN.issubset(words):
             return False
         return not self._is_read(words) and not self._says_something(" ".join(words))
 
@@ -192,7 +196,8 @@ class Courtesy:
         start = new.end() if new else topic.end()
         behind = _BEHIND_NEW_THING if new else _BEHIND_TOPIC
         for pause in behind.finditer(said.text, start):
-            if self._has_kind({"VERB", *_ABOUT_IT}, said.text, pause.end()):
+            told = topic[0] == "now " and _IS_TO_GO.match(said.text, pause.end())
+            if told or self._has_kind({"VERB", *_ABOUT_IT}, said.text, pause.end()):
                 text = f"{said.text[: pause.start()]} , {said.text[pause.end() :]}"
                 columns = said.columns[: pause.start()], said.columns[pause.end() :]
                 comma = said.columns[pause.start(1)][0], said.columns[pause.end(1) - 1][1]
@@ -264,11 +269,11 @@ class Courtesy:
         for i in range(len(words) - 1, max(2, len(words) - _LONGEST_CLOSING), -1):
             if words[i] in self._words["ending"] and self._is_courtesy(words[i:], self._closing):
                 end = list(WORD.finditer(said.text))[i - 1].end()
-                if self._is_said(said.text[:end]):
+                if self.is_said(said.text[:end]):
                     return replace(said, text=said.text[:end], columns=said.columns[:end])
         return said
 
-    def _is_said(self, text: str) -> bool:
+    def is_said(self, text: str) -> bool:
         """Check for a text that ends in a whole phrase about where, how or how far."""
         starts = [m.start() for m in WORD.finditer(text)][-_LONGEST_CLOSING:]
         return any(

@@ -25,7 +25,11 @@ _AGAIN = frozenset({"again", "too", "also", "as", "well", "please"})
 
 
 class KnownNames:
-    """Finds the names of some objects in sentences in plain form."""
+    """Finds the names of some objects in sentences in plain form.
+
+    Attributes:
+        words: the words of these names.
+    """
 
     def __init__(self, names: Iterable[str], lexicon: Lexicon) -> None:
         plain = {" ".join(name.casefold().replace("-", " ").split()) for name in names}
@@ -34,14 +38,14 @@ class KnownNames:
         told = lexicon.adjectives.keys() | lexicon.numbers.ordinals.keys()
         one = rf"(?:{'|'.join(sorted(told))}) ones?"
         self._name = re.compile(rf"(?<![^ ])(?:{either}|{one})(?= |$)")
-        self._words = {word for name in own for word in name.split()}
+        self.words = {word for name in own for word in name.split()}
         numbers = lexicon.numbers.pattern.pattern
         self._told_where = re.compile(rf"(the (?:{either})) (?={_GOES}(?: |$)|\d|{numbers})")
         determining = (
             w for kind in ("THE", "A", "THAT", "QUANTIFIER") for w in lexicon.terminals[kind]
         )
-        self._before_name = {*(w.split()[-1] for w in determining), *told, *self._words}
-        self._told = {"the", "other", *told, *self._words, "one", "ones"}
+        self._before_name = {*(w.split()[-1] for w in determining), *told, *self.words}
+        self._told = {"the", "other", *told, *self.words, "one", "ones"}
         self._borne = self._told | set(lexicon.nobodies) | {"it", "them", "they", "that", "this"}
         self._silent = lexicon.silent_words - {"the"}
 
@@ -63,7 +67,7 @@ class KnownNames:
     def _without_one(self, said: Normalised) -> Normalised:
         """The sentence with "the coffee" in the place of "the coffee one"."""
         for one in _ONE.finditer(said.text):
-            if said.text[: one.start()].rpartition(" ")[2] in self._words:
+            if said.text[: one.start()].rpartition(" ")[2] in self.words:
                 return _with_words(said, one.start(), one.end(), "")
         return said
 

@@ -65,9 +65,9 @@ class Phrases:
         self._goals = {verb: asks.goal for verb, asks in lexicon.verbs.items()}
         self._most: dict[str, int] = {}
         for phrase in self._kinds:
-            first, *more = phrase.split(" ")
-            if len(more) >= self._most.get(first, 0):
-                self._most[first] = len(more) + 1
+            first, count = phrase.partition(" ")[0], phrase.count(" ") + 1
+            if count > self._most.get(first, 0):
+                self._most[first] = count
 
     def phrases_at(self, text: str, start: int) -> list[tuple[str, tuple[str, ...]]]:
         """The phrases that stand in a text from the start of a word, longest first."""

@@ -43,6 +43,7 @@ from nlcontrol.references.reference_search import (
     find_object,
     find_several,
     matching_objects,
+    no_group_error,
     with_number,
 )
 from planner.types.defaults import DEFAULTS, Defaults
@@ -164,8 +165,36 @@ def _references_in(part: BaseModel) -> list[ObjectRef]:
     return [part for part in parts if isinstance(part, ObjectRef)]
 
 
+def _frame_of_pair(frame: Frame, spoken: Spoken) -> Frame:
+    """A question about "the two" as one about the first and the second of them.
+
+    Those that were compared last, or handled together, come before those that were moved last.
+
+    Raises:
+        ControlError: `no_antecedent`, if it asks how far apart things are that were not named.
+    """
+    goal, ref = frame.goal, frame.object
+    if not isinstance(goal, Parameters) or goal.than or ref is None or ref.reference:
+        return frame
+    apart = goal.which == ("distance",)
+    compares = frame.query == "compare" and ref.text.endswith("er")
+    if not (apart or compares):
+        return frame
+    moved = tuple(dict.fromkeys(reversed(spoken.moved)))[:2]
+    may = (spoken.latest, spoken.group) if apart else (spoken.group, spoken.it)
+    pair = next((set(names) for names in (*may, moved) if len(set(names)) == 2), None)
+    if pair is None and apart:
+        raise no_group_error(ref, spoken)
+    if pair is None:
+        return frame
+    one, other = (ObjectRef(text=name, spans=ref.spans, id=name) for name in sorted(pair))
+    goal = goal.model_copy(update={"than": (other,)})
+    return frame.model_copy(update={"object": one, "goal": goal})
+
+
 def _frames_of_several(frame: Frame, around: Surroundings, spoken: Spoken) -> list[Frame]:
     """A frame for each of its objects: first what is foremost on the way, which would be hit."""
+    frame = _frame_of_pair(frame, spoken)
     ref = frame.object
     if ref is not None and frame.query in (None, "possible"):
         ref = with_number(ref, around)

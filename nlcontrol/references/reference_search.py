@@ -181,7 +181,12 @@ def _those_spoken_of(ref: ObjectRef, spoken: Spoken) -> list[str]:
     names = list(spoken.doubt or spoken.group)
     if len(names) > 1:
         return names
-    raise error(
+    raise no_group_error(ref, spoken)
+
+
+def no_group_error(ref: ObjectRef, spoken: Spoken) -> ControlError:
+    """The error of "them" where no objects were spoken of together."""
+    return error(
         "no_antecedent",
         f"'{ref.text}' — no objects were spoken of together",
         span=whole_span(ref.spans),

@@ -307,10 +307,10 @@ class Conversation:
         among = tuple(named) if len(named) > 1 else None  # "the mug, not the jar"
         doubt = () if unnamed else among if named else self.context.doubt
         self.context = replace(self.context, last=last, doubt=doubt)
-        self._asked_in_vain = text.rstrip().endswith("?")
-        self._spoken = self._spoken if self._asked_in_vain else ()
-        self._lost_names = named
-        other = not self._asked_in_vain and bool(named) and set(named) != set(self.context.latest)
+        self._asked_in_vain = spoken.asks(text)
+        self._spoken, self._lost_names = self._spoken if self._asked_in_vain else (), named
+        known = list[str](), [*self.context.latest]
+        other = not self._asked_in_vain and (bool(among) or named not in known)
         self._lost = self._lost or other
         has_verb = follow_up.has_verb(text)
         self._lost_verb = self._lost_verb or (has_verb and not self._asked_in_vain)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
+from dataclasses import replace
 from itertools import chain
 from random import Random
 
@@ -114,8 +115,8 @@ def _as_it_is_read(command: Command) -> Normalised:
     """The plain form of a command that the grammar reads, which may be put in other words."""
     whole = normalise(command.text, LEXICON.contractions)
     sentence = _ASIDES.left_out(whole)
-    if not sentence.text:
-        return sentence
+    if not sentence.text or command.frames[0].dialogue == "thank":
+        return replace(sentence, text="")
     for said in chain([sentence], default_parser()._other_readings(sentence, whole, None)):
         with suppress(UnexpectedTokenError):
             _PARSER.parse(said.text)

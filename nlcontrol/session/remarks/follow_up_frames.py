@@ -5,6 +5,7 @@ What is done with them is `nlcontrol.session.conversation`'s matter.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,7 @@ from grammar.frames import command as g
 from grammar.frames.conflicts import HOW_FAR
 from grammar.words.lexicon_plugins import installed_lexicon
 from nlcontrol.errors import error, whole_span
+from nlcontrol.references.object_names import name_words
 from nlcontrol.references.reference_resolution import parts_within
 from nlcontrol.session.remarks.merged_frames import (
     FAR_FIELDS,
@@ -38,6 +40,11 @@ if TYPE_CHECKING:
     from nlcontrol.results.result import Result
 
 _ONE = ("one", "ones")
+_NOT_MEANT = re.compile(
+    r"(?:not|instead of|rather than) (?:the|my|your) ([a-z ]+?)(?= but |,|\.|;|!| - |: |$)"
+)
+"""What a correction says is not meant."""
+
 _AS_COMMAND = {"query": None, "event": None, "negated": False}
 
 
@@ -66,7 +73,7 @@ def meant_command(
             case None:
                 frames.append(frame)
             case "correct":
-                frames += _corrected_frames(frame, said, done)
+                frames += _corrected_frames(frame, said, done, command.text)
             case "more":
                 frames += _continued_frames(frame, frames, said, done)
             case remark:
@@ -113,7 +120,7 @@ def _continued_frames(
 
 
 def _corrected_frames(
-    frame: g.Frame, said: Result | None, done: Result | None
+    frame: g.Frame, said: Result | None, done: Result | None, text: str
 ) -> tuple[g.Frame, ...]:
     followed = followed_frames(frame, frames_said(said), frames_said(done))
     last = said if followed == frames_said(said) else done
@@ -132,7 +139,37 @@ def _corrected_frames(
     if isinstance(frame.goal, g.Place):  # "take it and put it there", "rather in front of it"
         while len(before) > 1 and isinstance(before[0].goal, g.Lift):
             before.pop(0)
-    return correct_frame(before, frame, wrong)
+    return _with_other_named(before, frame, text) or correct_frame(before, frame, wrong)
+
+
+def _with_other_named(before: Sequence[g.Frame], said: g.Frame, text: str) -> tuple[g.Frame, ...]:
+    """The frames with what is meant in the place of what is not, where that is not their object.
+
+    "Not the jar, the cup" after "put the mug next to the jar".
+
+    Raises:
+        ControlError: `nothing_before`, if what is not meant was not named.
+    """
+    instead, told = said.object, _NOT_MEANT.search(text.casefold())
+    if instead is None or told is None:
+        return ()
+    wrong = set(name_words(told[1]))
+    if any(frame.object and _is_called(frame.object, wrong) for frame in before):
+        return ()
+
+    def in_place(ref: g.ObjectRef) -> g.ObjectRef:
+        return instead if _is_called(ref, wrong) else by_name(ref)
+
+    said = said.model_copy(update={"object": None})
+    renamed = tuple(without_spans(frame, in_place) for frame in before)
+    if renamed == tuple(without_spans(frame) for frame in before):
+        nothing_before(f"“{told[1]}” was not named before")
+    return (merge_frames(renamed[0], said), *renamed[1:])
+
+
+def _is_called(ref: g.ObjectRef, words: set[str]) -> bool:
+    """Check for an object that some words may name, by what it was called or is called."""
+    return words <= set(name_words(ref.text)) or words <= set(name_words(ref.id or ""))
 
 
 def repeat_frames(before: Sequence[g.Frame], said: g.Frame) -> tuple[g.Frame, ...]:

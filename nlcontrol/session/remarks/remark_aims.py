@@ -129,9 +129,10 @@ def joins_last(command: g.Command) -> bool:
 
 
 def corrects_object(command: g.Command) -> bool:
-    """Check for "no, the mug"."""
+    """Check for "no, the mug", which is no whole command as "no, push the mug away" is."""
     first = command.frames[0]
-    return first.dialogue == "correct" and first.object is not None
+    said = first.object is not None and not first.object.pronoun and first.goal.kind != "none"
+    return first.dialogue == "correct" and bool(first.object) and not (first.action and said)
 
 
 def says_something(said: g.Frame) -> bool:

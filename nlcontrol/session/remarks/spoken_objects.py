@@ -33,6 +33,7 @@ _TELLING = frozenset({"left", "right", "other", "first", "last", "big", "small"}
 _WORDS = re.compile(r"[^\s\-_,.;:!?]+|[,.;:!?]")
 _DETERMINERS = frozenset({"her", "his", "my", "our", "that", "the", "their", "this", "your"})
 _NO_OBJECT = frozenset({"direction", "side", "way"})
+_REQUEST = re.compile(r"\b(?:would|could|will) you (?:please |kindly |do |mind )")
 _WHICH = frozenset({"which", "what", "who"})
 _NOT_FOUND = ("ambiguous_object", "no_antecedent", "not_on_table", "unknown_object")
 
@@ -120,6 +121,11 @@ def _misses_its_object(result: Result) -> bool:
     parts = (part for frame in told if frame.object for part in parts_within(frame.object))
     spans = [whole_span(part.spans) for part in parts if isinstance(part, g.ObjectRef)]
     return refused is not None and refused.code in _NOT_FOUND and refused.span in spans
+
+
+def asks(text: str) -> bool:
+    """Check for a question that is no request, as "would you push the mug away?" is one."""
+    return text.rstrip().endswith("?") and not _REQUEST.search(text.casefold())
 
 
 def asks_which(text: str) -> bool:

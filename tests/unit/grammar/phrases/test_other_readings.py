@@ -43,6 +43,28 @@ KNOWN = parser_for({"tea tin", "coffee box", "jar"})
         ("now the jar. Take its lid off", "open the jar"),
         ("be careful with the jar, please. Push it away", "gently push the jar away"),
         ("is the jar left of the tea tin or behind it?", "is the jar left of the tea tin?"),
+        ("give the jar a quarter turn to the left", "turn the jar by 90 degrees to the left"),
+        ("the jar needs half a turn clockwise", "turn the jar clockwise by half a turn"),
+        ("get the jar over here", "move the jar toward me"),
+        ("turn the jar so that its label points to me", "turn the jar to face me"),
+        (
+            "the other way round: the jar should face the tea tin",
+            "turn the jar to face the tea tin",
+        ),
+        ("roughly how heavy is the jar?", "how heavy is the jar?"),
+        ("bring it to me, the jar I mean, but slowly", "bring the jar to me slowly"),
+        ("I need the jar half full of tea", "fill the jar half full with tea"),
+        ("it was better where it stood", "undo that"),
+        ("did you move the jar?", "what did you do?"),
+        ("which of the three boxes is the heaviest?", "which of the boxes is the heaviest?"),
+        ("let's try the jar next, the same way", "the same with the jar"),
+        ("not the jar, I meant the tea tin", "no, not the jar, the tea tin"),
+        ("I've changed my mind, push the jar away", "push the jar away"),
+        ("first the jar: move it 8 cm to the left", "move the jar 8 cm to the left"),
+        ("now set it down to the right of the jar", "put it to the right of the jar"),
+        ("push it there, and keep going until it tips", "do it until it tips"),
+        ("now the jar, that should go next to the tea tin", "move the jar next to the tea tin"),
+        ("jar. Ten centimetres left", "move the jar 10 cm to the left"),
     ],
 )
 def test_few_words_mean_what_many_do(said: str, plain: str) -> None:
@@ -66,6 +88,23 @@ def test_the_unit_is_that_of_the_last_sentence_that_has_one() -> None:
     assert KNOWN.parse("make it 8", before).frames[0].goal.model_dump()["distance"] == 0.008
     with pytest.raises(ParseError):
         KNOWN.parse("make it 8", ("push the jar 5 cm with 3 N",))
+
+
+@pytest.mark.parametrize(
+    "said",
+    ["is the jar 5 cm to the left?", "the jar is left of the tin", "not the jar, 5 cm to the left"],
+)
+def test_what_is_only_said_of_a_thing_does_not_move_it(said: str) -> None:
+    try:
+        frames = KNOWN.parse(said).frames
+    except ParseError:
+        return
+    assert all(frame.action is None for frame in frames)
+
+
+def test_two_are_not_all_that_were_spoken_of() -> None:
+    with pytest.raises(ParseError):
+        parse("push those two 10 cm away")
 
 
 def test_a_can_is_a_thing_and_no_courtesy() -> None:

@@ -52,6 +52,24 @@ def test_what_may_say_what_is_meant_is_no_statement(text: str) -> None:
         parse(text)
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Push the mug left. Never mind.",
+        "Push the mug left. I was joking.",
+        "Push the mug left. That was a mistake.",
+        "Push the mug left. Later.",
+        "Push the mug left. Stop.",
+        "Nothing must happen to it. Push the mug left.",
+        "Now all but the mug, 5 cm away.",
+    ],
+)
+def test_what_takes_a_command_back_or_forbids_something_is_not_left_out(text: str) -> None:
+    with pytest.raises(ParseError) as caught:
+        parse(text)
+    assert not any("thank you" in each for each in caught.value.suggestions)
+
+
 def test_a_question_with_a_way_before_it_is_refused_quietly() -> None:
     with pytest.raises(ParseError):
         parse("at the top. did it blorp?")

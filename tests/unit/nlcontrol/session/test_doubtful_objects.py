@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from nlcontrol import Controller, Conversation
+from nlcontrol.session.remarks.spoken_objects import asks
 
 
 @pytest.mark.parametrize(
@@ -61,7 +62,12 @@ def test_a_statement_is_not_taken_for_a_name() -> None:
 def test_it_is_asked_back_after_a_question_for_the_most_that_was_not_read() -> None:
     talk = Conversation(Controller("kitchen", seed=1))
     assert talk.say("push the mug to the left by 10 cm", plan_only=True).status == "planned"
-    assert talk.say("heaviest thing on the table?", plan_only=True).status == "not_understood"
+    assert talk.say("heaviest thingummy over yonder?", plan_only=True).status == "not_understood"
     pushed = talk.say("push it away from you", plan_only=True)
     assert pushed.error is not None
     assert pushed.error.code == "no_antecedent"
+
+
+def test_a_request_is_no_question() -> None:
+    assert asks("would you move it?")
+    assert not asks("Would you do me a favour and put the can there?")
