@@ -223,6 +223,8 @@ def _with_words(said: Normalised, match: re.Match[str], means: str) -> Normalise
             start, end = places[int(told) - 1] if told else next(following)
             text += said.text[start:end]
             columns += said.columns[start:end]
+    if not re.search("[a-z]", _PIECES.sub(r"\1", means)):  # no word of its own is for all of it
+        columns[0], columns[-1] = (over[0], columns[0][1]), (columns[-1][0], over[1])
     return replace(
         said,
         text=said.text[: match.start()] + text + said.text[match.end() :],

@@ -51,8 +51,12 @@ class KnownNames:
 
     def are_borne(self, frames: Iterable[Frame]) -> bool:
         """Check for frames in whose names each word is of some object, or tells objects apart."""
-        words = {w for frame in frames for ref in references_in(frame) for w in ref.text.split()}
-        return words <= self._borne
+        names = (
+            ref.noun if ref.qualities else ref.text
+            for frame in frames
+            for ref in references_in(frame)
+        )
+        return all(self._borne.issuperset(name.split()) for name in names)
 
     def readings(self, said: Normalised) -> Iterator[Normalised]:
         """Yield the sentence in the ways in which it may be meant, the likelier first."""

@@ -70,10 +70,20 @@ def _time(text: str) -> float:
     return time.process_time() - start
 
 
-@pytest.mark.parametrize("quality", ["more slippery", "less slippery", "grippier", "heavier"])
-def test_which_of_several_is_more_so_is_refused_or_read(quality: str) -> None:
-    with suppress(ParseError):
-        parse(f"which of them is {quality}?")
+@pytest.mark.parametrize(
+    ("words", "quality"),
+    [
+        ("more slippery", "slippery"),
+        ("the least slippery", "rough"),
+        ("grippier", "rough"),
+        ("heavier", "heavy"),
+    ],
+)
+def test_which_of_several_is_more_so_is_asked(words: str, quality: str) -> None:
+    (frame,) = parse(f"which of them is {words}?").frames
+    assert frame.query == "compare"
+    assert frame.object is not None
+    assert frame.object.qualities == (quality,)
 
 
 @pytest.mark.parametrize("text", ["at the top. move?", "would. move if you poke it?"])
