@@ -8,7 +8,8 @@ A bundle that fails is taken apart: each of its tasks is tried once more by itse
 ends takes its whole pool with it, and nobody tells at which task it was. So a bundle that was lost
 with it is tried in a new pool in which nothing else is under way: the guilty task ends that too,
 and the others come through. An executor of the caller's cannot be replaced so: Dask carries tasks
-out elsewhere by itself, and where another one breaks, the run ends.
+out elsewhere by itself, and blames all that were on workers that ended, so those are tried once
+more with nothing else under way; where another executor breaks, the run ends.
 """
 
 from __future__ import annotations
@@ -134,15 +135,16 @@ class _Pool(ExitStack, Generic[T, R]):
             bundle, future = self._waiting.popleft()
             self._held -= len(bundle)
             self._require_executor(future)
-            if _is_lost(future) or (future.exception() and len(bundle) > 1):
-                yield from self._tried_alone(bundle)
+            lost = _is_lost(future) or _has_lost_workers(future)
+            if lost or (future.exception() and len(bundle) > 1):
+                yield from self._tried_alone(bundle, quietly=lost or self._given is None)
             else:
                 yield from _futures(future)
 
-    def _tried_alone(self, bundle: Sequence[T]) -> Generator[Future[R]]:
-        """Futures of tasks that failed together, each of them tried by itself."""
+    def _tried_alone(self, bundle: Sequence[T], *, quietly: bool) -> Generator[Future[R]]:
+        """Futures of tasks that failed together, each tried by itself; quietly, with no others."""
         for task in bundle:
-            while self._under_way and self._given is None:
+            while self._under_way and quietly:
                 self.wait()
             future = self._begun((task,))
             wait([future])
@@ -195,6 +197,11 @@ def _futures(done: Future[list[R]]) -> Generator[Future[R]]:
 
 def _is_lost(future: Future[R]) -> bool:
     return future.cancelled() or isinstance(future.exception(), BrokenExecutor)
+
+
+def _has_lost_workers(future: Future[R]) -> bool:
+    """Check for a task that Dask gave up since workers ended that had it, whoever ended them."""
+    return type(_reason(future)).__name__ == "KilledWorker"
 
 
 def _reason(future: Future[R]) -> BaseException | None:

@@ -227,7 +227,8 @@ class Asides:
                     return None  # ", that is the plan"
                 only = RENAMED
             return self._corrections.correction(said, start, end, only)
-        restates = kind == "fillers" and "please" not in match[0]
+        often = said.text.count(match[0]) > _MOST_TRIED
+        restates = kind == "fillers" and "please" not in match[0] and not often
         if restates and (corrected := self._corrections.correction(said, start, end, RESTATED)):
             return corrected
         if kind == "fillers":

@@ -6,7 +6,8 @@ import os
 import signal
 import time
 from collections.abc import Iterator
-from concurrent.futures import BrokenExecutor, ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, Future, ThreadPoolExecutor
+from typing import Any
 
 import pytest
 
@@ -91,3 +92,32 @@ def _root(x: int) -> float:
     import math
 
     return math.sqrt(x)
+
+
+class KilledWorker(Exception):  # noqa: N818
+    """Named as Dask's, which is for all tasks that were on workers that ended."""
+
+
+class _BlamingExecutor(ThreadPoolExecutor):
+    """Gives up a task once that did nothing but stand beside one that ended its workers."""
+
+    def __init__(self, blamed: int, guilty: int) -> None:
+        super().__init__(2)
+        self._guilty, self._given_up = guilty, {blamed, guilty}
+
+    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
+        (task,) = args[1]
+        if task not in self._given_up:
+            return super().submit(fn, *args, **kwargs)
+        self._given_up &= {self._guilty}
+        future: Future[Any] = Future()
+        future.set_exception(KilledWorker())
+        return future
+
+
+def test_who_stood_beside_what_ended_its_workers_is_not_blamed() -> None:
+    bundles = [(n,) for n in range(8)]
+    with _BlamingExecutor(blamed=5, guilty=1) as executor:
+        done = list(finished_tasks(str, bundles, executor=executor, workers=2))
+    assert [future.exception() is None for future in done] == [n != 1 for n in range(8)]
+    assert done[5].result() == "5"
