@@ -103,13 +103,13 @@ class _BlamingExecutor(ThreadPoolExecutor):
 
     def __init__(self, blamed: int, guilty: int) -> None:
         super().__init__(2)
-        self._guilty, self._given_up = guilty, {blamed, guilty}
+        self._blamed, self._given_up = blamed, {blamed, guilty}
 
     def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
         (task,) = args[1]
         if task not in self._given_up:
             return super().submit(fn, *args, **kwargs)
-        self._given_up &= {self._guilty}
+        self._given_up -= {task} & {self._blamed}
         future: Future[Any] = Future()
         future.set_exception(KilledWorker())
         return future
