@@ -246,6 +246,9 @@ class _ClauseReader:
         )
         if any(thing.ref.quantifier in ("all", "rest") for thing in things):
             excepted, excluded = [*excepted, *excluded], []
+        for part in excluded:
+            if part.thing.ref.pronoun:  # "push the mug. Not that"
+                raise unexpected_part(part, self._sentence)
         for part in excepted:
             things = with_exception(things, part, self._sentence)
         self._take_parts(ph.Thing)

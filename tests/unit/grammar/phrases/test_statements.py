@@ -59,6 +59,8 @@ def test_what_may_say_what_is_meant_is_no_statement(text: str) -> None:
         "Push the mug left. I was joking.",
         "Push the mug left. That was a mistake.",
         "Push the mug left. Later.",
+        "Push the mug left. Not this one.",
+        "Push the mug left, not it.",
         "Push the mug left. Stop.",
         "Nothing must happen to it. Push the mug left.",
         "Now all but the mug, 5 cm away.",
