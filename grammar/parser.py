@@ -155,7 +155,7 @@ class Parser:
             return command
         told = islice(self._statements.readings(whole), _MOST_READINGS)
         rests = (self._asides.of_rest(said, topic, whole) for said, topic in told)
-        for said in chain(self._others.readings(sentence, before), rests):
+        for said in filter(_is_said, chain(self._others.readings(sentence, before), rests)):
             with suppress(ParseError):
                 other = self._command_of(said)
                 if self._names.are_borne(other.frames):
@@ -209,6 +209,10 @@ class Parser:
             return self._lalr.parse(sentence.text)
         except UnexpectedTokenError as error:
             raise diagnose(error, sentence, self.lexicon) from None
+
+
+def _is_said(sentence: Normalised) -> bool:
+    return bool(sentence.text)
 
 
 def _thanks(text: str, asides: tuple[Span, ...]) -> Command:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import groupby
 from random import Random
 from typing import Any
@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from grammar import Command, Frame, ParseError, paraphrase, parse
 from grammar.frames.command import Displace, ObjectRef, Place, Span
 from grammar.paraphrasing.sentence_sampler import Sampler
+from grammar.parser import Parser
 from grammar.words.lexicon import NAME_TERMINALS, default_lexicon
 from grammar.words.normalisation import normalise
 from tests.sizes import examples
@@ -110,7 +111,7 @@ def restyled(text: str, rng: Random) -> str:
     return "".join(rng.choice((" ", "  ", "\t", " \n ")) if c == " " else c for c in cased)
 
 
-def read(text: str) -> Command | None:
+def read(text: str, parse: Callable[[str], Command] = parse) -> Command | None:
     """The command; None if the text is refused, with an error that is about the text."""
     try:
         return parse(text)
@@ -214,6 +215,19 @@ PHRASES = st.sampled_from(sorted(KINDS)).flatmap(lambda kind: st.sampled_from(KI
 def test_no_phrase_is_silently_dropped(opening: str, phrases: list[str]) -> None:
     command = read(" ".join([opening, *phrases]))
     assert command is None or not dropped(command)
+
+
+NAMED = Parser(LEXICON).with_names(("ice tea box", "mug", "tea tin", "free bottle"))
+
+
+@settings(max_examples=examples(500), deadline=None)
+@given(OPENINGS, st.lists(PHRASES, max_size=6))
+@example("and our show, thanks, buddy", [])
+def test_any_phrases_are_read_or_refused_where_names_are_known(
+    opening: str, phrases: list[str]
+) -> None:
+    command = read(" ".join([opening, *phrases]), NAMED.parse)
+    assert command is None or command.frames
 
 
 @settings(max_examples=examples(1000), deadline=None)
