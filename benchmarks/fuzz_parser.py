@@ -9,10 +9,11 @@ are libFuzzer's, with the lexicon's phrases as its dictionary; the others work o
 double, repeat and replace them, and put in phrases or pieces of other sentences. The second part
 goes on from what the first one kept, until so many texts were tried in both, and is several times
 as fast, since it measures no coverage: a quarter of its mutations are of characters, the others of
-words. Texts of even length are read as if the names of some objects were known. Only `ParseError` may come out, its span must lie within the text, and no text may take
-longer than `--limit`: one that does is timed again, and its best time counts, since the machine may
-be busy. Times are of processor time; measuring coverage makes the parser about twice as slow. Every
-finding is printed once, and the exit status is 1 if there is any.
+words. Texts of even length are read as if the names of some objects were known. Only `ParseError`
+may come out, its span must lie within the text, and no text may take longer than `--limit`: one
+that does is timed again, and its best time counts, since the machine may be busy. Times are of
+processor time; measuring coverage makes the parser about twice as slow. Every finding is printed
+once, and the exit status is 1 if there is any.
 """
 
 from __future__ import annotations
