@@ -147,6 +147,7 @@ def _complete_clause(
     if (
         head is not None
         and things
+        and any(isinstance(part, ph.Thing) for part in previous)
         and things == [p for p in clause if not isinstance(p, ph.Filler)]
     ):
         return _with_other_things(previous, things)

@@ -41,6 +41,7 @@ def test_whatever_is_read_can_be_said(text: str, said: str) -> None:
         ("again the box", "no_verb", "box"),
         ("separate the away from the edge", "does_not_apply", "from the edge"),
         ("to do it again", "no_verb", "it"),
+        ("pour from the cup into the tin then the mug", "no_verb", "mug"),
         ("pull the box so that it does not move", "contradiction", "so that it does not move"),
         ("poke what is the height of the red can?", "unsupported_question", "poke"),
     ],
