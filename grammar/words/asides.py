@@ -57,6 +57,9 @@ _WHEN = frozenset({"afterwards", "later", "now", "then", "today"})
 _MOST_REPEATS = 4
 """Repeats that are left out of one sentence, so that no text takes long."""
 
+_MANY_WORDS = 120
+"""Words and marks of a text of whose repeats only one is left out, for the same reason."""
+
 _PAUSE = re.compile(" ,(?= )")
 _OPENING = re.compile(r"(?:^|(?<=[.;] ))[^ ]+")
 _MOST_TRIED = 6
@@ -284,7 +287,8 @@ class Asides:
     def _without_repeats(self, said: Normalised) -> Normalised:
         marked = not self._templates["corrections"].keys().isdisjoint(said.text.split())
         marks = self._pattern_of("corrections") if marked else None
-        for _ in range(_MOST_REPEATS):
+        many = said.text.count(" ") >= _MANY_WORDS
+        for _ in range(1 if many else _MOST_REPEATS):
             repeat = self._repeats.repeat_in(said.text, marks)
             if repeat is None or self._is_named(said.text, *repeat):
                 break
