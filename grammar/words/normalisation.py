@@ -31,6 +31,18 @@ _DASH = re.compile(r"(?<= )-+(?= )")
 _RANGE = re.compile(r"(?<=\d)-(?=[.\d])")
 
 
+_SHORT = re.compile(r"([a-z]+?)(n't|'(?:ll|ve|re|d|s))(?= |$)(?: +([^ ]+))?")
+_ASKING = frozenset({"how", "what", "when", "where", "which", "who", "why"})
+_PRONOUNS = frozenset({"he", "here", "it", "one", "she", "that", "there", "this"})
+_BEHIND_IS = re.compile(
+    r"a|already|always|an|as|at|been|better|by|going|gone|got|gotten|gonna|in|just|like|no|not|now|of|on|"
+    r"quite|rather|really|so|still|such|the|there|too|very|way|[a-z]{2,}ing"
+)
+"""Words before which "'s" is "is" or "has"."""
+
+_MEANS = {"n't": "not", "'ll": "will", "'ve": "have", "'re": "are", "'d": "would"}
+
+
 _Letter = tuple[str, int, int]
 """A character of the plain form, and the start and end of the columns it came from."""
 
@@ -229,12 +241,30 @@ def _space_out(letters: list[_Letter]) -> list[_Letter]:
 def _spell_out(letters: list[_Letter], contractions: Mapping[str, str]) -> list[_Letter]:
     """Spells out contractions and leaves one space between words."""
     out: list[_Letter] = []
-    for match in _WORD.finditer(_text_of(letters)):
+    text = _text_of(letters)
+    for match in _WORD.finditer(text):
         word = letters[match.start() : match.end()]
         start, end = word[0][1], word[-1][2]
         if out:
             out.append((" ", start, start))
         if match.group() in contractions:
             word = [(char, start, end) for char in contractions[match.group()]]
+        elif (said := _SHORT.match(text, match.start())) and _is_short(said):
+            over = (word[said.start(2) - match.start()][1], end)
+            word = word[: said.end(1) - match.start()]
+            word += [(char, *over) for char in f" {_meant_by(said)}"]
         out += word
     return out
+
+
+def _meant_by(said: re.Match[str]) -> str:
+    """The word that the end of a word stands for."""
+    if said[1] in _ASKING and said[2] == "'d":
+        return "did"
+    return _MEANS.get(said[2], "is")
+
+
+def _is_short(said: re.Match[str]) -> bool:
+    """Check for a contraction: "the mug's too close", not "the mug's handle"."""
+    short = said[2] != "'s" or said[1] in _ASKING | _PRONOUNS
+    return short or _BEHIND_IS.fullmatch(said[3] or "") is not None
