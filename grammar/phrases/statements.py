@@ -19,6 +19,7 @@ from itertools import islice
 
 from grammar.frames.command import Span
 from grammar.phrases.idle_words import IdleWords
+from grammar.phrases.telling_forms import TellingForms
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
 from grammar.words.phrase_places import WORD, Phrases
@@ -60,6 +61,7 @@ _SHAPES = {
     "whole": "{0}",
     "plans": "(?:{0}) ",
     "denied": "(?<![^ ])(?:{0})(?= |$)",
+    "taken_back": "(?<![^ ])(?:{0})(?= |$)",
 }
 """Where the words of each kind stand."""
 
@@ -104,11 +106,13 @@ class Statements:
         self._statements = lexicon.statements
         self._thanks = frozenset(lexicon.courtesy["thanking"].split())
         self._idle = IdleWords(lexicon, phrases)
+        self._forms = TellingForms(lexicon, phrases)
 
     def with_names(self, names: Collection[str]) -> Statements:
         """The same, where some words are those of the names of objects."""
         statements = copy(self)
         statements._idle = self._idle.with_names(names)
+        statements._forms = self._forms.with_names(names)
         return statements
 
     @cached_property
@@ -127,7 +131,12 @@ class Statements:
         """
         text = said.text
         sentences = _parts(text, (0, len(text)), _SENTENCE_END)
-        told = [span for span in sentences if self._all_tell(text, span, _HOW, 2)]
+        asked = sentences[-1] if said.question else None
+        told = [
+            span
+            for span in sentences
+            if self._all_tell(text, span, _HOW, 2) or (span != asked and self._has_form(text, span))
+        ]
         if told == sentences:  # "it was worth asking, never mind"
             told = [span for span in sentences if self._tells(text, span)]
         kept = [span for span in sentences if span not in told]
@@ -161,11 +170,13 @@ class Statements:
                 start
                 for end, start in splits[:_MOST_PAUSES]
                 if self._all_tell(text, (span[0], end), _HOW, _SHORTEST)
+                or self._has_form(text, (span[0], end))
             ],
             [
                 end
                 for end, start in splits[-_MOST_PAUSES:]
                 if self._all_tell(text, (start, span[1]), _TAIL, _SHORTEST)
+                or self._has_form(text, (start, span[1]), behind=True)
             ],
         )
 
@@ -180,14 +191,23 @@ class Statements:
         told = (self._tells(text, part, _SHORTEST, denied) for part in parts)
         return bool(parts) and not stops and all(told)
 
+    def _has_form(self, text: str, span: Span, behind: bool = False) -> bool:
+        """Check for what tells something by its form; behind a command it says no place."""
+        said = text[slice(*span)]
+        if said.endswith("?"):
+            return False
+        said = said.strip(" ,.;!")
+        begun = said[self._start(said) :]
+        return self._forms.declares(begun, behind) or self._forms.exclaims(begun)
+
     def _only_opens(self, text: str, span: Span) -> bool:
         return bool(self._told["openings"].fullmatch(text[slice(*span)].strip(" ,.;!?") + " "))
 
     def _tells(self, text: str, span: Span, least: int = 2, denied: frozenset[str] = _HOW) -> bool:
         """Check for a part of a text that is a statement."""
         text = text[slice(*span)].strip(" ,.;!?")
-        if text in self._stops:
-            return False  # "push it. Never mind"
+        if text in self._stops or self._told["taken_back"].search(text):
+            return False  # "push it. Never mind"; "that was only an example"
         if self._told["whole"].fullmatch(text):
             return True
         text = text[self._start(text) :]
@@ -198,6 +218,8 @@ class Statements:
         subject = self._end_of_subject(text) if text.count(" ") + 1 >= least else 0
         if not subject or self._told["denied"].search(text):
             return False
+        if self._forms.measures(text) and not self._told["persons"].match(text):
+            return False  # "it is 5 cm too far"
         known = self._is_told(text, subject) or self._told["persons"].match(text)
         return not self._says_how(text, denied if known else denied | _TAIL | _WHERE)
 
@@ -323,7 +345,14 @@ class Statements:
             one = self._told["about_it"].match(said)
             if one and self._is_told(said, one.end()):
                 continue
+            bare = said.strip(" ,.;!?")
+            if self._forms.exclaims(bare):
+                if "!" not in said and not self._forms.names_no_thing(bare):
+                    yield start, start + len(bare)  # "Sprocket. Push it"
+                continue
             subject = self._end_of_subject(said)
+            if not subject and (named := self._forms.subject_of(said)):
+                subject = said.index(named) + len(named)
             if subject and not self._told["persons"].match(said):
                 yield start, start + len(said[:subject].rstrip())
                 continue

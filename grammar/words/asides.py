@@ -89,6 +89,14 @@ _WHERE = ("DIRECTION", "TOWARD", "REGION_OF_TABLE")
 _TAKES_BACK = re.compile(r"(?<![^ ])(?:joking|kidding)(?= |$)")
 """What is no reason, but takes back what was said: "I was joking"."""
 
+_WISH = re.compile(
+    r"(?<![^ ])(?:wants?|needs?|(?:would|will) (?:like|love|prefer)|prefers?|wish(?:es)?|says?|"
+    "said)(?= )"
+)
+_ASKED_FOR = ("AVOID", "COMPARED", "DIRECTION", "EVENT_INFINITIVE", "MANNER", "REGION_OF_TABLE",
+              "TOUCH", "TOUCHING", "VERB_ED")  # fmt: skip
+"""Terminals of what may be wished of the thing that is moved."""
+
 _STRAY = re.compile(
     r"(?<= the) ,(?= )|(?<=^the) ,(?= )|"
     r"^[,.;](?= |$)|(?<= )[,.;]$|(?<= ),(?= [,.;] )|(?<=[.;] )[,.;](?= )"
@@ -301,11 +309,19 @@ class Asides:
         end = self._reasons.end_of(said.text, start, opened)
         if end is None or _TAKES_BACK.search(said.text, start, end):
             return None
+        if said.text[start] in ",.;" and self._wishes(said.text, start, end):
+            return None  # "…. My wife would like it nearer"
         if start == 0 and (topic := _TOPIC.match(said.text)):
             if said.text[end] != ",":
                 return None  # "as the mug is dirty push it away"
             return said.words_in(topic.span(1), (end, len(said.text)))
         return said.words_in((0, start), (end, len(said.text)))
+
+    def _wishes(self, text: str, start: int, end: int) -> bool:
+        """Check for a wish in a stretch of a text that says where, how, or what must not be."""
+        wish = _WISH.search(text, start, end)
+        words = WORD.finditer(text, wish.end(), end) if wish else ()
+        return any(self._phrases.has_any_at(_ASKED_FOR, text, word.start()) for word in words)
 
     def _says_too_little(self, kind: str, match: re.Match[str], left: Normalised) -> bool:
         """Check for a rest that needs what is left out: "to the right now", "no, right"."""

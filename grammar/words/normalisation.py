@@ -36,7 +36,8 @@ _ASKING = frozenset({"how", "what", "when", "where", "which", "who", "why"})
 _PRONOUNS = frozenset({"he", "here", "it", "one", "she", "that", "there", "this"})
 _BEHIND_IS = re.compile(
     r"a|already|always|an|as|at|been|better|by|going|gone|got|gotten|gonna|in|just|like|no|not|now|of|on|"
-    r"quite|rather|really|so|still|such|the|there|too|very|way|[a-z]{2,}ing"
+    r"quite|rather|really|so|still|such|the|there|too|very|way|[a-z]{2,}ing|mine|yours|ours|hers|"
+    r"theirs|ready|done|full|empty|open|closed|shut|dirty|broken|fallen|stuck|over|away|here|gone"
 )
 """Words before which "'s" is "is" or "has"."""
 
