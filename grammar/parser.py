@@ -67,6 +67,10 @@ class Parser:
         parser._statements = self._statements.with_names(parser._names.words)
         return parser
 
+    def knows_names_of(self, command: Command) -> bool:
+        """Check for a command whose names are, as far as this parser knows, of some objects."""
+        return self._names is None or self._names.are_borne(command.frames)
+
     def parse(self, text: str, before: Sequence[str] | None = None) -> Command:
         """Reads one or several English commands, a question, or a remark on what was done.
 
@@ -102,18 +106,18 @@ class Parser:
             tried = {s: _with_quantity(text, s, error.span) for s in few}
         else:
             tried = {s: said[1] for s in error.suggestions if (said := _OFFERED.search(s))}
-        unread = {s for s, sentence in tried.items() if not self._is_read(sentence)}
+        unread = {s for s, sentence in tried.items() if self.command_if_read(sentence) is None}
         left = tuple(s for s in error.suggestions if s not in unread)
         better = tuple(s for s in left if s != EXAMPLE)
         error.suggestions = better or left or error.suggestions
         return self._with_what_was_understood(error, text)
 
-    def _is_read(self, text: str) -> bool:
+    def command_if_read(self, text: str, before: Sequence[str] | None = None) -> Command | None:
+        """The command of a text as `parse` reads it; None if it is not understood."""
         try:
-            self._command(text)
+            return self._command(text, before)
         except ParseError:
-            return False
-        return True
+            return None
 
     def _with_what_was_understood(self, error: ParseError, text: str) -> ParseError:
         """The error, and as a suggestion the sentence up to it, where that alone would do."""
@@ -151,7 +155,7 @@ class Parser:
 
         A name that nothing has is none if the text is read otherwise: "push it near the cap".
         """
-        if self._names is None or self._names.are_borne(command.frames):
+        if self._names is None or self.knows_names_of(command):
             return command
         told = islice(self._statements.readings(whole), _MOST_READINGS)
         rests = (self._asides.of_rest(said, topic, whole) for said, topic in told)

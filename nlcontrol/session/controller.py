@@ -117,7 +117,7 @@ class Controller:
             ControlError: it is not understood.
         """
         with known_errors_raised():
-            return self._parser.parse(text)
+            return self.parser.parse(text)
 
     def command(self, said: str | Frames, before: Sequence[str] | None = None) -> Command:
         """The command of a sentence, or of frames; see `frame_documents.command_of`.
@@ -127,10 +127,10 @@ class Controller:
         """
         from nlcontrol.session.frame_documents import command_of
 
-        return command_of(said, self._parser, before)
+        return command_of(said, self.parser, before)
 
     @cached_property
-    def _parser(self) -> Parser:
+    def parser(self) -> Parser:
         """Reads sentences in which the objects of scene and registry may be named."""
         from grammar.parser import parser_for
 

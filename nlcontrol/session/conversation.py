@@ -14,6 +14,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Literal, TypedDict
 
 from grammar.frames import command as g
+from grammar.part_reader import understood_part
 from nlcontrol.errors import ControlError
 from nlcontrol.questions.answer import Answer
 from nlcontrol.references.reference_resolution import Context
@@ -30,6 +31,12 @@ from nlcontrol.session.remarks import remark_aims as aims
 from nlcontrol.session.remarks import spoken_objects as spoken
 from nlcontrol.session.remarks.remark_aims import nothing_before, says_something
 from nlcontrol.session.remarks.undo_frames import PastPush, WayBack, undo_frames, undo_text
+from nlcontrol.session.remarks.unread_turns import (
+    UnreadTurns,
+    context_with_unread,
+    is_of_other,
+    with_offer,
+)
 from nlcontrol.session.turns import in_turn
 
 if TYPE_CHECKING:
@@ -81,10 +88,7 @@ class Conversation:
         self._done: Result | None = None  # the last command, what "a bit more" is about
         self._deeds: list[Result] = []  # the commands up to the last
         self._exchange: g.Command | None = None  # what that was, if things changed places
-        self._asked_in_vain = False  # whether a question was not understood since
-        self._lost = False  # whether what was not understood since was about another object
-        self._lost_verb = False  # whether it may have been a command
-        self._lost_names: list[str] = []  # in it
+        self._unread = UnreadTurns()  # what was not understood since
         self._spoken: tuple[str, ...] = ()  # texts that were understood since, the last first
 
     @in_turn
@@ -200,6 +204,8 @@ class Conversation:
         text, command = text_of(said), None
         try:
             command = self.controller.command(said, self._spoken)
+            command = self._unread.accepted(command) or command
+            self._unread = replace(self._unread, offered=None)
             self._spoken = (text, *self._spoken[: REMEMBERED - 1])
             meant = self._intention(command)
             if not isinstance(meant, Intention):
@@ -207,10 +213,14 @@ class Conversation:
             return self._do(meant, plan_only, motion, progress, proposed=proposed), meant
         except ControlError as raised:
             begun = self.controller.empty_result(text, command)
-            self._last = result_with(begun, status=status_of(raised.info), error=raised.info)
+            offered = (
+                None if command else understood_part(self.controller.parser, text, self._spoken)
+            )
+            refused = with_offer(raised.info, offered)
+            self._last = result_with(begun, status=status_of(refused), error=refused)
             named = spoken.names_said(text, self.controller.cell, self.controller.models)
             if command is None or named:
-                self._note_lost(text, raised.info.code, named)
+                self._note_unread(text, refused.code, named, offered)
             return self._last, None
 
     def _intention(self, command: g.Command) -> Intention | Result:
@@ -230,10 +240,7 @@ class Conversation:
             return self._plain_result(command, self._explain_last(command), "answered")
         if remark == "undo":
             return self._way_back(command)
-        asks_on = self._asked_in_vain and aims.asks_further(command)
-        leans = aims.leaves_object_open(command) or aims.corrects_object(command)
-        goes_on = self._lost_verb and aims.goes_on(command, self._lost_names)
-        if asks_on or goes_on or (self._lost and leans):
+        if self._unread.may_be_meant(command):
             nothing_before("what was said last was not understood, so this may be about that")
         command = follow_up.with_clear_way_back(command, self._done)
         meant = follow_up.meant_command(command, self._said, self._done, self._exchange)
@@ -282,7 +289,7 @@ class Conversation:
     def _remember(self, meant: Intention, result: Result, *, proposed: bool) -> None:
         # Remarks are about what was said and what came of it; a trace is megabytes.
         self._last = self._said = kept = result_with(result, trace=None)
-        self._lost = self._lost_verb = self._asked_in_vain = False
+        self._unread = UnreadTurns()
         if not proposed and any(frame.query is None for frame in kept.frames):
             self._done = kept
             self._deeds = [*self._deeds[1 - REMEMBERED :], kept]
@@ -296,25 +303,19 @@ class Conversation:
         del self.past[:-REMEMBERED]
         self.context = spoken.with_moved(self.context, self.past, self._deeds)
 
-    def _note_lost(self, text: str, code: str, named: list[str]) -> None:
+    def _note_unread(
+        self, text: str, code: str, named: list[str], offered: g.Command | None
+    ) -> None:
         """Remembers what was named where nothing else was understood.
 
         A correction would be about that, if it may have been a command: it has a verb, or names
         another object; then so would any remark that names none.
         """
-        last = tuple(dict.fromkeys((*named, *self.context.last)))
-        unnamed = spoken.asks_which(text) or (not named and spoken.tells_of_one(text))
-        among = tuple(named) if len(named) > 1 else None  # "the mug, not the jar"
-        doubt = () if unnamed else among if named else self.context.doubt
-        self.context = replace(self.context, last=last, doubt=doubt)
-        self._asked_in_vain = spoken.asks(text)
-        self._spoken, self._lost_names = self._spoken if self._asked_in_vain else (), named
-        known = list[str](), [*self.context.latest]
-        other = not self._asked_in_vain and (bool(among) or named not in known)
-        self._lost = self._lost or other
-        has_verb = follow_up.has_verb(text)
-        self._lost_verb = self._lost_verb or (has_verb and not self._asked_in_vain)
-        if other or code == "unknown_verb" or has_verb:
+        other = is_of_other(text, named, self.context)
+        self._unread = self._unread.with_turn(text, named, self.context, offered)
+        self.context = context_with_unread(self.context, text, named)
+        self._spoken = self._spoken if self._unread.asked else ()
+        if other or code == "unknown_verb" or follow_up.has_verb(text):
             self._said = None
 
     # --- corrections ----------------------------------------------------------------------------

@@ -1,0 +1,88 @@
+"""What was said and not understood since the last sentence that was, and what it may have meant.
+
+A remark that leaves open what it is about may be about that, so it is asked back. Of a sentence
+that is not read as a whole its longest part that is a command is offered; "yes" has it done.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+from nlcontrol.session.remarks import follow_up_frames as follow_up
+from nlcontrol.session.remarks import remark_aims as aims
+from nlcontrol.session.remarks import spoken_objects as spoken
+
+if TYPE_CHECKING:
+    from grammar.frames.command import Command
+    from nlcontrol.errors import ErrorInfo
+    from nlcontrol.references.reference_resolution import Context
+
+
+@dataclass(frozen=True)
+class UnreadTurns:
+    """Turns that were not understood since one was.
+
+    Attributes:
+        asked: whether the last was a question.
+        of_other: whether one was about another object than those spoken of.
+        had_verb: whether one may have been a command.
+        names: objects that the last named.
+        offered: the part of the last that is a command.
+    """
+
+    asked: bool = False
+    of_other: bool = False
+    had_verb: bool = False
+    names: tuple[str, ...] = field(default=())
+    offered: Command | None = None
+
+    def may_be_meant(self, command: Command) -> bool:
+        """Check for a remark that may be about one of these turns."""
+        asks_on = self.asked and aims.asks_further(command)
+        leans = aims.leaves_object_open(command) or aims.corrects_object(command)
+        goes_on = self.had_verb and aims.goes_on(command, self.names)
+        return asks_on or goes_on or (self.of_other and leans)
+
+    def accepted(self, command: Command) -> Command | None:
+        """The part that was offered, if a remark accepts it; else None."""
+        (frame, *others) = command.frames
+        bare = frame.dialogue == "do" and not aims.says_something(frame) and not others
+        return self.offered if bare else None
+
+    def with_turn(
+        self, text: str, named: list[str], context: Context, offered: Command | None
+    ) -> UnreadTurns:
+        """These turns, and one more, which names some objects."""
+        asked = spoken.asks(text)
+        return UnreadTurns(
+            asked=asked,
+            of_other=self.of_other or is_of_other(text, named, context),
+            had_verb=self.had_verb or (follow_up.has_verb(text) and not asked),
+            names=tuple(named),
+            offered=offered,
+        )
+
+
+def is_of_other(text: str, named: list[str], context: Context) -> bool:
+    """Check for a turn, not understood, about another object than the last that was."""
+    other = len(named) > 1 or (bool(named) and named != [*context.latest])
+    return not spoken.asks(text) and other
+
+
+def context_with_unread(context: Context, text: str, named: list[str]) -> Context:
+    """What was spoken of after a turn that was not understood but names objects."""
+    last = tuple(dict.fromkeys((*named, *context.last)))
+    unnamed = spoken.asks_which(text) or (not named and spoken.tells_of_one(text))
+    among = tuple(named) if len(named) > 1 else None  # "the mug, not the jar"
+    doubt = () if unnamed else among if named else context.doubt
+    return replace(context, last=last, doubt=doubt)
+
+
+def with_offer(info: ErrorInfo, offered: Command | None) -> ErrorInfo:
+    """A refusal that offers the part of a sentence that is a command."""
+    if offered is None:
+        return info
+    told = f'to have what is understood done, say "yes": "{offered.paraphrase}"'
+    kept = tuple(s for s in info.suggestions if not s.startswith("this much is understood"))
+    return info.model_copy(update={"suggestions": (*kept, told)})

@@ -1,0 +1,37 @@
+"""A sentence that is not understood as a whole: what is understood of it is done when accepted."""
+
+import pytest
+
+from nlcontrol import Controller, Conversation
+
+UNREAD = "Push the mug 5 cm to the left, so that the whatsit can see it"
+
+
+@pytest.fixture
+def talk() -> Conversation:
+    return Conversation(Controller("kitchen", seed=1))
+
+
+def test_what_is_understood_is_offered_and_done_when_accepted(talk: Conversation) -> None:
+    refused = talk.say(UNREAD, plan_only=True)
+    assert refused.status == "not_understood" and refused.error is not None
+    assert any('say "yes": "push the mug' in each for each in refused.error.suggestions)
+    done = talk.say("yes", plan_only=True)
+    assert done.status == "planned"
+    assert [(f.action, f.object and f.object.id) for f in done.frames] == [("push", "mug")]
+
+
+@pytest.mark.parametrize("between", ["how heavy is the coffee box?", "what do you see?", "thanks", "zorp it"])
+def test_what_was_offered_is_forgotten_with_the_next_turn(
+    talk: Conversation, between: str
+) -> None:
+    talk.say(UNREAD, plan_only=True)
+    talk.say(between, plan_only=True)
+    said = talk.say("yes", plan_only=True)
+    assert not any(f.action and f.object and f.object.id == "mug" for f in said.frames)
+
+
+@pytest.mark.parametrize("said", ["do it with one finger", "no", "and the jar?"])
+def test_only_a_bare_yes_accepts(talk: Conversation, said: str) -> None:
+    talk.say(UNREAD, plan_only=True)
+    assert talk.say(said, plan_only=True).status not in ("planned", "done")
