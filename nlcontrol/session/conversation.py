@@ -29,14 +29,9 @@ from nlcontrol.session.recipe import Deed
 from nlcontrol.session.remarks import follow_up_frames as follow_up
 from nlcontrol.session.remarks import remark_aims as aims
 from nlcontrol.session.remarks import spoken_objects as spoken
+from nlcontrol.session.remarks import unread_turns as unread
 from nlcontrol.session.remarks.remark_aims import nothing_before, says_something
 from nlcontrol.session.remarks.undo_frames import PastPush, WayBack, undo_frames, undo_text
-from nlcontrol.session.remarks.unread_turns import (
-    UnreadTurns,
-    context_with_unread,
-    is_of_other,
-    with_offer,
-)
 from nlcontrol.session.turns import in_turn
 
 if TYPE_CHECKING:
@@ -88,7 +83,7 @@ class Conversation:
         self._done: Result | None = None  # the last command, what "a bit more" is about
         self._deeds: list[Result] = []  # the commands up to the last
         self._exchange: g.Command | None = None  # what that was, if things changed places
-        self._unread = UnreadTurns()  # what was not understood since
+        self._unread = unread.UnreadTurns()  # what was not understood since
         self._spoken: tuple[str, ...] = ()  # texts that were understood since, the last first
 
     @in_turn
@@ -216,7 +211,7 @@ class Conversation:
             offered = (
                 None if command else understood_part(self.controller.parser, text, self._spoken)
             )
-            refused = with_offer(raised.info, offered)
+            refused = unread.with_offer(raised.info, offered)
             self._last = result_with(begun, status=status_of(refused), error=refused)
             named = spoken.names_said(text, self.controller.cell, self.controller.models)
             if command is None or named:
@@ -289,7 +284,7 @@ class Conversation:
     def _remember(self, meant: Intention, result: Result, *, proposed: bool) -> None:
         # Remarks are about what was said and what came of it; a trace is megabytes.
         self._last = self._said = kept = result_with(result, trace=None)
-        self._unread = UnreadTurns()
+        self._unread = unread.UnreadTurns()
         if not proposed and any(frame.query is None for frame in kept.frames):
             self._done = kept
             self._deeds = [*self._deeds[1 - REMEMBERED :], kept]
@@ -311,9 +306,9 @@ class Conversation:
         A correction would be about that, if it may have been a command: it has a verb, or names
         another object; then so would any remark that names none.
         """
-        other = is_of_other(text, named, self.context)
+        other = unread.is_of_other(text, named, self.context)
         self._unread = self._unread.with_turn(text, named, self.context, offered)
-        self.context = context_with_unread(self.context, text, named)
+        self.context = unread.context_with_unread(self.context, text, named)
         self._spoken = self._spoken if self._unread.asked else ()
         if other or code == "unknown_verb" or follow_up.has_verb(text):
             self._said = None
