@@ -14,6 +14,7 @@ from functools import cache, cached_property
 from itertools import islice, pairwise
 
 from grammar.frames.command import Span
+from grammar.phrases.plain_questions import PlainQuestions
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
 from grammar.words.numerals import DIGITS
@@ -58,6 +59,7 @@ class OtherReadings:
         self._numbers = lexicon.numbers.pattern
         self._phrases_of = {kind: lexicon.words_of(kind) for kind in _CARRIED}
         self._rewordings = lexicon.rewordings
+        self._questions = PlainQuestions(lexicon)
 
     def readings(self, said: Normalised, before: Sequence[str] | None) -> Iterator[Normalised]:
         """Yield the sentence in other words, and with a unit, where it can be put so.
@@ -66,6 +68,15 @@ class OtherReadings:
             said: a sentence that is not read as it stands.
             before: what was said before, the last first; None outside of a conversation.
         """
+        yield from self._stages(said, before)
+        for asked in self._questions.readings(said):
+            yield asked
+            yield from self._stages(asked, before)
+        if (told := self._with_verb(said)) is not None:
+            yield told
+
+    def _stages(self, said: Normalised, before: Sequence[str] | None) -> Iterator[Normalised]:
+        """Yield the sentence in plainer words, the plainest first, and with a unit."""
         for stage in [*islice(reversed([*self._reworded(said)]), _MOST_STAGES), said]:
             reworded = self._without_denied(stage)
             if reworded is not said:
@@ -74,8 +85,6 @@ class OtherReadings:
                 measured = self._with_units(reworded, before)
                 if measured is not reworded:
                     yield measured
-        if (told := self._with_verb(said)) is not None:
-            yield told
 
     def _with_verb(self, said: Normalised) -> Normalised | None:
         """The sentence of a thing and how far it goes, with a verb: "the mug, 5 cm left"."""
