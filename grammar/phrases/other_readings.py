@@ -47,6 +47,7 @@ _BEHIND = "(?: (?:, )?please)?"
 _SHARES = re.compile("half|third|quarter|fifth|tenth")
 _DENIED = re.compile(r"(?: ,)? (?:and )?(?:not|instead of|rather than) (?:by )?")
 _ANY_WORDS = r"([^ ,.;!?](?:.*?[^ ,.;!?])?)"
+_WORDS_OF_CLAUSE = r"([^ ,.;!?](?:(?:(?! [,.;!?] ).)*?[^ ,.;!?])?)"
 _PIECES = re.compile(r"([^{]*)({\d?}|$)")
 _PIECE = re.compile(r"\d+(?:\.\d+)?|[a-z°]+|[.,;]")
 
@@ -68,10 +69,12 @@ class OtherReadings:
             said: a sentence that is not read as it stands.
             before: what was said before, the last first; None outside of a conversation.
         """
-        yield from self._stages(said, before)
-        for asked in self._questions.readings(said):
-            yield asked
-            yield from self._stages(asked, before)
+        asked = [*self._questions.readings(said)]
+        first = self._questions.is_opened(said)  # "for our readers: what do you see?"
+        for each in [*asked, said] if first else [said, *asked]:
+            if each is not said:
+                yield each
+            yield from self._stages(each, before)
         if (told := self._with_verb(said)) is not None:
             yield told
 
@@ -120,7 +123,7 @@ class OtherReadings:
 
         Words that are put in plain ones may hold others that look like some: all stages count.
         """
-        words = {*said.text.split(), "{}"}
+        words = {*said.text.split(), "{}", "{~}"}
         for means, templates in self._templates.items():
             patterns = [_pattern_of(each) for each, first in templates if first & words]
             if found := list(filter(None, (each.search(said.text) for each in patterns))):
@@ -132,7 +135,7 @@ class OtherReadings:
     def _templates(self) -> dict[str, list[tuple[str, set[str]]]]:
         """Plainer words → templates of what is put so, and the words they begin with."""
         return {
-            means: [(each, first_words(each)) for each in templates]
+            means: [(each, first_words(each.removesuffix("$"))) for each in templates]
             for means, templates in self._rewordings.items()
         }
 
@@ -203,9 +206,17 @@ def _spaced(text: str) -> str:
 
 @cache
 def _pattern_of(template: str) -> re.Pattern[str]:
-    """The pattern of a template, in which "{}" is any words up to an end."""
-    said = template_pattern(template).replace("{}", _ANY_WORDS)
-    if "{}" in template:
+    """The pattern of a template.
+
+    In it "{}" is any words up to an end, "{~}" any without a pause. One that holds either is the
+    whole text, one with "$" at its end a whole sentence.
+    """
+    said = template_pattern(template.removesuffix("$"))
+    said = said.replace("{}", _ANY_WORDS).replace("{~}", _WORDS_OF_CLAUSE)
+    if template.endswith("$"):
+        start = rf"(?:^(?:(?:{_BEFORE}) (?:, )?){{0,3}}|(?<=[.;!?] ))"
+        return re.compile(rf"{start}(?:{said}){_BEHIND}$")
+    if "{" in template:
         return re.compile(rf"^(?:(?:{_BEFORE}) (?:, )?){{0,3}}(?:{said}){_BEHIND}$")
     return re.compile(rf"(?<![^ ])(?:{said})(?= |$)")
 

@@ -18,7 +18,8 @@ from grammar.words.phrase_templates import template_pattern
 
 _SHAPES = {
     "openers": "(?:{0})(?: ,)? ",
-    "tags": r"(?: ,| [.])? (?:{0})(?= [.;!?,]*$|$)",
+    "tags": r" [,.] (?:{0})(?= [.;!?,]*$|$)",
+    "endings": r"(?: [,.])? (?:{0})(?= [.;!?,]*$|$)",
     "idle": r"(?<![^ ])(?:{0})(?: ,)?(?= |$)",
 }
 """Where the words of each kind stand."""
@@ -27,11 +28,15 @@ _MOST = 4
 """Openers, and tags, that are left out one after another."""
 
 _BE = "is|are|was|were|would|will|can|could|did|does|do|has|have|had|might|may|should"
+_BE_NOT_CAN = _BE.replace("can|", "")
+_COULD = "(?<!the )(?<!that )(?<!this )(?<!soup )can"
+"""The verb, which no name of a thing ends before: "the can is heavy"."""
+
 _ASKS = re.compile(
     rf"(?:(?:and|but|so|or|well|ok|okay|now|then|no|oh|hey|wait) (?:, )?)*(?:how|what|which|who|"
     rf"whose|where|when|why|whether|any|anything|{_BE}) "
 )
-_TOLD = re.compile(rf"(?P<who>[^,.;!?]+?) (?P<be>{_BE})(?: not)?(?: (?P<rest>[^.;!?]+))?")
+_TOLD = re.compile(rf"(?P<who>[^,.;!?]+?) (?P<be>{_BE_NOT_CAN}|{_COULD})(?: not)?(?: (?P<rest>[^.;!?]+))?")
 _WHETHER = re.compile(rf"(?:whether|if) {_TOLD.pattern}")
 _EMBEDDED = re.compile(
     rf"(?P<how>(?:and )?(?:how(?: (?!(?:{_BE}) )[a-z]+)?|where|why|wh(?:at|ich)(?: (?!(?:{_BE}) )[a-z]+)?)"
@@ -60,16 +65,20 @@ class PlainQuestions:
         """
         plain, opened = self._without_openers(said)
         plain, tagged = self._without_tags(plain)
-        if not (said.question or opened or tagged or _ASKS.match(said.text)):
+        if not (said.question or opened or _ASKS.match(said.text)):
             return
         plain = self._without_idle(plain)
-        if not plain.text:
+        if not plain.text or plain.text in ("it", "that", "this"):
             return
         asked = _put_as_question(plain, opened=opened, tagged=tagged)
         if asked is not None:
             yield replace(asked, question=True, asks=True)
         if plain.text != said.text:
             yield replace(plain, question=True, asks=True)
+
+    def is_opened(self, said: Normalised) -> bool:
+        """Check for a question that is opened with words that ask nothing."""
+        return said.question and self._patterns["openers"].match(said.text) is not None
 
     def _without_openers(self, said: Normalised) -> tuple[Normalised, bool]:
         start = 0
@@ -83,7 +92,8 @@ class PlainQuestions:
     def _without_tags(self, said: Normalised) -> tuple[Normalised, bool]:
         end = len(said.text)
         for _ in range(_MOST):
-            tag = self._patterns["tags"].search(said.text[:end])
+            ends = (self._patterns[kind].search(said.text[:end]) for kind in ("tags", "endings"))
+            tag = next(filter(None, ends), None)
             if tag is None or said.text.find(" ", 0, tag.start()) < 0:
                 break
             end = tag.start()
@@ -107,7 +117,7 @@ def _put_as_question(said: Normalised, *, opened: bool, tagged: bool) -> Normali
     if told is None and opened and (embedded := _EMBEDDED.fullmatch(said.text)):
         groups = [embedded.span(name) for name in ("how", "be", "who", "rest")]
         return said.words_in(*(span for span in groups if span[0] >= 0))
-    if told is None and tagged and not _INVERTED.match(said.text):
+    if told is None and (tagged or opened) and not _INVERTED.match(said.text):
         told = _TOLD.fullmatch(said.text)
     if told is None:
         return None
