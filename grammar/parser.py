@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from copy import copy
 from functools import cache, lru_cache
-from itertools import chain, islice
+from itertools import chain, islice, pairwise
 
 from grammar.clauses.frame_builder import frames_of
 from grammar.errors import ParseError
@@ -41,6 +41,10 @@ _FEW_READINGS = 5
 _LONGEST_TRIED = 150
 """Characters beyond which a text is long, and not read again with each quantity that is offered."""
 
+_MOST_ASKED = 4
+"""Ends of the sentences that may ask the same, and one."""
+
+_SENTENCE_END = re.compile(r" [.;!?](?= )")
 _OFFERED = re.compile(r'^(?:to have it done|to ask|this would do): "(.+)"$')
 
 
@@ -139,10 +143,30 @@ class Parser:
             for said in self._other_readings(sentence, whole, before):
                 with suppress(ParseError):
                     return self._command_of(said)
+            if (asked := self._asked_again(sentence, before)) is not None:
+                return asked
             if self._statements.only_tells(whole):
                 return _thanks(text, (whole.original_span(0, len(whole.text)),))
             raise
         return self._with_known_names(command, sentence, whole, before)
+
+    def _asked_again(self, said: Normalised, before: Sequence[str] | None) -> Command | None:
+        """The question of sentences that all ask the same: "did it move? By how much?"."""
+        ends = [0, *(mark.end() for mark in _SENTENCE_END.finditer(said.text)), len(said.text)]
+        if not 2 < len(ends) <= _MOST_ASKED or not said.question:
+            return None
+        asked = list[Command]()
+        for start, end in pairwise(ends):
+            text = said.text[start:end]
+            part = said.words_in((start, start + len(text.rstrip(" .;!?"))))
+            for each in chain([part], self._reworded(part, before)):
+                with suppress(ParseError):
+                    asked.append(self._command_of(each))
+                    break
+            else:
+                return None
+        kinds = {(len(c.frames), c.frames[0].query, c.frames[0].action) for c in asked}
+        return asked[0] if kinds in ({(1, "did", None)}, {(1, "why", None)}) else None
 
     def _with_known_names(
         self,
@@ -199,6 +223,8 @@ class Parser:
         require_clear(sentence, self.lexicon)
         parts = parts_of(self._parse_tree(sentence), self.lexicon, sentence)
         frames = frames_of(parts, self.lexicon, sentence)
+        if sentence.asks and any(frame.query is None for frame in frames):
+            raise ParseError("unsupported_question", "this asks for nothing that is known", None, ())
         try:
             words = paraphrase(frames, self.lexicon)
         except ValueError as raised:

@@ -371,7 +371,7 @@ class _ClauseReader:
             return RemarkReader(self._parts, remarks, self._lexicon, self._sentence).question(ask)
         if remarks:
             raise unexpected_part(remarks[0], self._sentence)
-        if ask.query == "why" and self._parts:
+        if ask.query == "why" and self._parts and ask.state is None:
             return RemarkReader(self._parts, remarks, self._lexicon, self._sentence).question(ask)
         Clause(self._parts, Verb("push", "contact"), self._sentence).require_all_taken(
             "this question"

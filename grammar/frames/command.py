@@ -57,6 +57,7 @@ from grammar.frames.goals import (
     Pour,
     Rotate,
     SetDown,
+    State,
     Tilt,
     Topple,
     Upright,
@@ -94,7 +95,7 @@ __all__ = [
     "MinForce", "MinSpeed", "NoGoal", "NoLift", "NoSlide", "NoSpill", "NoTilt", "NoTopple",
     "NoTouch", "NoTurn", "ObjectRef", "Open", "Parameters", "Place", "Point", "Pour", "Quality",
     "Quantifier", "Query", "Relation", "RelativeLength", "Rotate", "Sense", "SetDown", "Side",
-    "Slow", "Span", "Spans", "Speed", "TableRegion", "Tilt", "Topple", "Until", "Upright",
+    "Slow", "Span", "Spans", "Speed", "State", "TableRegion", "Tilt", "Topple", "Until", "Upright",
 ]  # fmt: skip
 
 

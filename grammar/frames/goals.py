@@ -306,6 +306,9 @@ Goal = Annotated[
     Field(discriminator="kind"),
 ]  # fmt: skip
 
+State = Place | Upright | SetDown | Topple | Open | Close | Displace
+"""Goals of which a question may ask whether, or how far, they are so already."""
+
 GOALS: dict[str, type[BaseGoal]] = {
     kind.model_fields["kind"].default: kind for kind in get_args(get_args(Goal)[0])
 }

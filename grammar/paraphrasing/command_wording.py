@@ -22,6 +22,9 @@ _TOLD_BY_SIDES = ("lift", "open", "close", "pour", "parameters")
 _MUTUAL = ("in_row", "together", "stacked", "place_of")
 """Places of several objects that are said at once."""
 
+_STANDING = {"upright": "upright", "topple": "lying", "open": "open", "close": "closed"}
+"""What is asked to be so already → how it is called."""
+
 _EVERY = "…"  # for their names
 
 _OPENINGS: dict[str, tuple[str, str]] = {
@@ -154,7 +157,7 @@ class _Speaker(Phrasing):
 
     def _question_words(self, frame: g.Frame, query: g.Query, name: str | None = None) -> str:
         """A question; `name` stands for the object of what could be done."""
-        if query == "value" and isinstance(frame.goal, g.Place | g.Upright | g.SetDown):
+        if query == "value" and isinstance(frame.goal, g.State):
             return self._state_words(frame, frame.goal)
         if query == "value" and isinstance(frame.goal, g.Parameters):
             which = frame.goal.which
@@ -163,6 +166,10 @@ class _Speaker(Phrasing):
             return f"{self.phrase_for('WHAT_IS')} {self._property_words(frame, which)}?"
         if query == "affordances" and frame.object is not None:
             return f"{self.phrase_for('WHAT_CAN')} {self.object_words(frame.object)}?"
+        if query == "affordances":
+            return f"{self.phrase_for('WHAT_CAN_YOU_DO')}?"
+        if query == "why" and isinstance(frame.goal, g.Parameters):
+            return f"{self.phrase_for('HOW_SURE')}?"
         if query in ("did", "seen"):
             return f"{self.phrase_for('WHAT_DID' if query == 'did' else 'SEEN')}?"
         if query == "capable":
@@ -209,12 +216,15 @@ class _Speaker(Phrasing):
         than, more = self.object_words(others[0]), self.phrase_for("COMPARATIVE", which)
         return f"{self.phrase_for('IS_IT')} {self.object_words(frame.object)} {more} than {than}?"
 
-    def _state_words(self, frame: g.Frame, state: g.Place | g.Upright | g.SetDown) -> str:
+    def _state_words(self, frame: g.Frame, state: g.State) -> str:
         if frame.object is None:
             raise no_words("a question about nothing")
         is_it = f"{self.phrase_for('IS_IT')} {self.object_words(frame.object)}"
-        if isinstance(state, g.Upright):
-            return f"{is_it} {self.phrase_for('STANDING')}?"
+        if (said := _STANDING.get(state.kind)) is not None:
+            return f"{is_it} {self.phrase_for('STANDING', said)}?"
+        if isinstance(state, g.Displace) and isinstance(state.away_from, str):
+            edge = self.phrase_for("FROM_REGION", state.away_from)
+            return f"{self.phrase_for('HOW_FAR')} {self.object_words(frame.object)} {edge}?"
         if isinstance(state, g.SetDown):
             return f"{is_it} {self.phrase_for('ON_TABLE')}?"
         return f"{is_it} {' '.join(self.goal_words(state))}?"

@@ -14,6 +14,7 @@ from functools import cache, cached_property
 from itertools import islice, pairwise
 
 from grammar.frames.command import Span
+from grammar.phrases.plain_questions import PlainQuestions
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
 from grammar.words.numerals import DIGITS
@@ -46,6 +47,7 @@ _BEHIND = "(?: (?:, )?please)?"
 _SHARES = re.compile("half|third|quarter|fifth|tenth")
 _DENIED = re.compile(r"(?: ,)? (?:and )?(?:not|instead of|rather than) (?:by )?")
 _ANY_WORDS = r"([^ ,.;!?](?:.*?[^ ,.;!?])?)"
+_WORDS_OF_CLAUSE = r"([^ ,.;!?](?:(?:(?! [,.;!?] ).)*?[^ ,.;!?])?)"
 _PIECES = re.compile(r"([^{]*)({\d?}|$)")
 _PIECE = re.compile(r"\d+(?:\.\d+)?|[a-z°]+|[.,;]")
 
@@ -58,6 +60,7 @@ class OtherReadings:
         self._numbers = lexicon.numbers.pattern
         self._phrases_of = {kind: lexicon.words_of(kind) for kind in _CARRIED}
         self._rewordings = lexicon.rewordings
+        self._questions = PlainQuestions(lexicon)
 
     def readings(self, said: Normalised, before: Sequence[str] | None) -> Iterator[Normalised]:
         """Yield the sentence in other words, and with a unit, where it can be put so.
@@ -66,6 +69,17 @@ class OtherReadings:
             said: a sentence that is not read as it stands.
             before: what was said before, the last first; None outside of a conversation.
         """
+        asked = [*self._questions.readings(said)]
+        first = self._questions.is_opened(said)  # "for our readers: what do you see?"
+        for each in [*asked, said] if first else [said, *asked]:
+            if each is not said:
+                yield each
+            yield from self._stages(each, before)
+        if (told := self._with_verb(said)) is not None:
+            yield told
+
+    def _stages(self, said: Normalised, before: Sequence[str] | None) -> Iterator[Normalised]:
+        """Yield the sentence in plainer words, the plainest first, and with a unit."""
         for stage in [*islice(reversed([*self._reworded(said)]), _MOST_STAGES), said]:
             reworded = self._without_denied(stage)
             if reworded is not said:
@@ -74,8 +88,6 @@ class OtherReadings:
                 measured = self._with_units(reworded, before)
                 if measured is not reworded:
                     yield measured
-        if (told := self._with_verb(said)) is not None:
-            yield told
 
     def _with_verb(self, said: Normalised) -> Normalised | None:
         """The sentence of a thing and how far it goes, with a verb: "the mug, 5 cm left"."""
@@ -111,7 +123,7 @@ class OtherReadings:
 
         Words that are put in plain ones may hold others that look like some: all stages count.
         """
-        words = {*said.text.split(), "{}"}
+        words = {*said.text.split(), "{}", "{~}"}
         for means, templates in self._templates.items():
             patterns = [_pattern_of(each) for each, first in templates if first & words]
             if found := list(filter(None, (each.search(said.text) for each in patterns))):
@@ -123,7 +135,7 @@ class OtherReadings:
     def _templates(self) -> dict[str, list[tuple[str, set[str]]]]:
         """Plainer words → templates of what is put so, and the words they begin with."""
         return {
-            means: [(each, first_words(each)) for each in templates]
+            means: [(each, first_words(each.removesuffix("$"))) for each in templates]
             for means, templates in self._rewordings.items()
         }
 
@@ -194,9 +206,17 @@ def _spaced(text: str) -> str:
 
 @cache
 def _pattern_of(template: str) -> re.Pattern[str]:
-    """The pattern of a template, in which "{}" is any words up to an end."""
-    said = template_pattern(template).replace("{}", _ANY_WORDS)
-    if "{}" in template:
+    """The pattern of a template.
+
+    In it "{}" is any words up to an end, "{~}" any without a pause. One that holds either is the
+    whole text, one with "$" at its end a whole sentence.
+    """
+    said = template_pattern(template.removesuffix("$"))
+    said = said.replace("{}", _ANY_WORDS).replace("{~}", _WORDS_OF_CLAUSE)
+    if template.endswith("$"):
+        start = rf"(?:^(?:(?:{_BEFORE}) (?:, )?){{0,3}}|(?<=[.;!?] ))"
+        return re.compile(rf"{start}(?:{said}){_BEHIND}$")
+    if "{" in template:
         return re.compile(rf"^(?:(?:{_BEFORE}) (?:, )?){{0,3}}(?:{said}){_BEHIND}$")
     return re.compile(rf"(?<![^ ])(?:{said})(?= |$)")
 

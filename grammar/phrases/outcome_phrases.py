@@ -36,6 +36,11 @@ STANDS_BESIDE = ("next_to", "touching", "left_of", "right_of", "in_front_of", "b
                  "behind_right_of")  # fmt: skip
 """Relations in which a question may ask whether an object stands."""
 
+_STATES: dict[str, type[g.Upright | g.Topple | g.Open | g.Close]] = {
+    "lying": g.Topple, "open": g.Open, "closed": g.Close,
+}  # fmt: skip
+"""What is asked to be so already → the goal that would bring it about."""
+
 QUESTIONS: dict[str, dict[str, Any]] = {
     "what_if": {"query": "predict"},  # what happens if
     "how_much_spills": {"query": "predict", "event": "spills"},  # how much will spill
@@ -47,6 +52,8 @@ QUESTIONS: dict[str, dict[str, Any]] = {
     "seen": {"query": "seen", "whole": True},  # what do you see
     "where": {"query": "where"},  # where can I
     "affordances": {"query": "affordances", "whole": True},  # what can you do with the box
+    "abilities": {"query": "affordances", "whole": True},  # what can you do
+    "how_sure": {"query": "why", "state": g.Parameters(), "whole": True},  # how do you know that
 }
 """Node → what is asked."""
 
@@ -273,7 +280,8 @@ class Questions(TokenReader):
     def standing_part(self, children: Children) -> ph.Ask:
         """Is the box standing; is it next to the mug; is it on the table."""
         span, thing, where = self.span_of(children), things_in(children)[0], children[-1]
-        state: g.Place | g.Upright | g.SetDown = g.Upright(spans=(span,))
+        said = self.value_of(children, "STANDING")
+        state: g.State = _STATES.get(said, g.Upright)(spans=(span,))
         if tokens_in(children, "ON_TABLE"):
             state = g.SetDown(spans=(span,))
         elif isinstance(where, ph.Place):
@@ -283,6 +291,12 @@ class Questions(TokenReader):
             relation = cast(g.Relation, where.relation)
             state = g.Place(relation=relation, reference=where.reference, spans=(span,))
         return ph.Ask(span, "value", thing=thing, state=state, whole=True)
+
+    def edge_distance_part(self, children: Children) -> ph.Ask:
+        """How far is the box from the edge."""
+        span, region = self.span_of(children), self.value_of(children, "FROM_REGION")
+        state = g.Displace(away_from=cast(g.TableRegion, region), spans=(span,))
+        return ph.Ask(span, "value", thing=things_in(children)[0], state=state, whole=True)
 
     def distance_part(self, children: Children) -> ph.Ask:
         """A question for a distance: how far is the box from the mug, how far apart are they."""

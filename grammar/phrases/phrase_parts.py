@@ -331,7 +331,7 @@ class Ask(Part):
         thing: what it is about, if the question itself names it.
         which: the parameters that are asked for.
         than: what it is compared with.
-        state: what is asked to be so: where it is, that it stands; none else.
+        state: what is asked to be so: where it is, that it stands; any value told; none else.
         whole: whether it needs no action to be said.
         negated: whether it asks why something was not done.
     """
@@ -341,7 +341,7 @@ class Ask(Part):
     thing: Thing | None = None
     which: tuple[str, ...] = ()
     than: tuple[g.ObjectRef, ...] = ()
-    state: g.Place | g.Upright | g.SetDown | None = None
+    state: g.State | g.Parameters | None = None
     whole: bool = False
     negated: bool = False
 

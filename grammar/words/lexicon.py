@@ -81,6 +81,7 @@ class Lexicon:
         courtesy: where they stand → the words that runs of courtesy are made of.
         rewordings: plain words → templates of what is put so where it is not read.
         statements: what they are told by → templates of it.
+        asking: where words of questions stand that ask nothing → templates of them.
         labels: terminal → how a message names it.
     """
 
@@ -103,6 +104,7 @@ class Lexicon:
     courtesy: Mapping[str, str]
     rewordings: Mapping[str, tuple[str, ...]]
     statements: Mapping[str, tuple[str, ...]]
+    asking: Mapping[str, tuple[str, ...]]
     labels: Mapping[str, str]
 
     __hash__ = object.__hash__  # what is made of its words is remembered by the lexicon itself
@@ -139,6 +141,7 @@ class Lexicon:
             courtesy=data["courtesy"],
             rewordings={means: tuple(said) for means, said in data["rewordings"].items()},
             statements={kind: tuple(said) for kind, said in data["statements"].items()},
+            asking={place: tuple(said) for place, said in data["asking"].items()},
             labels=data["labels"],
         )
 

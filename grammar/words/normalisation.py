@@ -33,11 +33,12 @@ _RANGE = re.compile(r"(?<=\d)-(?=[.\d])")
 
 _SHORT = re.compile(r"([a-z]+?)(n't|'(?:ll|ve|re|d|s))(?= |$)(?: +([^ ]+))?")
 _ASKING = frozenset({"how", "what", "when", "where", "which", "who", "why"})
-_PRONOUNS = frozenset({"he", "here", "it", "one", "she", "that", "there", "this"})
+_PRONOUNS = frozenset({"he", "here", "it", "one", "she", "that", "there", "this",
+                       "anything", "everything", "nothing", "something"})  # fmt: skip
 _BEHIND_IS = re.compile(
     r"a|already|always|an|as|at|been|better|by|going|gone|got|gotten|gonna|in|just|like|no|not|now|of|on|"
     r"quite|rather|really|so|still|such|the|there|too|very|way|[a-z]{2,}ing|mine|yours|ours|hers|"
-    r"theirs|ready|done|full|empty|open|closed|shut|dirty|broken|fallen|stuck|over|away|here|gone"
+    r"theirs|ready|done|full|empty|open|closed|shut|dirty|down|broken|fallen|stuck|over|away|here|gone"
 )
 """Words before which "'s" is "is" or "has"."""
 
@@ -58,6 +59,7 @@ class Normalised:
         columns: for each character of `text` the span in `original` that it came from.
         question: whether the sentence ended in a question mark.
         asides: where words stand that change nothing and were left out.
+        asks: whether it was put so that it can only be meant as a question.
     """
 
     original: str
@@ -65,6 +67,7 @@ class Normalised:
     columns: tuple[Span, ...]
     question: bool
     asides: tuple[Span, ...] = ()
+    asks: bool = False
 
     def original_span(self, start: int, end: int) -> Span:
         """Maps `[start, end)` of the plain form to the sentence as given.

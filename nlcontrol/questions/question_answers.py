@@ -28,7 +28,7 @@ from nlcontrol.questions.grasp_questions import (
     possible_answer,
     spill_answer,
 )
-from nlcontrol.questions.place_answers import distance_answer, state_answer
+from nlcontrol.questions.place_answers import distance_answer, edge_answer, state_answer
 from nlcontrol.questions.property_values import property_answer
 from nlcontrol.questions.push_prediction import (
     SURE,
@@ -38,7 +38,11 @@ from nlcontrol.questions.push_prediction import (
     threshold,
 )
 from nlcontrol.questions.push_questions import figures, how_hard, most_favourable, where_answer
-from nlcontrol.questions.scene_answers import answer_about_scene, destination_answer
+from nlcontrol.questions.scene_answers import (
+    abilities_answer,
+    answer_about_scene,
+    destination_answer,
+)
 from nlcontrol.text_format import enumeration, quantity
 from planner import plan
 from planner.affordances import TURNING_ARM, affordances
@@ -106,7 +110,9 @@ def answer(
 def _value(frame: g.Frame, state: WorldState, position_sd: float) -> Answer:
     """What an object is like, how it stands, or how far from another one."""
     match frame.goal:
-        case g.Place() | g.Upright() | g.SetDown():
+        case g.Displace():
+            return edge_answer(frame, state)
+        case g.Place() | g.Upright() | g.SetDown() | g.Topple() | g.Open() | g.Close():
             return state_answer(frame, state)
         case g.Parameters(than=(_, *_)):
             return distance_answer(frame, state)
@@ -263,6 +269,8 @@ _AROUND_IT = {"stand": "stand it up"}  # outcomes whose verb stands on both side
 
 def _affordances(frame: g.Frame, state: WorldState, robot: Robot, defaults: Defaults) -> Answer:
     """Affordances of an object: a sentence, and the lines of `nlcontrol affordances`."""
+    if frame.object is None:
+        return abilities_answer(state)
     target = target_of(frame, state)
     found = affordances(target, state, robot, defaults=defaults)
     can = [each for each in found if each.can]

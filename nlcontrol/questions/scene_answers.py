@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from planner.types.world_state import SeenObject, WorldState
 
 _MORE = {"mass": ("heavier", "kg"), "height": ("taller", "m"), "width": ("wider", "m"),
-         "size": ("bigger", "m³"), "friction": ("rougher", "")}  # fmt: skip
+         "size": ("bigger", "m³"), "friction": ("rougher", ""), "position": ("farther away", "m")}  # fmt: skip
 """Property → who has more of it, and its unit."""
 
 
@@ -40,12 +40,30 @@ def scene_answer(state: WorldState) -> Answer:
     lines = tuple(
         f"the {s.name} at {place_text(s.pose.x, s.pose.y)}"
         + (f", {standing_text(s, state)}" if s.on else "")
+        + ("" if s.model.lid is None else f", its lid {'closed' if s.is_covered else 'open'}")
         for s in seen
     )
     names = enumeration([f"the {each.name}" for each in seen]) or "nothing"
     held = "" if state.held is None else f" I hold the {state.held.name}."
     numbers = {"objects": float(len(seen))}
     return Answer(query="seen", text=f"I see {names}.{held}", lines=lines, numbers=numbers)
+
+
+def abilities_answer(state: WorldState) -> Answer:
+    """What can be asked of the robot, and with what; what becomes of each thing is asked of it."""
+    names = enumeration([f"the {name}" for name in state.objects]) or "nothing"
+    text = (
+        "I can push, pull, slide, turn, tilt and topple things, lift them and set them down, put "
+        "them beside others, pour, open and close lids, measure weight and friction by touch, and "
+        "say beforehand what would happen; I cannot hand things over, stack them or use a second "
+        f"hand. Before me I have {names}."
+    )
+    return Answer(
+        query="affordances",
+        text=text,
+        suggestions=("ask “what can you do with the box?” of a thing",),
+        numbers={"objects": float(len(state.objects))},
+    )
 
 
 def comparison_answer(frame: g.Frame, state: WorldState) -> Answer:
@@ -70,7 +88,7 @@ def comparison_answer(frame: g.Frame, state: WorldState) -> Answer:
 def _amount(seen: SeenObject, which: str) -> float:
     """The believed value of a property [SI]; of the size, the volume around it."""
     x, y, z = seen.model.extents
-    sizes = {"height": z, "width": min(x, y), "size": x * y * z}
+    sizes = {"height": z, "width": min(x, y), "size": x * y * z, "position": seen.pose.x}
     return {"mass": seen.model.mass, "friction": seen.model.friction, **sizes}[which]
 
 

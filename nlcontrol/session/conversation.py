@@ -17,6 +17,7 @@ from grammar.frames import command as g
 from grammar.part_reader import understood_part
 from nlcontrol.errors import ControlError
 from nlcontrol.questions.answer import Answer
+from nlcontrol.questions.certainty import certainty_answer
 from nlcontrol.references.reference_resolution import Context
 from nlcontrol.reports.why_answers import deed_answer, why_answer, why_not_answer
 from nlcontrol.results.result import result_with
@@ -221,11 +222,10 @@ class Conversation:
     def _intention(self, command: g.Command) -> Intention | Result:
         """The intention of a command, or what there is to say to a remark."""
         remark = follow_up.sole_remark(command)
-        if remark == "stop":
+        if remark in ("stop", "thank"):
             # Sentences are carried out before the next one is read, so there is nothing to stop.
-            return self._plain_result(command, Answer(text="Nothing is being done."), "done")
-        if remark == "thank":
-            return self._plain_result(command, Answer(text="Gladly."), "done")
+            said = "Nothing is being done." if remark == "stop" else "Gladly."
+            return self._plain_result(command, Answer(text=said), "done")
         if remark == "did":
             done = self._deeds or nothing_before("nothing was done yet")
             told = deed_answer(done, first=aims.asks_first(command))
@@ -349,8 +349,8 @@ class Conversation:
             self._forget([push for push in done if push not in back.undoes[len(done) :]])
             return result_with(result, notes=back.notes + result.notes)
         self._forget(pushed)
-        undone = f"undone: “{pushed[-1].of.text}”"
-        return result_with(result, notes=(undone, *back.notes, *result.notes))
+        notes = (f"undone: “{pushed[-1].of.text}”", *back.notes, *result.notes)
+        return result_with(result, notes=notes)
 
     def _to_undo(self, command: g.Command) -> list[PastPush]:
         """The pushes of the last sentence, or the last push of the object that is named."""
@@ -364,8 +364,7 @@ class Conversation:
             )
         if not self.past:
             nothing_before("nothing was pushed that could be undone")
-        last = self.past[-1].of
-        return [push for push in self.past if push.of is last]
+        return [push for push in self.past if push.of is self.past[-1].of]
 
     def _forget(self, undone: Sequence[PastPush]) -> None:
         self.past = [push for push in self.past if push not in undone]
@@ -375,6 +374,8 @@ class Conversation:
     def _explain_last(self, command: g.Command) -> Answer:
         """Why the last result is as it is; or another push would be, if that is asked about."""
         (frame,) = command.frames
+        if known := certainty_answer(frame, self._last, self.controller.answer):
+            return known
         if frame.action is None and says_something(frame):
             command = aims.asked_of_last(command, self._said, self._done)
             (frame,) = command.frames
