@@ -38,6 +38,9 @@ _MOST_READINGS = 8
 _FEW_READINGS = 5
 """The same of a long text."""
 
+_FEW_RESTS = 2
+"""Of those without statements, how many are put in other words sentence by sentence."""
+
 _LONGEST_TRIED = 150
 """Characters beyond which a text is long, and not read again with each quantity that is offered."""
 
@@ -200,11 +203,15 @@ class Parser:
                 if (plain := self._asides.of_rest(said, None, whole)).text:
                     yield plain
         most = _MOST_READINGS if len(whole.text) <= _LONGEST_TRIED else _FEW_READINGS
+        rests = list[Normalised]()
         for said, topic in islice(self._statements.readings(whole), most):
             plain = self._asides.of_rest(said, topic, whole)
             if plain.text:
                 yield plain
                 yield from self._reworded(plain, before)
+                rests.append(plain)
+        for said in (sentence, *rests[:_FEW_RESTS]):
+            yield from self._others.by_sentences(said)
 
     def _reworded(self, sentence: Normalised, before: Sequence[str] | None) -> Iterator[Normalised]:
         """A sentence with known names, in other words, and without hesitations."""

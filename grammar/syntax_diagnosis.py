@@ -40,6 +40,8 @@ def require_clear(sentence: Normalised, lexicon: Lexicon) -> None:
         if " " not in phrase or f" {phrase} " not in text or '"' in text:
             continue
         start = text.find(f" {phrase} ")
+        if text.endswith(" not", 0, start):
+            continue  # "not too fast"
         end = start + len(phrase)
         after = _word_at(sentence, end)[1]
         if after in ("", ",", ".", ";") or (after != "of" and after in lexicon.reserved_words):

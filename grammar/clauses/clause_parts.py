@@ -21,6 +21,7 @@ ON_THE_TABLE = {"above": "behind", "below": "in_front_of"}
 
 _OPPOSITES: tuple[set[g.Direction], ...] = ({"away", "toward"}, {"left", "right"})
 _MEASURES = (ph.Length, ph.Angle)
+_PAUSE = frozenset(",;:–—")
 _HOW_MUCH = (ph.Amount, ph.Share, ph.Volume)
 
 
@@ -170,11 +171,19 @@ class Clause:
         return getattr(self.take_only(kind), "value", None)
 
     def take_amount(self) -> g.Amount | None:
-        """Takes "a little"; "not so far" is no more than a remark where a quantity says how far."""
+        """Takes "a little"; it is no more than a remark where a quantity says how far.
+
+        Raises:
+            ParseError: `said_twice`, unless the quantity says the same more exactly, behind a
+                pause, or the amount is denied: "not so far".
+        """
         measure = next((part for part in self._left if isinstance(part, _MEASURES)), None)
         part = self.take_only(ph.Amount)
-        if part is not None and measure is not None and not self._is_denied(part):
-            raise self.said_twice_error(part, measure)
+        if part is not None and measure is not None:
+            between = self._sentence.original[part.span[1] : measure.span[0]]
+            finer = part.value == "little" and not _PAUSE.isdisjoint(between)
+            if not finer and not self._is_denied(part):
+                raise self.said_twice_error(part, measure)
         return None if part is None or measure is not None else cast(g.Amount, part.value)
 
     def _is_denied(self, part: ph.Part) -> bool:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from functools import cache, cached_property
+from functools import cache, cached_property, lru_cache
 from itertools import islice, pairwise
 
 from grammar.frames.command import Span
@@ -37,6 +37,11 @@ _NAMED = re.compile("(?:the|my|your|our|all|both|every[a-z]*)(?: |$)")
 
 _MOST_STAGES = 4
 """Stages of rewording that are tried, the last first, so that no text takes long."""
+
+_MOST_SENTENCES = 6
+"""Sentences of a text that are reworded each by itself."""
+
+_SENTENCE_END = re.compile(r" [.;!?](?: |$)")
 
 _PAUSES = frozenset(",.;")
 _THINGS = frozenset({"one", "a", "an", "both"})
@@ -89,6 +94,12 @@ class OtherReadings:
                 if measured is not reworded:
                     yield measured
 
+    def by_sentences(self, said: Normalised) -> Iterator[Normalised]:
+        """Yield a text of several sentences with some of them in other words."""
+        if len(_sentences(said.text)) > 1:
+            stages = [*self._reworded(said, by_sentences=True)]
+            yield from islice(reversed(stages), _MOST_STAGES)
+
     def _with_verb(self, said: Normalised) -> Normalised | None:
         """The sentence of a thing and how far it goes, with a verb: "the mug, 5 cm left"."""
         start = _end(_OPENING.match(said.text))
@@ -118,15 +129,15 @@ class OtherReadings:
         unit = number.end() + text.startswith(" ", number.end()) if number else 0
         return bool(unit) and self._phrases.has_terminal_at("LENGTH_UNIT", text, unit)
 
-    def _reworded(self, said: Normalised) -> Iterator[Normalised]:
+    def _reworded(self, said: Normalised, *, by_sentences: bool = False) -> Iterator[Normalised]:
         """Yield the sentence with more and more plainer words in the place of those that have some.
 
         Words that are put in plain ones may hold others that look like some: all stages count.
         """
         words = {*said.text.split(), "{}", "{~}"}
         for means, templates in self._templates.items():
-            patterns = [_pattern_of(each) for each, first in templates if first & words]
-            if found := list(filter(None, (each.search(said.text) for each in patterns))):
+            fitting = [each for each, first in templates if first & words]
+            if found := _found(fitting, said.text, by_sentences=by_sentences):
                 said = _with_words(said, min(found, key=_rank), means)
                 words.update(said.text.split())
                 yield said
@@ -217,8 +228,37 @@ def _pattern_of(template: str) -> re.Pattern[str]:
         start = rf"(?:^(?:(?:{_BEFORE}) (?:, )?){{0,3}}|(?<=[.;!?] ))"
         return re.compile(rf"{start}(?:{said}){_BEHIND}$")
     if "{" in template:
-        return re.compile(rf"^(?:(?:{_BEFORE}) (?:, )?){{0,3}}(?:{said}){_BEHIND}$")
+        return re.compile(rf"(?:(?:{_BEFORE}) (?:, )?){{0,3}}(?:{said}){_BEHIND}$")
     return re.compile(rf"(?<![^ ])(?:{said})(?= |$)")
+
+
+def _found(templates: Sequence[str], text: str, *, by_sentences: bool) -> list[re.Match[str]]:
+    """Where each of some templates stands in a text.
+
+    What has any words in it is the whole text, or else one of its sentences if these count.
+    """
+    found, whole = list[re.Match[str] | None](), list[re.Pattern[str]]()
+    for template in templates:
+        pattern = _pattern_of(template)
+        if "{" in template and not template.endswith("$"):
+            whole.append(pattern)
+            found.append(pattern.match(text))
+        else:
+            found.append(pattern.search(text))
+    if by_sentences and not any(found):
+        found = [each.match(text, *span) for each in whole for span in _sentences(text)]
+    return list(filter(None, found))
+
+
+@lru_cache(maxsize=64)
+def _sentences(text: str) -> tuple[tuple[int, int], ...]:
+    """The places of the first sentences of a text of several."""
+    spans, start = list[tuple[int, int]](), 0
+    for end in _SENTENCE_END.finditer(text):
+        spans.append((start, end.start()))
+        start = end.end()
+    spans.append((start, len(text)))
+    return tuple(each for each in spans if each[0] < each[1])[:_MOST_SENTENCES]
 
 
 def _rank(match: re.Match[str]) -> tuple[int, int, int]:

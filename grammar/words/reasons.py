@@ -8,6 +8,7 @@ ends, is none, so that the sentence is refused where it stands.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -29,6 +30,14 @@ _FORBIDDEN = frozenset({"AVOID", "AVOIDING", "EVENT", "EVENT_INFINITIVE", "TOUCH
                         "TOUCHING"})  # fmt: skip
 _FORBIDDING = frozenset({"before", "may not", "must not", "shall not", "should not"})
 """Phrases that restrict by themselves, or point back: "as it was before"."""
+
+_UNWANTED = re.compile("(?:not (?:want|wish|like)|hate)$")
+"""How a wish begins what is to be avoided: "I do not want it to fall"."""
+
+_DAMAGED = frozenset({"broken", "crushed", "damaged", "dented", "hurt", "knocked", "scratched",
+                      "smashed", "spilled", "spilling", "spilt", "squashed", "tipped", "toppled",
+                      "wasted"})  # fmt: skip
+"""What nobody wants a thing to be."""
 
 _JOINED = _HOW | _NOTS | {"BOUND", "DIRECTION", "ENSURE", "KEEP", "NUMBER", "RELATION", "VERB",
                           "WITH"}  # fmt: skip
@@ -66,7 +75,8 @@ class Reasons:
         if not goes_somewhere and any("MUTUAL" in said.kinds for said in opening):
             return None  # "push it so that it is out of the way"
         measure: int | None = None
-        negated, telling, last = False, False, text[:opened].rpartition(" ")[2]
+        negated = _UNWANTED.search(text[start:opened]) is not None
+        telling, last = False, text[:opened].rpartition(" ")[2]
         for said in self._said(text, opened):
             kinds = said.kinds
             if said.words in _PAUSES or self._goes_on(text, said):
@@ -75,7 +85,8 @@ class Reasons:
             if text[start] in _PAUSES and not doing and self._is_done_to_a_thing(text, said):
                 return None
             negated = negated or bool(kinds & _NOTS) or said.words in _NOBODY
-            if kinds & _UNCLEAR or said.words in _FORBIDDING or (negated and kinds & _FORBIDDEN):
+            forbidden = negated and (kinds & _FORBIDDEN or said.words in _DAMAGED)
+            if kinds & _UNCLEAR or said.words in _FORBIDDING or forbidden:
                 return None
             if not goes_somewhere and kinds & _WHERE:
                 return None
