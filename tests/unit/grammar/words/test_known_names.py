@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from time import process_time
+
 import pytest
 
 from grammar.errors import ParseError
@@ -35,6 +37,37 @@ def test_an_article_may_be_left_out() -> None:
     assert [f.query for f in asked] == ["compare"]
     said = PARSER.parse("push lighter one right 3 cm").frames
     assert [f.object and f.object.text for f in said] == ["lighter one"]
+
+
+@pytest.mark.parametrize(
+    ("text", "means"),
+    [
+        ("cereal behind the mug", "move the cereal behind the mug"),
+        ("cup and coffee 5 cm closer",
+         "move the cup toward the robot by 5 cm, then move the coffee toward the robot by 5 cm"),
+        ("red box further back", "move the red box away"),
+        ("mug back on its feet", "stand the mug upright"),
+        ("brown one, a quarter turn", "turn the brown one by 90 degrees"),
+        ("everything back please", "put everything back to where it was"),
+        ("which is heavier, cereal or coffee?", "is the cereal heavier than the coffee?"),
+        ("all three to the front", "move all three toward the robot"),
+    ],
+)  # fmt: skip
+def test_a_thing_and_where_it_goes_is_a_command(text: str, means: str) -> None:
+    assert PARSER.parse(text).paraphrase == means
+
+
+@pytest.mark.parametrize("text", ["the cereal on the left", "the coffee in the middle"])
+def test_a_place_that_may_tell_things_apart_moves_none(text: str) -> None:
+    (frame,) = PARSER.parse(text).frames
+    assert (frame.dialogue, frame.action) == ("correct", None)
+
+
+def test_many_names_are_read_in_one_way() -> None:
+    started = process_time()
+    with pytest.raises(ParseError):
+        PARSER.parse("the mug and " * 30 + "x")
+    assert process_time() - started < 0.5
 
 
 @pytest.mark.parametrize(
