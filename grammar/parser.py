@@ -231,7 +231,9 @@ class Parser:
         parts = parts_of(self._parse_tree(sentence), self.lexicon, sentence)
         frames = frames_of(parts, self.lexicon, sentence)
         if sentence.asks and any(frame.query is None for frame in frames):
-            raise ParseError("unsupported_question", "this asks for nothing that is known", None, ())
+            raise ParseError(
+                "unsupported_question", "this asks for nothing that is known", None, ()
+            )
         try:
             words = paraphrase(frames, self.lexicon)
         except ValueError as raised:

@@ -36,7 +36,9 @@ _ASKS = re.compile(
     rf"(?:(?:and|but|so|or|well|ok|okay|now|then|no|oh|hey|wait) (?:, )?)*(?:how|what|which|who|"
     rf"whose|where|when|why|whether|any|anything|{_BE}) "
 )
-_TOLD = re.compile(rf"(?P<who>[^,.;!?]+?) (?P<be>{_BE_NOT_CAN}|{_COULD})(?: not)?(?: (?P<rest>[^.;!?]+))?")
+_TOLD = re.compile(
+    rf"(?P<who>[^,.;!?]+?) (?P<be>{_BE_NOT_CAN}|{_COULD})(?: not)?(?: (?P<rest>[^.;!?]+))?"
+)
 _WHETHER = re.compile(rf"(?:whether|if) {_TOLD.pattern}")
 _EMBEDDED = re.compile(
     rf"(?P<how>(?:and )?(?:how(?: (?!(?:{_BE}) )[a-z]+)?|where|why|wh(?:at|ich)(?: (?!(?:{_BE}) )[a-z]+)?)"

@@ -232,9 +232,11 @@ class Statements:
         if self._thanks.isdisjoint(text.split()):
             return False
         parts = _parts(text, (0, len(text)), _END)
-        told = (text[slice(*part)].strip(" ,.;!?") for part in parts)
+        told = [text[slice(*part)].strip(" ,.;!?") for part in parts]
         return not said.question and all(
-            self._only_opens(each, (0, len(each))) or self._is_idle(each[self._start(each) :])
+            self._only_opens(each, (0, len(each)))
+            or self._is_idle(each[self._start(each) :])
+            or self._has_form(each, (0, len(each)))
             for each in told
         )
 

@@ -66,6 +66,7 @@ _HARMLESS = re.compile(
 )
 """Words with which a sentence that tells something may hold one of a wish."""
 
+_DOES = re.compile("[a-z]{2,}[a-rt-z]s")
 _WORDS = re.compile(r"[a-z' ]+")
 _SHORTEST_MISSPELT = 3
 _CHUNK = re.compile(r"[^,.;!?]+")
@@ -213,7 +214,9 @@ class TellingForms:
             if words[i] in self._finite:
                 subject = " ".join(words[:i])
                 return subject if first == 2 or self._is_bare(subject) else ""
-        return ""
+        does = first == 2 and len(words) > 3 and _DOES.fullmatch(words[2])  # "the edge catches it"
+        known = not self._names.isdisjoint(words[:3]) or words[1] in self._lexicon.adjectives
+        return " ".join(words[:2]) if does and not known and self._is_bare(words[1]) else ""
 
     def _is_bare(self, subject: str) -> bool:
         """Check for a subject without an article, of unknown words: "traffic was murder"."""
