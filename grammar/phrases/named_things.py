@@ -31,7 +31,8 @@ class Names(TokenReader):
         text = self.sentence.words_as_written((start, end))
         own_contents = words[0].startswith("its ")
         if words[0].type in ("IT", "THAT"):
-            reworded = len(text.split()) > len(words[0].split())
+            more = len(text.split()) > len(words[0].split())
+            reworded = more or len(text) > len(words[0]) and text.isalpha()  # "Heavy?"
             text = "it" if own_contents else str(words[0]) if reworded else text
             several: g.Quantifier | None = "all" if str(words[0]) in _SEVERAL else None
             ref = g.ObjectRef(text=text, spans=((start, end),), pronoun=True, quantifier=several)

@@ -65,7 +65,7 @@ class OtherReadings:
         self._numbers = lexicon.numbers.pattern
         self._phrases_of = {kind: lexicon.words_of(kind) for kind in _CARRIED}
         self._rewordings = lexicon.rewordings
-        self._questions = PlainQuestions(lexicon)
+        self._questions = PlainQuestions(lexicon, phrases)
 
     def readings(self, said: Normalised, before: Sequence[str] | None) -> Iterator[Normalised]:
         """Yield the sentence in other words, and with a unit, where it can be put so.

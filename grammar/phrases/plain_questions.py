@@ -1,8 +1,10 @@
 """Questions as they are asked of a robot: "may I ask whether the jar is shut, do you think?".
 
 What a question is opened with, what asks for assent and words that ask nothing are left out, and
-what is told with "whether" or "…, isn't it?" is put as a question. What is left is only read as a
-question, so that "you won't topple it, will you?" never becomes a command.
+what is told with "whether" or "…, isn't it?" is put as a question. So are sentences beside it that
+say nothing of what is to be done, and of no thing that it could mean by "it": "Good seamanship. How
+far is the jar?". What is left is only read as a question, so that "you won't topple it, will you?"
+never becomes a command.
 """
 
 from __future__ import annotations
@@ -11,9 +13,11 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property
+from itertools import pairwise
 
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
+from grammar.words.phrase_places import WORD, Phrases
 from grammar.words.phrase_templates import template_pattern
 
 _SHAPES = {
@@ -23,6 +27,23 @@ _SHAPES = {
     "idle": r"(?<![^ ])(?:{0})(?: ,)?(?= |$)",
 }
 """Where the words of each kind stand."""
+
+_EFFECTIVE = frozenset({
+    "AMOUNT", "ANGLE_UNIT", "COMPARED", "DIRECTION", "DO", "EXCEPT", "FACE", "FORCE_UNIT",
+    "FROM_SIDE", "I_MEANT", "IF", "KEEP", "LENGTH_UNIT", "MANNER", "MORE", "NO", "NOT", "OR",
+    "RELATION", "REGION", "REGION_OF_TABLE", "REPEAT", "REVERSE", "SAME", "SENSE", "SPEED_UNIT",
+    "STOP", "TIME_UNIT", "TOWARD", "UNDO", "UNTIL", "VERB", "VERB_ED", "WITHOUT",
+})  # fmt: skip
+"""Terminals of which none stands in a sentence that a question beside it is read without."""
+
+_POINTS = re.compile(r"(?<![^ ])(?:its?|them|they|those|these|that|this|ones?|others?|"
+                     r"two|both|he|she|her|him)(?= |$)")
+_NAMES = re.compile(r"(?<![^ ])(?:the|a|an|my|your|our|his|her|that|this)(?= [a-z])")
+_GOES_ON = re.compile("(?:of|among|between|from|in|on|at|with|or|not|than) ")
+"""How a sentence begins that goes on with the one before it: "of those two"."""
+
+_REQUEST = re.compile("(?:and |so |now |then |please )*(?:can|could|would|will) you ")
+_SENTENCE_END = re.compile(r" [.;!?](?= )")
 
 _MOST = 4
 """Openers, and tags, that are left out one after another."""
@@ -40,6 +61,7 @@ _TOLD = re.compile(
     rf"(?P<who>[^,.;!?]+?) (?P<be>{_BE_NOT_CAN}|{_COULD})(?: not)?(?: (?P<rest>[^.;!?]+))?"
 )
 _WHETHER = re.compile(rf"(?:whether|if) {_TOLD.pattern}")
+_THAT = re.compile("that (?=(?:the|a|an|it|you|my|your|this|that|they|i|we) )")
 _EMBEDDED = re.compile(
     rf"(?P<how>(?:and )?(?:how(?: (?!(?:{_BE}) )[a-z]+)?|where|why|wh(?:at|ich)(?: (?!(?:{_BE}) )[a-z]+)?)"
     rf") (?!(?:{_BE}) ){_TOLD.pattern}"
@@ -50,8 +72,10 @@ _INVERTED = re.compile(rf"(?:and |so |or )?(?:{_BE}|how|what|which|why|where|who
 class PlainQuestions:
     """Puts questions plainly, by a lexicon."""
 
-    def __init__(self, lexicon: Lexicon) -> None:
+    def __init__(self, lexicon: Lexicon, phrases: Phrases) -> None:
         self._said = lexicon.asking
+        self._denied = [template_pattern(each) for each in lexicon.statements["denied"]]
+        self._phrases = phrases
 
     @cached_property
     def _patterns(self) -> dict[str, re.Pattern[str]]:
@@ -59,12 +83,24 @@ class PlainQuestions:
         said = {kind: "|".join(map(template_pattern, each)) for kind, each in self._said.items()}
         return {kind: re.compile(shape.format(said[kind])) for kind, shape in _SHAPES.items()}
 
+    @cached_property
+    def _wished(self) -> re.Pattern[str]:
+        """The words of sentences that say what is wanted or meant."""
+        wished = "|".join(self._denied)
+        return re.compile(rf"(?<![^ ])(?:{wished}|like|let|remember|my)(?= |$)")
+
     def readings(self, said: Normalised) -> Iterator[Normalised]:
         """Yield a question in plain words, where it is one and can be put so.
 
         Args:
             said: a sentence that is not read as it stands.
         """
+        yield from self._plain_readings(said)
+        if (only := self._only_question(said)) is not None:
+            yield replace(only, question=True, asks=_REQUEST.match(only.text) is None)
+            yield from self._plain_readings(only)
+
+    def _plain_readings(self, said: Normalised) -> Iterator[Normalised]:
         plain, opened = self._without_openers(said)
         plain, tagged = self._without_tags(plain)
         if not (said.question or opened or _ASKS.match(said.text)):
@@ -77,6 +113,29 @@ class PlainQuestions:
             yield replace(asked, question=True, asks=True)
         if plain.text != said.text:
             yield replace(plain, question=True, asks=True)
+
+    def _only_question(self, said: Normalised) -> Normalised | None:
+        """The question of a text of several sentences, the others of which have no effect."""
+        ends = [0, *(mark.end() for mark in _SENTENCE_END.finditer(said.text)), len(said.text)]
+        spans = [(start, end) for start, end in pairwise(ends) if said.text[start:end].strip()]
+        asked = [span for span in spans if said.text[: span[1]].endswith("?")]
+        asked += spans[-1:] if said.question else []
+        if len(spans) < 2 or len(asked) != 1 or not 2 <= len(spans) <= _MOST:
+            return None
+        others = [said.text[slice(*span)] for span in spans if span != asked[0]]
+        if any(map(self._has_effect, others)):
+            return None
+        start, end = asked[0]
+        question = said.words_in((start, start + len(said.text[start:end].rstrip(" .;!?"))))
+        named = any(_NAMES.search(said.text, *span) for span in spans if span < asked[0])
+        return None if named and _POINTS.search(question.text) else question
+
+    def _has_effect(self, text: str) -> bool:
+        """Check for a sentence that may ask for something, or say how or where."""
+        if _GOES_ON.match(text.strip()) or self._wished.search(text):
+            return True
+        words = WORD.finditer(text)
+        return any(self._phrases.has_any_at(_EFFECTIVE, text, word.start()) for word in words)
 
     def is_opened(self, said: Normalised) -> bool:
         """Check for a question that is opened with words that ask nothing."""
@@ -115,8 +174,10 @@ class PlainQuestions:
 
 def _put_as_question(said: Normalised, *, opened: bool, tagged: bool) -> Normalised | None:
     """What is told, with its verb first: "whether the jar is shut" → "is the jar shut"."""
+    if that := _THAT.match(said.text):
+        said = said.words_in((that.end(), len(said.text)))
     told = _WHETHER.fullmatch(said.text)
-    if told is None and opened and (embedded := _EMBEDDED.fullmatch(said.text)):
+    if told is None and (embedded := _EMBEDDED.fullmatch(said.text)):
         groups = [embedded.span(name) for name in ("how", "be", "who", "rest")]
         return said.words_in(*(span for span in groups if span[0] >= 0))
     if told is None and (tagged or opened) and not _INVERTED.match(said.text):

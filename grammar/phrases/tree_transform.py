@@ -118,7 +118,7 @@ class Parts(Names, Manners, Outcomes, Questions):
     def _require_wish(self, you: Children) -> None:
         """Refuses "you pushed it", which tells what was done, but behind "I'd rather"."""
         span = self.span_of(you)
-        if _WISHES.isdisjoint(self.sentence.original[: span[0]].casefold().split()):
+        if _WISHES.isdisjoint(self.sentence.original[: span[1]].casefold().split()):
             message, hint = "tells what was done, and asks for nothing", "push it …"
             raise self.does_not_apply_error(you, message, hint)
 
