@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, TypeVar, cast
 
 from grammar.clauses.consistency import contradiction_error
@@ -20,6 +21,7 @@ ON_THE_TABLE = {"above": "behind", "below": "in_front_of"}
 """Relations as on a picture of the table, and what they are for one who stands before it."""
 
 _OPPOSITES: tuple[set[g.Direction], ...] = ({"away", "toward"}, {"left", "right"})
+_FORWARD = ('"forward"', '"forwards"')
 _MEASURES = (ph.Length, ph.Angle)
 _PAUSE = frozenset(",;:–—")
 _HOW_MUCH = (ph.Amount, ph.Share, ph.Volume)
@@ -135,6 +137,9 @@ class Clause:
         if any(not part.implied for part in parts):
             self.spans = [s for s in self.spans if s not in {p.span for p in parts if p.implied}]
             parts = [part for part in parts if not part.implied]
+        if self.verb.direction == "toward":  # "bring it forward", to who says so
+            forward = [part for part in parts if self.quote(part).casefold() in _FORWARD]
+            parts = [replace(p, value="toward") if p in forward else p for p in parts]
         for i, part in enumerate(parts):
             for other in parts[:i]:
                 if {part.value, other.value} in _OPPOSITES:

@@ -47,6 +47,11 @@ _THINGS = frozenset({"one", "a", "an", "both"})
 """Number words that rather stand for a thing."""
 
 _BEFORE = "actually|and|no|now|oh|ok|please|sorry|so|then|well"
+_ASKING = re.compile(
+    rf"(?:(?:{_BEFORE}) (?:, )?)*"
+    "(?:(?:can|could|would|will|might) you|(?:i|we) (?:want|need|would like) you to|try to|let us) "
+    "(?:(?:also|just|kindly|maybe|now|perhaps|please|possibly|then) )*(?!mind )"
+)
 _BEHIND = "(?: (?:, )?please)?"
 _SHARES = re.compile("half|third|quarter|fifth|tenth")
 _DENIED = re.compile(r"(?: ,)? (?:and )?(?:not|instead of|rather than) (?:by )?")
@@ -125,7 +130,8 @@ class OtherReadings:
         words = {*said.text.split(), "{}"}
         for means, templates in self._templates.items():
             fitting = [each for each, first in templates if first & words]
-            if found := _found(fitting, said.text, by_sentences=by_sentences):
+            asked = means.partition(" ")[0] in self._phrases.verbs
+            if found := _found(fitting, said.text, asked=asked, by_sentences=by_sentences):
                 said = _with_words(said, min(found, key=_rank), means)
                 words.update(said.text.split())
                 yield said
@@ -212,17 +218,21 @@ def _pattern_of(template: str) -> re.Pattern[str]:
     return re.compile(rf"(?<![^ ])(?:{said})(?= |$)")
 
 
-def _found(templates: Sequence[str], text: str, *, by_sentences: bool) -> list[re.Match[str]]:
+def _found(
+    templates: Sequence[str], text: str, *, asked: bool, by_sentences: bool
+) -> list[re.Match[str]]:
     """Where each of some templates stands in a text.
 
-    What has any words in it is the whole text, or else one of its sentences if these count.
+    What has any words in it is the whole text, but for "can you" before what is asked for, or else
+    one of its sentences if these count.
     """
     found, whole = list[re.Match[str] | None](), list[re.Pattern[str]]()
+    asks = _ASKING.match(text) if asked else None
     for template in templates:
         pattern = _pattern_of(template)
         if "{}" in template:
             whole.append(pattern)
-            found.append(pattern.match(text))
+            found.append(pattern.match(text) or (asks and pattern.match(text, asks.end())))
         else:
             found.append(pattern.search(text))
     if by_sentences and not any(found):
