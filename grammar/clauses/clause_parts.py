@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, TypeVar, cast
 
 from grammar.clauses.consistency import contradiction_error
@@ -20,6 +21,7 @@ ON_THE_TABLE = {"above": "behind", "below": "in_front_of"}
 """Relations as on a picture of the table, and what they are for one who stands before it."""
 
 _OPPOSITES: tuple[set[g.Direction], ...] = ({"away", "toward"}, {"left", "right"})
+_FORWARD = ('"forward"', '"forwards"')
 _MEASURES = (ph.Length, ph.Angle)
 _PAUSE = frozenset(",;:–—")
 _HOW_MUCH = (ph.Amount, ph.Share, ph.Volume)
@@ -135,6 +137,9 @@ class Clause:
         if any(not part.implied for part in parts):
             self.spans = [s for s in self.spans if s not in {p.span for p in parts if p.implied}]
             parts = [part for part in parts if not part.implied]
+        if self.verb.direction == "toward":  # "bring it forward", to who says so
+            forward = [part for part in parts if self.quote(part).casefold() in _FORWARD]
+            parts = [replace(p, value="toward") if p in forward else p for p in parts]
         for i, part in enumerate(parts):
             for other in parts[:i]:
                 if {part.value, other.value} in _OPPOSITES:
@@ -178,13 +183,18 @@ class Clause:
                 pause, or the amount is denied: "not so far".
         """
         measure = next((part for part in self._left if isinstance(part, _MEASURES)), None)
-        part = self.take_only(ph.Amount)
-        if part is not None and measure is not None:
-            between = self._sentence.original[part.span[1] : measure.span[0]]
-            finer = part.value == "little" and not _PAUSE.isdisjoint(between)
-            if not finer and not self._is_denied(part):
-                raise self.said_twice_error(part, measure)
+        parts = self.take_all(ph.Amount)
+        part = parts[0] if parts else None
+        for other in [*parts[1:], measure] if part is not None else ():
+            if other is not None and not self._is_denied(part) and not self._is_finer(other, part):
+                raise self.said_twice_error(part, other)
         return None if part is None or measure is not None else cast(g.Amount, part.value)
+
+    def _is_finer(self, part: ph.Part, amount: ph.Amount) -> bool:
+        """Check for "a little, say 3 cm", "a bit, not too far", which say the same behind a pause."""
+        between = self._sentence.original[amount.span[1] : part.span[0]]
+        alike = not isinstance(part, ph.Amount) or part.value == "little"
+        return alike and amount.value == "little" and not _PAUSE.isdisjoint(between)
 
     def _is_denied(self, part: ph.Part) -> bool:
         return self.quote(part).casefold().startswith('"not ')

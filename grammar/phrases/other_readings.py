@@ -8,6 +8,7 @@ this is tried on a sentence that is read, so that no word changes what another m
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cache, cached_property, lru_cache
@@ -19,7 +20,7 @@ from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
 from grammar.words.numerals import DIGITS
 from grammar.words.phrase_places import WORD, Phrases
-from grammar.words.phrase_templates import first_words, template_pattern
+from grammar.words.phrase_templates import needed_words, template_pattern
 
 _CARRIED = frozenset({"LENGTH_UNIT", "ANGLE_UNIT"})
 _UNITS = _CARRIED | {"FORCE_UNIT", "SPEED_UNIT", "TIME_UNIT", "TOOL", "VOLUME_UNIT"}
@@ -48,6 +49,11 @@ _THINGS = frozenset({"one", "a", "an", "both"})
 """Number words that rather stand for a thing."""
 
 _BEFORE = "actually|and|no|now|oh|ok|please|sorry|so|then|well"
+_ASKING = re.compile(
+    rf"(?:(?:{_BEFORE}) (?:, )?)*"
+    "(?:(?:can|could|would|will|might) you|(?:i|we) (?:want|need|would like) you to|try to|let us) "
+    "(?:(?:also|just|kindly|maybe|now|perhaps|please|possibly|then) )*(?!mind )"
+)
 _BEHIND = "(?: (?:, )?please)?"
 _SHARES = re.compile("half|third|quarter|fifth|tenth")
 _DENIED = re.compile(r"(?: ,)? (?:and )?(?:not|instead of|rather than) (?:by )?")
@@ -134,21 +140,49 @@ class OtherReadings:
 
         Words that are put in plain ones may hold others that look like some: all stages count.
         """
-        words = {*said.text.split(), "{}", "{~}"}
-        for means, templates in self._templates.items():
-            fitting = [each for each, first in templates if first & words]
-            if found := _found(fitting, said.text, by_sentences=by_sentences):
+        words = set(said.text.split())
+        tried, at = self._fitting(words), -1
+        while (at := min((each for each in tried if each > at), default=-1)) >= 0:
+            means = self._meanings[at]
+            asked = means.partition(" ")[0] in self._phrases.verbs
+            if found := _found(tried[at], said.text, asked=asked, by_sentences=by_sentences):
                 said = _with_words(said, min(found, key=_rank), means)
-                words.update(said.text.split())
+                if new := set(said.text.split()) - words:
+                    words |= new
+                    tried = self._fitting(words)
                 yield said
 
+    def _fitting(self, words: set[str]) -> dict[int, list[str]]:
+        """Of each meaning, by its place, the templates that may stand in a text of these words."""
+        fitting = dict[int, list[str]]()
+        for word in words:
+            for place, template, needed in self._templates.get(word, ()):
+                if not any(some.isdisjoint(words) for some in needed):
+                    fitting.setdefault(place, []).append(template)
+        return fitting
+
     @cached_property
-    def _templates(self) -> dict[str, list[tuple[str, set[str]]]]:
-        """Plainer words → templates of what is put so, and the words they begin with."""
-        return {
-            means: [(each, first_words(each.removesuffix("$"))) for each in templates]
-            for means, templates in self._rewordings.items()
-        }
+    def _meanings(self) -> list[str]:
+        return [*self._rewordings]
+
+    @cached_property
+    def _templates(self) -> dict[str, list[tuple[int, str, list[frozenset[str]]]]]:
+        """Word → templates of which it is the rarest that they need.
+
+        Each with the place of the meaning, and the words that it needs.
+        """
+        every = [
+            (place, each, needed_words(each.removesuffix("$")))
+            for place, templates in enumerate(self._rewordings.values())
+            for each in templates
+        ]
+        often = Counter(word for *_, needed in every for some in needed for word in some)
+        found = dict[str, list[tuple[int, str, list[frozenset[str]]]]]()
+        for place, template, needed in every:
+            rarest = min(needed, key=lambda some: sum(often[word] for word in some))
+            for word in rarest:
+                found.setdefault(word, []).append((place, template, needed))
+        return found
 
     def _with_units(self, said: Normalised, before: Sequence[str]) -> Normalised:
         """The sentence with the unit said before behind each number that has none."""
@@ -232,17 +266,21 @@ def _pattern_of(template: str) -> re.Pattern[str]:
     return re.compile(rf"(?<![^ ])(?:{said})(?= |$)")
 
 
-def _found(templates: Sequence[str], text: str, *, by_sentences: bool) -> list[re.Match[str]]:
+def _found(
+    templates: Sequence[str], text: str, *, asked: bool, by_sentences: bool
+) -> list[re.Match[str]]:
     """Where each of some templates stands in a text.
 
-    What has any words in it is the whole text, or else one of its sentences if these count.
+    What has any words in it is the whole text, but for "can you" before what is asked for, or else
+    one of its sentences if these count.
     """
     found, whole = list[re.Match[str] | None](), list[re.Pattern[str]]()
+    asks = _ASKING.match(text) if asked else None
     for template in templates:
         pattern = _pattern_of(template)
         if "{" in template and not template.endswith("$"):
             whole.append(pattern)
-            found.append(pattern.match(text))
+            found.append(pattern.match(text) or (asks and pattern.match(text, asks.end())))
         else:
             found.append(pattern.search(text))
     if by_sentences and not any(found):

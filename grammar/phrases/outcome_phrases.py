@@ -149,6 +149,10 @@ class Outcomes(TokenReader):
             event = self.value_of(children, "TOUCHES", self.value_of(children, "LEVEL_WITH"))
             event = event or "touching"
             subject = things[0] if len(things) > 1 else None
+            if self.value_of(children, "UNTIL") == "before":
+                if event != "touching":
+                    raise self.does_not_apply_error(children, "is no event to stop at")
+                return ph.Constraint(span, g.NoTouch(object=things[-1].ref, spans=(span,)), subject)
             stop = g.Until(event=cast(Any, event), object=things[-1].ref, spans=(span,))
             return ph.Constraint(span, stop, subject)
         if not self.value_of(children, "UNTIL") and said in _ENDS:

@@ -78,7 +78,8 @@ class Corrections:
             return said.words_in((0, verbs[-1].start), (end, len(said.text)))
         if not before or not after:
             return None
-        if len(before) == 1 and "NOT" in before[0].kinds and "THING" in after[0].kinds:
+        denies = len(before) == 1 or said.text.startswith("not ", before[-1].start)
+        if denies and "NOT" in before[-1].kinds and "THING" in after[0].kinds:
             return None  # "not the mug, I meant the jar"
         inner = self._within(said.text, before[-1], after[0].kinds)
         if only and not only & after[0].kinds & (only if inner else before[-1].kinds):

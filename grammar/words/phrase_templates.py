@@ -71,6 +71,20 @@ def first_words(template: str) -> set[str]:
     return set().union(*map(first_words, filter(None, choices)))
 
 
+def needed_words(template: str) -> list[frozenset[str]]:
+    """Sets of words and marks of each of which every phrase of a template has at least one."""
+    needed, start, depth = list[frozenset[str]](), 0, 0
+    for end, char in enumerate(f"{template} "):
+        depth += (char in "([") - (char in ")]")
+        if depth or char != " ":
+            continue
+        piece, start = template[start:end], end + 1
+        words = set[str]() if piece.startswith("[") else first_words(piece)
+        if words and not any("_" in word or "{" in word for word in words):
+            needed.append(frozenset(words))
+    return needed
+
+
 def template_pattern(template: str) -> str:
     """The regular expression of a template.
 

@@ -34,6 +34,10 @@ _FORBIDDING = frozenset({"before", "may not", "must not", "shall not", "should n
 _UNWANTED = re.compile("(?:not (?:want|wish|like)|hate)$")
 """How a wish begins what is to be avoided: "I do not want it to fall"."""
 
+_FINITE = frozenset({"am", "are", "been", "can", "did", "do", "does", "had", "has", "have", "i",
+                     "is", "it", "know", "they", "was", "we", "were", "will", "you"})  # fmt: skip
+"""Words of which a clause with a verb has one."""
+
 _DAMAGED = frozenset({"broken", "crushed", "damaged", "dented", "hurt", "knocked", "scratched",
                       "smashed", "spilled", "spilling", "spilt", "squashed", "tipped", "toppled",
                       "wasted"})  # fmt: skip
@@ -108,9 +112,11 @@ class Reasons:
     def _end_of_first(self, text: str, opened: int) -> int | None:
         """End of a reason with which the sentence begins: a pause, or the verb of a command."""
         last = text[:opened].rpartition(" ")[2]
+        needs_verb = text.startswith("now that ")  # "now that red box, push it" gives none
         for said in self._said(text, opened):
             if said.words in _PAUSES:
-                return said.start
+                told = text[opened : said.start].split()
+                return None if needs_verb and _FINITE.isdisjoint(told) else said.start
             if last not in _DOING and self._is_done_to_a_thing(text, said):
                 return said.start
             if said.words in _FORBIDDING:
@@ -139,7 +145,7 @@ class Reasons:
         if "SEPARATOR" not in joint.kinds:
             return False
         after = next(self._said(text, joint.start + len(joint.words)), None)
-        return after is not None and bool(after.kinds & _JOINED)
+        return after is not None and (bool(after.kinds & _JOINED) or after.words == "let")
 
     def _is_done_to_a_thing(self, text: str, said: _Said) -> bool:
         """Check for a verb behind which a thing stands."""
