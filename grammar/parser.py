@@ -187,10 +187,11 @@ class Parser:
         told = islice(self._statements.readings(whole), _MOST_READINGS)
         rests = (self._asides.of_rest(said, topic, whole) for said, topic in told)
         for said in filter(_is_said, chain(self._others.readings(sentence, before), rests)):
-            with suppress(ParseError):
-                other = self._command_of(said)
-                if self._names.are_borne(other.frames):
-                    return other
+            for each in (said, *self._names.readings(said)):
+                with suppress(ParseError):
+                    other = self._command_of(each)
+                    if self._names.are_borne(other.frames):
+                        return other
         return command
 
     def _other_readings(

@@ -370,7 +370,7 @@ def _described_thing(thing: ph.Thing, part: ph.Side | ph.Place, sentence: Normal
     ref = thing.ref
     if isinstance(part, ph.Place) and ref.relation is not None:
         return _with_told_reference(thing, part, sentence)
-    noun = ref.noun if ref.qualities else _noun_of(ref)
+    noun = ref.noun if ref.qualities or ref.quantifier else _noun_of(ref)
     update: dict[str, object] = {"spans": (*ref.spans, part.span)}
     if isinstance(part, ph.Side):
         update |= {"qualities": (*ref.qualities, part.quality), "noun": noun}

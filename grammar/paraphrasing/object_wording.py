@@ -54,7 +54,9 @@ class Naming:
         """An object, with its article and what tells it apart."""
         words = _name_words(ref.text)
         said = tuple(self.lexicon.adjectives[w] for w in words if w in self.lexicon.adjectives)
-        plain = self.is_plain(ref.text) and said == ref.qualities[: len(said)]
+        counted, _, rest = ref.text.partition(" ")
+        several = rest if ref.quantifier == "all" and counted in self.lexicon.numbers.ones else ""
+        plain = self.is_plain(several or ref.text) and said == ref.qualities[: len(said)]
         text = ref.text if ref.pronoun else f"the {ref.text}" if plain else f'"{ref.text}"'
         if not ref.pronoun and (ref.quantifier or ref.ordinal):
             text = self._counted_words(ref, plain)
@@ -81,10 +83,13 @@ class Naming:
                 f"the {next(word for word, n in ordinals.items() if n == ref.ordinal)} {ref.text}"
             )
         known = self.lexicon.terminals["QUANTIFIER"]
-        if not ref.noun and not ref.qualities and known.get(ref.text.casefold()) == ref.quantifier:
+        if not ref.noun and known.get(ref.text.casefold()) == ref.quantifier:
             return ref.text
         if not plain or ref.ordinal is not None or ref.pronoun:
             raise no_words(f"{ref.quantifier} of {ref.text}")
+        counted, _, rest = ref.text.partition(" ")
+        if ref.quantifier == "all" and rest and counted in self.lexicon.numbers.ones:
+            return f"{self.phrase_for('QUANTIFIER', 'all', ending=f'all the {counted}')} {rest}"
         one = {"all": "every", "any": "any"}.get(ref.quantifier or "")
         ending = one if one and not ref.text.endswith("s") else " the"
         return f"{self.phrase_for('QUANTIFIER', ref.quantifier or '', ending=ending)} {ref.text}"

@@ -13,6 +13,7 @@ from grammar.words.plurals import singular
 
 _NOBODY = ("one", "ones")
 _SEVERAL = ("them", "they")
+_COUNTS = frozenset({"three", "four", "five", "six"})
 _COMPARED = re.compile("(er|est|most)$")
 
 
@@ -44,11 +45,17 @@ class Names(TokenReader):
             text = f"{self._written(words[1:])} {words[0]}"
             ref = g.ObjectRef(text=text, spans=((start, end),))
         else:
+            reworded = len(text.split()) > len(words) and words[0].type != "QUOTED"
+            if reworded and not counted:  # "the one with the lid"
+                text = " ".join(words)
             ref = self._described_object(text, (start, end), children)
         if counted:
             value = cast(g.Quantifier, self.value_of(children, "QUANTIFIER"))
             spans = tuple(dict.fromkeys((*ref.spans, self.span_of(counted))))
             ref = ref.model_copy(update={"quantifier": value, "spans": spans})
+            count = next((w for w in str(counted[0]).split() if w in _COUNTS), None)
+            if count and value == "all" and count not in ref.text.casefold().split():
+                ref = ref.model_copy(update={"text": f"{count} {ref.text}"})  # all three boxes
         return ph.Thing((start, end), ref, own_contents or bool(tokens_in(children, "CONTENTS")))
 
     def exchanged_part(self, children: Children) -> list[ph.Part]:
@@ -87,4 +94,9 @@ class Names(TokenReader):
         return [*told, *whole]
 
     def _written(self, words: list[Token]) -> str:
-        return " ".join(self.sentence.words_as_written(self.span_of([word])) for word in words)
+        """The words as they were written; words that were put in plainer ones as they are read."""
+        written = [self.sentence.words_as_written(self.span_of([word])) for word in words]
+        pairs = zip(written, words, strict=True)
+        return " ".join(
+            str(word) if " " in each and word.type != "QUOTED" else each for each, word in pairs
+        )

@@ -15,6 +15,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from itertools import chain
 
 from grammar.frames.command import Frame, references_in
 from grammar.words.lexicon import Lexicon
@@ -67,6 +68,9 @@ _SEVERAL = (
     f" (?:{_PLURALS}))?|that one|this one"
 )
 """Several things, by the words that count them or tell what they are."""
+_BESIDES = (
+    " (?:on|at|in) the (?:far |very )?(?:left|right|middle|centre|center|back|front)(?= (?!of ))"
+)
 _WAYS = "to the (?:left|right)|left|right|away|back|toward me|toward you"
 _UNITS = "cm|mm|centimetres?|centimeters?|inch|inches"
 _FURTHER_BACK = re.compile(r"(?:further|farther) (back)(?= |$)(?! to)")
@@ -91,6 +95,7 @@ _COLOURS = frozenset(
 _KINDS = frozenset({"box", "carton", "packet", "pack", "container", "cup", "mug", "can", "tin",
                     "jar", "bottle", "thing", "object", "one", *_PLURALS.split("|")})  # fmt: skip
 """Words for many things, which are names only with what tells a thing apart."""
+_STATES = frozenset({"loose", "lidded", "clamped", "free", "fixed"})
 _NO_TELLING = frozenset({"left", "right", "same", "back", "front", "further", "farther", "closer"})
 """Adjectives that are words of places too."""
 _SIDE = re.compile(r" (?:on|at|in|to) the (?:far )?(?:left|right|middle|centre|center|back|front)$")
@@ -108,10 +113,10 @@ class KnownNames:
     def __init__(self, names: Iterable[str], lexicon: Lexicon) -> None:
         plain = {" ".join(name.casefold().replace("-", " ").split()) for name in names}
         own = sorted(plain - lexicon.first_words - lexicon.verb_words["VERB"].keys(), key=len)
-        told = lexicon.adjectives.keys() | lexicon.numbers.ordinals.keys()
+        told = lexicon.adjectives.keys() | lexicon.numbers.ordinals.keys() | _STATES
         self.words = {word for name in own for word in name.split()}
         unread = lexicon.first_words | lexicon.verb_words["VERB"].keys() | told
-        short = _short_names(plain)
+        short = _short_names(plain) | {name for name in plain if " " not in name}
         either = _any_of({*own, *(short - unread)})
         one = rf"(?:{_any_of(told)}) ones?"
         apart = rf"(?:(?:{_any_of(told - _NO_TELLING)}) )+(?:{_any_of(_KINDS | self.words)})"
@@ -124,30 +129,35 @@ class KnownNames:
         name = rf"{either}|{apart}|{one}|{coloured}|{ambiguous}"
         self._name = re.compile(rf"(?<![^ ])(?:{name})(?= |$)")
         self._told_where = re.compile(rf"(the (?:{either})) (?={_GOES}(?: |$)|\d|{numbers})")
-        thing = rf"(?:(?:the|that|this|my|your|our) (?:{apart}|{name})|{_SEVERAL})"
-        things = rf"{thing}(?:(?: ,)?(?: and)? {thing})*"
+        named = rf"{apart}|{name}|(?:{_any_of(_KINDS | self.words)})(?= )"
+        thing = rf"(?>(?:the|that|this|my|your|our) (?:{named})|{_SEVERAL})(?>{_BESIDES})?"
+        things = rf"{thing}(?>(?: ,)?(?: and)? {thing})*+"  # which are read in one way
         count = rf"(?:\d+(?:\.\d+)?|{numbers})"
         amount = rf"(?:a |just |only )*(?:bit|little|touch|tad|{count}|degrees)"
         self._same = re.compile(
             rf"(?:(?>{amount}|{_WAYS})(?: ,)? ?)++|{count} (?:{_UNITS})(?: please)?"
         )
-        self._goes = re.compile(rf"({things})(?: ,)? (?=({goes}))")
+        self._goes = re.compile(rf"({things})(?: ,)? (?={goes})")
         determining = (
             w for kind in ("THE", "A", "THAT", "QUANTIFIER") for w in lexicon.terminals[kind]
         )
         self._before_name = {*(w.split()[-1] for w in determining), *told, *self.words}
-        self._told = {"the", "other", *told, *self.words, "one", "ones"}
-        self._borne = self._told | set(lexicon.nobodies) | {"it", "them", "they", "that", "this"}
+        self._told = {"the", "other", *told, *self.words, "one", "ones", "thing", "object"}
+        several = (w.split() for w in lexicon.terminals["QUANTIFIER"])
+        self._several = set(chain.from_iterable(several))
+        self._borne = {*self._told, *lexicon.nobodies, *_KINDS}
+        self._borne |= {"it", "them", "they", "that", "this", "loose", "lidded", "drink"}
         self._silent = lexicon.silent_words - {"the"}
 
     def are_borne(self, frames: Iterable[Frame]) -> bool:
         """Check for frames in whose names each word is of some object, or tells objects apart."""
         names = (
-            ref.noun if ref.qualities else ref.text
+            set((ref.noun if ref.qualities else ref.text).split())
+            - (self._several if ref.quantifier else set())
             for frame in frames
             for ref in references_in(frame)
         )
-        return all(self._borne.issuperset(name.split()) for name in names)
+        return all(self._borne.issuperset(words) for words in names)
 
     def readings(self, said: Normalised) -> Iterator[Normalised]:
         """Yield the sentence in the ways in which it may be meant, the likelier first."""

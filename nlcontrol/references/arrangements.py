@@ -46,7 +46,8 @@ def arranged_frames(
         if mutual is None:
             found += group
         else:
-            found += _placed_frames(mutual, list(group), look())
+            once = {frame.object.id: frame for frame in group if frame.object is not None}
+            found += _placed_frames(mutual, list(once.values()), look())
     return tuple(found)
 
 

@@ -8,13 +8,25 @@ from typing import get_args
 from grammar.frames.command import ObjectRef, Quality, Relation
 from nlcontrol.errors import ControlError, error, whole_span
 from nlcontrol.references.object_attributes import SHADES
-from nlcontrol.references.object_names import Candidate, distinguishing_words, name_words
+from nlcontrol.references.object_names import (
+    Candidate,
+    distinguishing_words,
+    find_by_name,
+    name_words,
+)
 from nlcontrol.text_format import enumeration
 
 COLOURS: tuple[Quality, ...] = tuple(q for q in get_args(Quality) if q in SHADES)
 
 GENERIC = frozenset({"", "one", "object", "thing", "item"})
 """Nouns that fit every object."""
+
+RANKED: dict[Quality, tuple[str, int]] = {
+    "heavy": ("mass", 1), "light": ("mass", 2), "tall": ("height", 1), "short": ("height", 2),
+    "wide": ("width", 1), "narrow": ("width", 2), "big": ("size", 1), "small": ("size", 2),
+    "rough": ("friction", 1), "slippery": ("friction", 2),
+}  # fmt: skip
+"""Quality → the property that it compares, and the place of who has it among two."""
 
 _FAMILIES: tuple[tuple[Quality, ...], ...] = (
     COLOURS,
@@ -117,3 +129,36 @@ def reference_text(ref: ObjectRef) -> str:
         other.text if other.pronoun else f"the {reference_text(other)}" for other in ref.reference
     ]
     return f"{ref.text} {place} {enumeration(others)}"
+
+
+def require_no_more_than_a_name(
+    ref: ObjectRef, on_table: Sequence[Candidate], *, misspelt: bool
+) -> None:
+    """Refuses words that a name has run on into: "ice tea box awya".
+
+    A misspelt name is the better explanation, unless those words are like some of the language.
+
+    Raises:
+        ControlError: `unknown_object`, about those words.
+    """
+    from grammar.syntax_diagnosis import words_like
+    from grammar.words.lexicon_plugins import installed_lexicon
+
+    said_words = ref.text.split()
+    of_names = {word.casefold() for name in [c.name for c in on_table] for word in name.split()}
+    for i in range(len(said_words) - 1, 0, -1):
+        name, more = " ".join(said_words[:i]), " ".join(said_words[i:])
+        lexicon, _ = installed_lexicon()
+        is_of_name = said_words[i].casefold() in of_names
+        meant = () if is_of_name else words_like(said_words[i], lexicon)
+        found = find_by_name(name, on_table)
+        if not found or not (meant or (len(found) == 1 and not misspelt)):
+            continue
+        whole = whole_span(ref.spans)
+        exact = whole is not None and whole[1] - whole[0] == len(ref.text)
+        raise error(
+            "unknown_object",
+            f"'{more}' behind '{name}' is neither understood nor a part of a name on the table",
+            span=(whole[1] - len(more), whole[1]) if whole and exact else whole,
+            suggestions=(*meant, f"leave out '{more}'"),
+        )

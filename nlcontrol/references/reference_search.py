@@ -12,7 +12,7 @@ and whatever it offers was tried.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from grammar.frames.command import ObjectRef, Quality
@@ -21,9 +21,19 @@ from nlcontrol.errors import ControlError, error, whole_span
 from nlcontrol.references.disambiguation_text import (
     COLOURS,
     GENERIC,
+    RANKED,
     ambiguity_error,
     reference_noun,
     reference_text,
+    require_no_more_than_a_name,
+)
+from nlcontrol.references.general_words import (
+    GENERAL,
+    compares_two,
+    count_in,
+    objects_called,
+    objects_of_kind,
+    on_side,
 )
 from nlcontrol.references.object_attributes import in_relation, objects_at_rank, with_attribute
 from nlcontrol.references.object_names import Candidate, find_by_name, likely_name, name_words
@@ -32,6 +42,9 @@ from nlcontrol.text_format import enumeration
 if TYPE_CHECKING:
     from objectmodels import ObjectModel
     from planner.types.world_state import WorldState
+
+_SIDES: tuple[Quality, ...] = ("left", "right", "near", "far")
+"""Qualities of which all that stand on that side of the table have some."""
 
 _SPOKEN: tuple[Quality, ...] = ("other", "same", "moved_first", "moved_last")
 
@@ -163,13 +176,14 @@ def find_several(ref: ObjectRef, around: Surroundings, spoken: Spoken) -> list[s
     excepted = {other.id for other in ref.exceptions}
     excepted |= set(spoken.latest) if ref.quantifier == "rest" else set()
     found = [c.name for c in matching_objects(ref, around, spoken) if c.name not in excepted]
-    if found and (ref.quantifier != "both" or len(found) == 2):
+    counted = 2 if ref.quantifier == "both" else count_in(ref)
+    if found and counted in (None, len(found)):
         return found
     there = [c.name for c in _objects_named(ref, around)] or around.names
-    count = "two" if ref.quantifier == "both" else "one"
+    count = f"{counted}" if counted else "one or more"
     raise error(
         "unknown_object",
-        f"'{ref.text}' should be {count} or more, and are {enumeration(found) or 'none'}; there is:"
+        f"'{ref.text}' should be {count}, and are {enumeration(found) or 'none'}; there is:"
         f" {enumeration(there)}",
         span=whole_span(ref.spans),
         suggestions=tuple(f"the {name}" for name in there),
@@ -208,16 +222,46 @@ def matching_objects(ref: ObjectRef, around: Surroundings, spoken: Spoken) -> li
     Raises:
         ControlError: `no_antecedent` if it needs one.
     """
-    found, qualities = _objects_named(ref, around), _looked_for(ref, around)
+    qualities = _looked_for(ref, around)
+    found = _objects_named(ref, around)
+    noun = reference_noun(ref)
+    if noun in GENERAL and not find_by_name(ref.text, around.on_table):
+        found = objects_called(noun, around.on_table) or found
+    fitting = _fitting_objects(ref, found, qualities, around, spoken)
+    if not fitting and set(COLOURS) & set(qualities):  # "the red one" beside two of other colours
+        alone = replace(spoken, group=(), it=spoken.it[:1], doubt=None)
+        fitting = _fitting_objects(ref, found, qualities, around, alone)
+    if fitting or noun in GENERIC or not (qualities or ref.qualities):
+        return fitting
+    kind = objects_of_kind(noun, around.on_table, around.look)
+    return _fitting_objects(ref, kind, qualities, around, spoken)
+
+
+def _fitting_objects(
+    ref: ObjectRef,
+    found: list[Candidate],
+    qualities: tuple[Quality, ...],
+    around: Surroundings,
+    spoken: Spoken,
+) -> list[Candidate]:
+    """Those of some objects that are told apart as a reference tells them.
+
+    Raises:
+        ControlError: `no_antecedent` if it needs one.
+    """
     doubtful = [c for c in found if c.name in (spoken.doubt or ())]
-    if len(doubtful) > 1 and ref.qualities and reference_noun(ref) in GENERIC:
+    several = ref.quantifier == "all"
+    if len(doubtful) > 1 and ref.qualities and reference_noun(ref) in GENERIC and not several:
         found = doubtful
     elif _is_one_of_group(ref):
         together = [c for c in found if c.name in spoken.group]
-        if len(together) < 2 and len(spoken.it) == 2:
+        counted = 2 if ref.quantifier == "both" else count_in(ref)
+        if len(together) != (counted or len(together)):
+            together = []
+        if len(together) < 2 and len(spoken.it) == (counted or 2):
             together = [c for c in found if c.name in spoken.it]
         found = together if len(together) > 1 else found
-        if len(found) > 2 and _compares_two(ref):
+        if len(found) > 2 and compares_two(ref):
             return found
     if "other" in ref.qualities:
         last = _first_spoken_of(spoken.last, ref, around)
@@ -241,31 +285,17 @@ def matching_objects(ref: ObjectRef, around: Surroundings, spoken: Spoken) -> li
     return found
 
 
-_RANKED: dict[Quality, tuple[str, int]] = {
-    "heavy": ("mass", 1), "light": ("mass", 2), "tall": ("height", 1), "short": ("height", 2),
-    "wide": ("width", 1), "narrow": ("width", 2), "big": ("size", 1), "small": ("size", 2),
-    "rough": ("friction", 1), "slippery": ("friction", 2),
-}  # fmt: skip
-"""Quality → the property that it compares, and the place of who has it among two."""
-
-
 def _told_apart(qualities: Sequence[Quality], spoken: Spoken) -> str | None:
     """Which of two "the lighter one" is after an answer has told it; None if none has."""
-    which, place = _RANKED.get(qualities[0], ("", 0)) if len(qualities) == 1 else ("", 0)
+    which, place = RANKED.get(qualities[0], ("", 0)) if len(qualities) == 1 else ("", 0)
     return spoken.ranked[place] if spoken.ranked[:1] == (which,) else None
 
 
 def _is_one_of_group(ref: ObjectRef) -> bool:
     """Check for "the taller one", "the other one" or both; "the tallest one" is one of all."""
     superlative = any(word.endswith("est") for word in ref.text.split())
-    told = bool(ref.qualities) or ref.quantifier == "both"
+    told = bool(ref.qualities) or ref.quantifier == "both" or count_in(ref) is not None
     return told and reference_noun(ref) in GENERIC and not superlative
-
-
-def _compares_two(ref: ObjectRef) -> bool:
-    """Check for "the taller one", which is one of two, and not one beside something else."""
-    compares = any(word.endswith("er") for word in ref.text.split() if word != "other")
-    return compares and not ref.reference and not set(COLOURS) & set(ref.qualities)
 
 
 def _names_by_sight(
@@ -282,7 +312,9 @@ def _names_by_sight(
         left, beside = in_relation(ref.relation, left, beside), []
     ordinal = ref.ordinal or 1
     for quality in reversed(qualities):
-        if quality not in COLOURS:
+        if ref.quantifier == "all" and quality in _SIDES:
+            left = on_side(quality, left, state)
+        elif quality not in COLOURS:
             # Only "nearest to the mug" has an object beside it and no relation.
             near = with_attribute(quality, left, beside)
             left = objects_at_rank(quality, left, ordinal) if ordinal > 1 else near
@@ -294,7 +326,8 @@ def _objects_named(ref: ObjectRef, around: Surroundings) -> list[Candidate]:
     """Those that the words of a reference name, whatever they are like."""
     whole = find_by_name(ref.text, around.on_table)
     if whole or reference_noun(ref) not in GENERIC:
-        return whole or find_by_name(reference_noun(ref), around.on_table)
+        named = whole or find_by_name(reference_noun(ref), around.on_table)
+        return named or objects_of_kind(reference_noun(ref), around.on_table, around.look)
     return list(around.on_table)
 
 
@@ -346,44 +379,13 @@ def _model_elsewhere(ref: ObjectRef, around: Surroundings, alone: bool) -> str:
     guess = likely_name(ref.text, around.on_table) or likely_name(
         reference_noun(ref), around.on_table
     )
-    _require_no_more_than_a_name(ref, around, misspelt=guess is not None)
+    require_no_more_than_a_name(ref, around.on_table, misspelt=guess is not None)
     raise error(
         "unknown_object",
         f"there is no '{ref.text}' on the table; there is: {_names_on_table(around)}",
         span=whole_span(ref.spans),
         suggestions=(f"did you mean '{guess}'?",) if guess else around.names,
     )
-
-
-def _require_no_more_than_a_name(ref: ObjectRef, around: Surroundings, *, misspelt: bool) -> None:
-    """Refuses words that a name has run on into: "ice tea box awya".
-
-    A misspelt name is the better explanation, unless those words are like some of the language.
-
-    Raises:
-        ControlError: `unknown_object`, about those words.
-    """
-    from grammar.syntax_diagnosis import words_like
-    from grammar.words.lexicon_plugins import installed_lexicon
-
-    said_words = ref.text.split()
-    of_names = {word.casefold() for name in around.names for word in name.split()}
-    for i in range(len(said_words) - 1, 0, -1):
-        name, more = " ".join(said_words[:i]), " ".join(said_words[i:])
-        lexicon, _ = installed_lexicon()
-        is_of_name = said_words[i].casefold() in of_names
-        meant = () if is_of_name else words_like(said_words[i], lexicon)
-        found = find_by_name(name, around.on_table)
-        if not found or not (meant or (len(found) == 1 and not misspelt)):
-            continue
-        whole = whole_span(ref.spans)
-        exact = whole is not None and whole[1] - whole[0] == len(ref.text)
-        raise error(
-            "unknown_object",
-            f"'{more}' behind '{name}' is neither understood nor a part of a name on the table",
-            span=(whole[1] - len(more), whole[1]) if whole and exact else whole,
-            suggestions=(*meant, f"leave out '{more}'"),
-        )
 
 
 def _not_on_table(what: str, ref: ObjectRef, around: Surroundings) -> ControlError:
