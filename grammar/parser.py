@@ -17,7 +17,7 @@ from grammar.errors import ParseError
 from grammar.frames.command import Command, Frame, Span
 from grammar.paraphrasing.clause_wording import Phrasing
 from grammar.paraphrasing.command_wording import paraphrase
-from grammar.phrases.lalr_parser import LalrParser, Tree, UnexpectedTokenError, parse_table
+from grammar.phrases.lalr_parser import LalrParser, UnexpectedTokenError, parse_table
 from grammar.phrases.other_readings import OtherReadings
 from grammar.phrases.statements import Statements
 from grammar.phrases.tree_transform import parts_of
@@ -142,16 +142,29 @@ class Parser:
             return _thanks(text, sentence.asides)
         try:
             command = self._command_of(sentence)
-        except ParseError:
-            for said in self._other_readings(sentence, whole, before):
-                with suppress(ParseError):
-                    return self._command_of(said)
+        except (ParseError, UnexpectedTokenError) as raised:
+            other = self._first_read(self._other_readings(sentence, whole, before))
+            if other is not None:
+                return other
             if (asked := self._asked_again(sentence, before)) is not None:
                 return asked
             if self._statements.only_tells(whole):
                 return _thanks(text, (whole.original_span(0, len(whole.text)),))
+            if isinstance(raised, UnexpectedTokenError):
+                raise diagnose(raised, sentence, self.lexicon) from None
             raise
         return self._with_known_names(command, sentence, whole, before)
+
+    def _first_read(self, readings: Iterable[Normalised]) -> Command | None:
+        """The command of the first of some readings that is one."""
+        tried = set[tuple[str, bool, bool]]()
+        for said in readings:
+            key = (said.text, said.question, said.asks)
+            if key not in tried:
+                tried.add(key)
+                with suppress(ParseError, UnexpectedTokenError):
+                    return self._command_of(said)
+        return None
 
     def _asked_again(self, said: Normalised, before: Sequence[str] | None) -> Command | None:
         """The question of sentences that all ask the same: "did it move? By how much?"."""
@@ -162,12 +175,10 @@ class Parser:
         for start, end in pairwise(ends):
             text = said.text[start:end]
             part = said.words_in((start, start + len(text.rstrip(" .;!?"))))
-            for each in chain([part], self._reworded(part, before)):
-                with suppress(ParseError):
-                    asked.append(self._command_of(each))
-                    break
-            else:
+            command = self._first_read(chain([part], self._reworded(part, before)))
+            if command is None:
                 return None
+            asked.append(command)
         kinds = {(len(c.frames), c.frames[0].query, c.frames[0].action) for c in asked}
         return asked[0] if kinds in ({(1, "did", None)}, {(1, "why", None)}) else None
 
@@ -188,7 +199,7 @@ class Parser:
         rests = (self._asides.of_rest(said, topic, whole) for said, topic in told)
         for said in filter(_is_said, chain(self._others.readings(sentence, before), rests)):
             for each in (said, *self._names.readings(said)):
-                with suppress(ParseError):
+                with suppress(ParseError, UnexpectedTokenError):
                     other = self._command_of(each)
                     if self._names.are_borne(other.frames):
                         return other
@@ -229,7 +240,7 @@ class Parser:
     def _command_of(self, sentence: Normalised) -> Command:
         """The command of a sentence in plain form, without its asides."""
         require_clear(sentence, self.lexicon)
-        parts = parts_of(self._parse_tree(sentence), self.lexicon, sentence)
+        parts = parts_of(self._lalr.parse(sentence.text), self.lexicon, sentence)
         frames = frames_of(parts, self.lexicon, sentence)
         if sentence.asks and any(frame.query is None for frame in frames):
             raise ParseError(
@@ -243,12 +254,6 @@ class Parser:
             raise ParseError("does_not_apply", message, None, hints) from raised
         text, asides = sentence.original, sentence.asides
         return Command(text=text, frames=frames, paraphrase=words, asides=asides)
-
-    def _parse_tree(self, sentence: Normalised) -> Tree:
-        try:
-            return self._lalr.parse(sentence.text)
-        except UnexpectedTokenError as error:
-            raise diagnose(error, sentence, self.lexicon) from None
 
 
 def _is_said(sentence: Normalised) -> bool:

@@ -36,8 +36,10 @@ _EFFECTIVE = frozenset({
 })  # fmt: skip
 """Terminals of which none stands in a sentence that a question beside it is read without."""
 
-_POINTS = re.compile(r"(?<![^ ])(?:its?|them|they|those|these|that|this|ones?|others?|"
-                     r"two|both|he|she|her|him)(?= |$)")
+_POINTS = re.compile(
+    r"(?<![^ ])(?:its?|them|they|those|these|that|this|ones?|others?|"
+    r"two|both|he|she|her|him)(?= |$)"
+)
 _NAMES = re.compile(r"(?<![^ ])(?:the|a|an|my|your|our|his|her|that|this)(?= [a-z])")
 _GOES_ON = re.compile("(?:of|among|between|from|in|on|at|with|or|not|than) ")
 """How a sentence begins that goes on with the one before it: "of those two"."""

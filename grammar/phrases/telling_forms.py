@@ -2,9 +2,8 @@
 
 A sentence is told of a subject that does or is something: a person, or a thing and a finite verb.
 It asks for nothing if nobody in it wishes, means, must or may something, if it holds no word that
-says how, how far or until when, and no command behind an "and". An exclamation of a few unknown
-words ("timber!") asks for nothing either, unless a word of it may be a misspelt one of the
-language, or a name.
+says how, how far or until when, and no command behind an "and". An exclamation asks for nothing
+either: words of mood ("timber!"), or praise of anything that has no name here ("good seamanship").
 """
 
 from __future__ import annotations
@@ -68,7 +67,6 @@ _HARMLESS = re.compile(
 
 _DOES = re.compile("[a-z]{2,}[a-rt-z]s")
 _WORDS = re.compile(r"[a-z' ]+")
-_SHORTEST_MISSPELT = 3
 _CHUNK = re.compile(r"[^,.;!?]+")
 
 
@@ -124,9 +122,8 @@ class TellingForms:
         return not all(kinds for _, _, kinds in self._longest_phrases(text))
 
     def _is_effective(self, word: str) -> bool:
-        """Check for a word that says which, how or how many, or is nearly one with an effect."""
-        told = word in self._lexicon.adjectives or word.endswith("ly") or self._is_number(word)
-        return told or self._may_be_misspelt(word)
+        """Check for a word that says which, how or how many."""
+        return word in self._lexicon.adjectives or word.endswith("ly") or self._is_number(word)
 
     @cached_property
     def _praising(self) -> re.Pattern[str]:
@@ -285,22 +282,6 @@ class TellingForms:
             phrase, kinds = found[0] if found else (word[0], ())
             yield word.start(), phrase, kinds
             end = word.start() + len(phrase)
-
-    def _may_be_misspelt(self, word: str) -> bool:
-        """Check for an unknown word that is nearly one with an effect, or nearly a name."""
-        from rapidfuzz.distance import OSA
-
-        known = self._effective | self._names
-        near = (OSA.distance(word, each, score_cutoff=1) <= 1 for each in known)
-        return len(word) >= _SHORTEST_MISSPELT and any(near)
-
-    @cached_property
-    def _effective(self) -> frozenset[str]:
-        """The words of actions and of ways."""
-        kinds = ("VERB", "DIRECTION", "MANNER", "STOP", "UNDO", "SENSE", "REPEAT")
-        phrases = (p for kind in kinds for p in self._lexicon.phrases_of(kind))
-        verbs = self._lexicon.verb_words["VERB"]
-        return frozenset(w for p in (*phrases, *verbs) for w in p.split() if len(w) > 2)
 
 
 _PAST = re.compile(r"(?<![^ ])(?:did|was|were|had|has|have) not(?= |$)")

@@ -32,6 +32,10 @@ _TRIED_FIRST = {
 """Terminals whose rules tell them from others with the same words."""
 
 
+_REMEMBERED = 4096
+"""Places of texts whose phrases are kept, since each text is gone through many times."""
+
+
 def stands_at(phrase: str, text: str, start: int) -> bool:
     """Check for a phrase in a text, from here to the end of a word."""
     end = start + len(phrase)
@@ -63,6 +67,7 @@ class Phrases:
         forms = (lexicon.verb_words[kind] for kind in ("VERB", "VERB_ING"))
         self.verbs = {form: verb for words in forms for form, verb in words.items()}
         self._goals = {verb: asks.goal for verb, asks in lexicon.verbs.items()}
+        self._found: dict[tuple[str, int], list[tuple[str, tuple[str, ...]]]] = {}
         self._most: dict[str, int] = {}
         for phrase in self._kinds:
             first, count = phrase.partition(" ")[0], phrase.count(" ") + 1
@@ -71,6 +76,15 @@ class Phrases:
 
     def phrases_at(self, text: str, start: int) -> list[tuple[str, tuple[str, ...]]]:
         """The phrases that stand in a text from the start of a word, longest first."""
+        if (known := self._found.get((text, start))) is not None:
+            return known
+        found = self._phrases_at(text, start)
+        if len(self._found) >= _REMEMBERED:
+            self._found.clear()
+        self._found[text, start] = found
+        return found
+
+    def _phrases_at(self, text: str, start: int) -> list[tuple[str, tuple[str, ...]]]:
         found = []
         end = _word_end(text, start)
         for _ in range(self._most.get(text[start:end], 0)):
@@ -87,7 +101,8 @@ class Phrases:
 
     def has_any_at(self, wanted: Iterable[str], text: str, start: int) -> bool:
         """Check for a phrase of one of some terminals that stands here."""
-        return any(self.has_terminal_at(kind, text, start) for kind in wanted)
+        asked = frozenset(wanted)
+        return any(not asked.isdisjoint(kinds) for _, kinds in self.phrases_at(text, start))
 
     def has_any_in_clause(self, wanted: Iterable[str], text: str, start: int) -> bool:
         """Check for a phrase of one of some terminals from here to the end of a clause."""
