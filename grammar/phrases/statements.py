@@ -20,6 +20,13 @@ from itertools import islice
 from grammar.frames.command import Span
 from grammar.phrases.idle_words import IdleWords
 from grammar.phrases.telling_forms import TellingForms
+from grammar.phrases.text_stretches import (
+    match_end,
+    parts_around,
+    parts_between,
+    splits_at,
+    without_ends,
+)
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
 from grammar.words.phrase_places import WORD, Phrases
@@ -73,12 +80,15 @@ _POINTS = re.compile(
     rf"(?<![^ ])(?<!do )(?!(?<=make )it {_AMOUNT})(?:its?|them|they|this|these|those|that)(?= |$)"
 )
 _NAMED = re.compile(r"(?<![^ ])(?:the|my|your|our|an?|every|both|all)(?= )")
-_SEVERAL = re.compile(r"(?<![^ ])(?:all|both|each|every|everything|rest|others?|two|three)(?= |$)")
+_SEVERAL = re.compile(
+    r"(?<![^ ])(?<!first of )(?:all|both|each|every|everything|rest|others?|two|three)(?= |$)"
+)
 _SEVERAL_BUT = re.compile(r"(?<![^ ])(?:all|any|both|each|every(?:thing|body|one)?)$")
 _JOINT = re.compile(r"(?:(?:so|and|then|but|now|well|please|ok|okay)(?: ,)? )+|[,.;!?] ")
 _SENTENCE_END = re.compile(r" [.;!?](?= )")
 _END = re.compile(r" [,.;!?](?= )")
 _PAUSE = re.compile(r" ,(?= )|(?<=[^ ,.;])(?= (?:so|but) (?!that |far |much |, ))")
+_MARK = re.compile(r" [,.;!?](?= |$)")
 _AND = re.compile(r" (?:and|but|while)(?= )")
 _ARTICLES = frozenset({"a", "an", "her", "his", "my", "our", "that", "the", "their", "these",
                        "this", "those", "your"})  # fmt: skip
@@ -130,7 +140,7 @@ class Statements:
             said: a text that is not read as it stands.
         """
         text = said.text
-        sentences = _parts(text, (0, len(text)), _SENTENCE_END)
+        sentences = parts_between(text, (0, len(text)), _SENTENCE_END)
         asked = sentences[-1] if said.question else None
         told = [
             span
@@ -146,10 +156,10 @@ class Statements:
         for i, (span, (heads, tails)) in enumerate(zip(kept, inner, strict=True)):
             for part in [(start, span[1]) for start in heads] + [(span[0], end) for end in tails]:
                 left = [*kept[:i], part, *kept[i + 1 :]]
-                yield from self._without(said, [*told, *_around(part, span)], left)
-        plain = [_without_ends(span, *ends) for span, ends in zip(kept, inner, strict=True)]
+                yield from self._without(said, [*told, *parts_around(part, span)], left)
+        plain = [without_ends(span, *ends) for span, ends in zip(kept, inner, strict=True)]
         around = [
-            end for span, part in zip(kept, plain, strict=True) for end in _around(part, span)
+            end for span, part in zip(kept, plain, strict=True) for end in parts_around(part, span)
         ]
         if len(around) > 1:
             yield from self._without(said, [*told, *around], plain)
@@ -164,7 +174,7 @@ class Statements:
 
     def _told_around(self, text: str, span: Span) -> tuple[list[int], list[int]]:
         """Places of a sentence up to which, and from which on, it tells something."""
-        splits = [(first[1], last[0]) for first, last in _splits(text, span)]
+        splits = [(first[1], last[0]) for first, last in splits_at(text, span, _PAUSE)]
         return (
             [
                 start
@@ -186,7 +196,9 @@ class Statements:
             return False  # "all but the mug"
         if self._tells(text, span, least, denied):
             return True
-        parts = [part for part in _parts(text, span, _PAUSE) if not self._only_opens(text, part)]
+        parts = [
+            part for part in parts_between(text, span, _PAUSE) if not self._only_opens(text, part)
+        ]
         stops = any(text[slice(*part)].strip(" ,.;!?") in self._stops for part in parts)
         told = (self._tells(text, part, _SHORTEST, denied) for part in parts)
         return bool(parts) and not stops and all(told)
@@ -231,7 +243,7 @@ class Statements:
         text = said.text
         if self._thanks.isdisjoint(text.split()):
             return False
-        parts = _parts(text, (0, len(text)), _END)
+        parts = parts_between(text, (0, len(text)), _END)
         told = [text[slice(*part)].strip(" ,.;!?") for part in parts]
         return not said.question and all(
             self._only_opens(each, (0, len(each)))
@@ -270,7 +282,8 @@ class Statements:
             return 0 if verb is None or acts or asks else one.end()
         if text.partition(" ")[0] not in _ARTICLES:
             return 0
-        words = islice(WORD.finditer(text), 2, _LONGEST)
+        pause = _MARK.search(text)
+        words = islice(WORD.finditer(text, 0, pause.start() if pause else len(text)), 2, _LONGEST)
         return next((w.start() for w in words if self._may_be_told(text, w.start())), 0)
 
     def _is_told(self, text: str, start: int) -> bool:
@@ -315,9 +328,9 @@ class Statements:
     ) -> Iterator[tuple[Normalised, Normalised | None]]:
         """Yield a text without what is told in it, unless that leaves open what is meant."""
         cut = {end + 1 for _, end in told}
-        begins = ((_end(_JOINT.match(said.text, s)) if s in cut else s, e) for s, e in kept)
+        begins = ((match_end(_JOINT.match(said.text, s)) if s in cut else s, e) for s, e in kept)
         rest = said.words_in(*((max(b, s), e) for (b, e), (s, _) in zip(begins, kept, strict=True)))
-        rest = rest.words_in((_end(_JOINT.match(rest.text)), len(rest.text.rstrip(" ,.;!?"))))
+        rest = rest.words_in((match_end(_JOINT.match(rest.text)), len(rest.text.rstrip(" ,.;!?"))))
         asks = rest.question and (not told or max(kept) > max(told))
         rest = replace(rest, question=asks)
         before = [span for span in told if span < min(kept)]
@@ -339,7 +352,7 @@ class Statements:
 
     def _things(self, text: str, span: Span) -> Iterator[Span]:
         """Yield the things that a statement is about, or those it names, if about a person."""
-        for first, end in _parts(text, span, _AND):
+        for first, end in parts_between(text, span, _AND):
             start = first + self._start(text[first:end])
             said = text[start:end]
             if self._is_idle(said.strip(" ,.;!?")):
@@ -354,7 +367,9 @@ class Statements:
                 continue
             subject = self._end_of_subject(said)
             if not subject and (named := self._forms.subject_of(said)):
-                subject = said.index(named) + len(named)
+                start += said.index(named)
+                yield start, start + len(named)
+                continue
             if subject and not self._told["persons"].match(said):
                 yield start, start + len(said[:subject].rstrip())
                 continue
@@ -370,31 +385,3 @@ class Statements:
                 break
             end = word.end()
         return end
-
-
-def _end(match: re.Match[str] | None) -> int:
-    return match.end() if match else 0
-
-
-def _parts(text: str, span: Span, end: re.Pattern[str]) -> list[Span]:
-    """The parts of a stretch of a text up to each end, with the mark there."""
-    ends = [mark.end() for mark in end.finditer(text, *span)]
-    return list(zip([span[0], *(each + 1 for each in ends)], [*ends, span[1]], strict=True))
-
-
-def _without_ends(span: Span, heads: Sequence[int], tails: Sequence[int]) -> Span:
-    """A stretch without the longest of what is told before it and behind it."""
-    start = max(heads, default=span[0])
-    return start, min((end for end in tails if end > start), default=span[1])
-
-
-def _around(inner: Span, outer: Span) -> list[Span]:
-    """The parts of a stretch before and behind an inner part of it."""
-    parts = [(outer[0], inner[0] - 1), (inner[1] + 1, outer[1])]
-    return [(start, end) for start, end in parts if start < end]
-
-
-def _splits(text: str, span: Span) -> list[tuple[Span, Span]]:
-    """Each pair of parts of a stretch of a text with a comma between them."""
-    ends = [end for _, end in _parts(text, span, _PAUSE)[:-1]]
-    return [((span[0], end), (end + 1, span[1])) for end in ends]

@@ -38,6 +38,10 @@ _NEUTRAL = frozenset({"A", "AMOUNT", "CAN", "FILLER", "IS", "ME", "OF", "THERE",
                       "YOU"})  # fmt: skip
 """Terminals that may stand in an exclamation."""
 
+_EMPTY = _NEUTRAL | {"AT", "BOUND", "IN", "IT", "LENGTH_UNIT", "NOT", "OF", "PARTICLE", "RELATION",
+                     "SEPARATOR", "THAT", "THE", "WITH"}  # fmt: skip
+"""Terminals that may stand in a part of a sentence without a subject: "like a statue"."""
+
 _JOINS = frozenset({"and", "but", "then", "so", "please", "or", ","})
 """Words behind which a verb may be a command."""
 
@@ -93,8 +97,18 @@ class TellingForms:
         if not chunks or self._wishing.search(_HARMLESS.sub("", text)):
             return False
         begun = [self._begun(chunk) for chunk in chunks if chunk]
-        told = any(self._subject_of(chunk) for chunk in begun)
-        return told and all(self._only_tells(chunk, not behind) for chunk in begun)
+        told = [chunk for chunk in begun if self._subject_of(chunk)]
+        return bool(told) and all(
+            self._only_tells(chunk, not behind) if chunk in told else self._is_empty(chunk)
+            for chunk in begun
+        )
+
+    def _is_empty(self, text: str) -> bool:
+        """Check for a part of a sentence without a subject, none of whose words has an effect."""
+        words = text.split()
+        kinds = (kinds for _, _, kinds in self._longest_phrases(text))
+        named = not self._names.isdisjoint(words) or any(map(self._is_number, words))
+        return not named and all(_EMPTY.issuperset(each) for each in kinds)
 
     def subject_of(self, text: str) -> str:
         """The thing that a sentence tells something of; "" for a person or a pronoun."""
@@ -249,7 +263,7 @@ class TellingForms:
             return not acts and not modal and told
         return not acts
 
-    def _only_tells(self, text: str, placed: bool) -> bool:
+    def _only_tells(self, text: str, placed: bool = True) -> bool:
         """Check for a part of a sentence without anything that has an effect."""
         if self.measures(text):
             return False

@@ -164,7 +164,9 @@ class Asides:
         if said is sentence or not said.text:
             return None
         kept = {column for span in said.columns for column in range(*span)}
-        return replace(said, asides=_gaps(kept, sentence))
+        suggests = sentence.text.startswith(("maybe ", "perhaps "))  # "maybe push it?"
+        asks = said.question and not suggests
+        return replace(said, question=asks, asides=_gaps(kept, sentence))
 
     @cached_property
     def _hesitating(self) -> re.Pattern[str]:
@@ -248,7 +250,9 @@ class Asides:
         asks = said.question and self._phrases.has_terminal_at("POSSIBLE", said.text, start)
         if self._says_too_little(kind, match, left) or (kind == "before" and asks):
             return None
-        polite = kind in ("before", "after") and re.search(r"\b(?:you|we|please)\b", match[0])
+        polite = kind in ("before", "after") and re.search(
+            r"\b(?:you|we|please|maybe|perhaps)\b", match[0]
+        )
         tagged = kind in ("after", "fillers") and start > 0 and end == len(said.text)
         tagged = tagged and match[0].rpartition(" ")[2] not in _WHEN
         return replace(left, question=said.question and not (polite or tagged))

@@ -53,6 +53,7 @@ _READ = frozenset({"FILLER", "NEXT", "VOCATIVE"})
 _SAYS = frozenset({"AMOUNT", "DIRECTION", "FACE", "FROM_SIDE", "MANNER", "REGION",
                    "REGION_OF_TABLE", "SENSE", "SIDE_QUALITY", "WAY", "LENGTH_UNIT",
                    "ANGLE_UNIT", "FORCE_UNIT", "SPEED_UNIT", "TOOL"})  # fmt: skip
+_SAYS_OR_ASKS = _SAYS | {"SEEN", "UNDO", "WHAT_DID"}
 _JOINING = ("and", "but", "so", "then")
 _OUTCOME = re.compile(
     "(?:what|who|which|where|when|how|why) (?:is|are|was|will|would|could|should) "
@@ -137,7 +138,7 @@ class Courtesy:
     def _says_something(self, text: str) -> bool:
         """Check for a phrase of several words about where, how or how far: "to the right"."""
         return any(
-            " " in phrase and not _SAYS.isdisjoint(kinds)
+            " " in phrase and not _SAYS_OR_ASKS.isdisjoint(kinds)
             for word in WORD.finditer(text)
             for phrase, kinds in self._phrases.phrases_at(text, word.start())
         )
