@@ -42,7 +42,8 @@ _FEW_RESTS = 2
 """Of those without statements, how many are put in other words sentence by sentence."""
 
 _LONGEST_TRIED = 150
-"""Characters beyond which a text is long, and not read again with each quantity that is offered."""
+"""Characters beyond which a text is long, and not read again with each quantity that is offered,
+nor its beginning for what would be understood of it."""
 
 _MOST_ASKED = 4
 """Ends of the sentences that may ask the same, and one."""
@@ -128,7 +129,7 @@ class Parser:
 
     def _with_what_was_understood(self, error: ParseError, text: str) -> ParseError:
         """The error, and as a suggestion the sentence up to it, where that alone would do."""
-        if error.code in _OF_WORDS and error.span is not None:
+        if error.code in _OF_WORDS and error.span and error.span[0] <= _LONGEST_TRIED:
             with suppress(ParseError):
                 understood = self._command(text[: error.span[0]])
                 if understood.frames[0].dialogue != "thank":

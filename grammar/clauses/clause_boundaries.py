@@ -182,14 +182,15 @@ def _with_corrections_first(parts: Parts, sentence: Normalised) -> Parts:
     what.
     """
     out: Parts = []
+    begun = False
     for i, part in enumerate(parts):
-        if isinstance(part, ph.Remark) and part.dialogue == "correct":
+        if begun and isinstance(part, ph.Remark) and part.dialogue == "correct":
             words = sentence.words_as_written(part.span).casefold()
-            begun = any(isinstance(before, _SAYING) for before in out)
-            if begun and words in _EMPHASIS and i < len(parts) - 1:
+            if words in _EMPHASIS and i < len(parts) - 1:
                 continue
-            if begun and (i < len(parts) - 1 or len(_heads(parts)) > 1):
+            if i < len(parts) - 1 or len(_heads(parts)) > 1:
                 raise unexpected_part(part, sentence)
+        begun = begun or isinstance(part, _SAYING)
         out.append(part)
     return out
 
