@@ -9,6 +9,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from copy import copy
+from dataclasses import replace
 from functools import cache, lru_cache
 from itertools import chain, islice, pairwise
 
@@ -130,6 +131,7 @@ class Parser:
 
     def _command(self, text: str, before: Sequence[str] | None = None) -> Command:
         whole = normalise(text, self.lexicon.contractions)
+        whole = replace(whole, asks=self._others.only_asks(whole))
         sentence = self._asides.left_out(whole)
         if not sentence.text:
             return _thanks(text, sentence.asides)
@@ -220,7 +222,9 @@ class Parser:
         parts = parts_of(self._parse_tree(sentence), self.lexicon, sentence)
         frames = frames_of(parts, self.lexicon, sentence)
         if sentence.asks and any(frame.query is None for frame in frames):
-            raise ParseError("unsupported_question", "this asks for nothing that is known", None, ())
+            raise ParseError(
+                "unsupported_question", "this asks for nothing that is known", None, ()
+            )
         try:
             words = paraphrase(frames, self.lexicon)
         except ValueError as raised:

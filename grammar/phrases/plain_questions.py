@@ -36,11 +36,20 @@ _EFFECTIVE = frozenset({
 })  # fmt: skip
 """Terminals of which none stands in a sentence that a question beside it is read without."""
 
-_POINTS = re.compile(r"(?<![^ ])(?:its?|them|they|those|these|that|this|ones?|others?|"
-                     r"two|both|he|she|her|him)(?= |$)")
+_POINTS = re.compile(
+    r"(?<![^ ])(?:its?|them|they|those|these|that|this|ones?|others?|"
+    r"two|both|he|she|her|him)(?= |$)"
+)
 _NAMES = re.compile(r"(?<![^ ])(?:the|a|an|my|your|our|his|her|that|this)(?= [a-z])")
 _GOES_ON = re.compile("(?:of|among|between|from|in|on|at|with|or|not|than) ")
 """How a sentence begins that goes on with the one before it: "of those two"."""
+
+_SUPPOSED = re.compile(
+    "(?:(?:and|but|now|so|then|ok|okay|well) (?:, )?)*(?:(?:suppose|supposing|imagine|assume|assuming|"
+    "let us (?:say|suppose|assume|imagine)|say|what if|if) (?:that )?(?:i|we|you|somebody|someone) "
+    "(?:now |just )?(?:ask|asked|tell|told|had|were|was|want|wanted)|what (?:happens|would happen))"
+)
+"""How a question begins what would come of something, which is not to be done for it."""
 
 _REQUEST = re.compile("(?:and |so |now |then |please )*(?:can|could|would|will) you ")
 _SENTENCE_END = re.compile(r" [.;!?](?= )")
@@ -57,12 +66,18 @@ _ASKS = re.compile(
     rf"(?:(?:and|but|so|or|well|ok|okay|now|then|no|oh|hey|wait) (?:, )?)*(?:how|what|which|who|"
     rf"whose|where|when|why|whether|any|anything|{_BE}) "
 )
-_TOLD = re.compile(rf"(?P<who>[^,.;!?]+?) (?P<be>{_BE_NOT_CAN}|{_COULD})(?: not)?(?: (?P<rest>[^.;!?]+))?")
+_TOLD = re.compile(
+    rf"(?P<who>[^,.;!?]+?) (?P<be>{_BE_NOT_CAN}|{_COULD})(?: not)?(?: (?P<rest>[^.;!?]+))?"
+)
 _WHETHER = re.compile(rf"(?:whether|if) {_TOLD.pattern}")
+_SUBJECTS = "the|an?|my|your|our|his|her|its?|that|this|these|those|you|they|we|i|s?he|all|both"
 _THAT = re.compile("that (?=(?:the|a|an|it|you|my|your|this|that|they|i|we) )")
+_ASKED_FOR = rf"(?: (?!(?:{_BE}) )[a-z]+)?"
+"""What "how" and "which" stand before: "how heavy", "which side"."""
+
 _EMBEDDED = re.compile(
-    rf"(?P<how>(?:and )?(?:how(?: (?!(?:{_BE}) )[a-z]+)?|where|why|wh(?:at|ich)(?: (?!(?:{_BE}) )[a-z]+)?)"
-    rf") (?!(?:{_BE}) ){_TOLD.pattern}"
+    rf"(?P<how>(?:and )?(?:how{_ASKED_FOR}|where|why|wh(?:at|ich){_ASKED_FOR})) "
+    rf"(?!(?:{_BE}) )(?=(?:{_SUBJECTS}) ){_TOLD.pattern}"
 )
 _INVERTED = re.compile(rf"(?:and |so |or )?(?:{_BE}|how|what|which|why|where|who) ")
 
@@ -134,6 +149,10 @@ class PlainQuestions:
             return True
         words = WORD.finditer(text)
         return any(self._phrases.has_any_at(_EFFECTIVE, text, word.start()) for word in words)
+
+    def only_supposes(self, said: Normalised) -> bool:
+        """Check for a question what would come of something: "suppose I asked you to push it"."""
+        return said.question and _SUPPOSED.match(said.text) is not None
 
     def is_opened(self, said: Normalised) -> bool:
         """Check for a question that is opened with words that ask nothing."""
