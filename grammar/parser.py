@@ -141,7 +141,7 @@ class Parser:
             for said in self._other_readings(sentence, whole, before):
                 with suppress(ParseError):
                     return self._command_of(said)
-            if (asked := self._asked_again(sentence, before)) is not None:
+            if (asked := self._asked_again(whole, before)) is not None:
                 return asked
             if self._statements.only_tells(whole):
                 return _thanks(text, (whole.original_span(0, len(whole.text)),))
