@@ -9,6 +9,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from copy import copy
+from dataclasses import replace
 from functools import cache, lru_cache
 from itertools import chain, islice, pairwise
 
@@ -138,6 +139,7 @@ class Parser:
 
     def _command(self, text: str, before: Sequence[str] | None = None) -> Command:
         whole = normalise(text, self.lexicon.contractions)
+        whole = replace(whole, asks=self._others.only_asks(whole))
         sentence = self._asides.left_out(whole)
         if not sentence.text:
             return _thanks(text, sentence.asides)
@@ -147,7 +149,7 @@ class Parser:
             other = self._first_read(self._other_readings(sentence, whole, before))
             if other is not None:
                 return other
-            if (asked := self._asked_again(sentence, before)) is not None:
+            if (asked := self._asked_again(whole, before)) is not None:
                 return asked
             if self._statements.only_tells(whole):
                 return _thanks(text, (whole.original_span(0, len(whole.text)),))

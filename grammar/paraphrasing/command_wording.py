@@ -157,21 +157,10 @@ class _Speaker(Phrasing):
 
     def _question_words(self, frame: g.Frame, query: g.Query, name: str | None = None) -> str:
         """A question; `name` stands for the object of what could be done."""
-        if query == "value" and isinstance(frame.goal, g.State):
-            return self._state_words(frame, frame.goal)
-        if query == "value" and isinstance(frame.goal, g.Parameters):
-            which = frame.goal.which
-            if frame.goal.than or frame.goal.which == ("distance",):
-                return self._distance_words(frame, frame.goal)
-            return f"{self.phrase_for('WHAT_IS')} {self._property_words(frame, which)}?"
-        if query == "affordances" and frame.object is not None:
-            return f"{self.phrase_for('WHAT_CAN')} {self.object_words(frame.object)}?"
-        if query == "affordances":
-            return f"{self.phrase_for('WHAT_CAN_YOU_DO')}?"
+        if query in ("value", "affordances", "did", "seen"):
+            return f"{self._told_of_words(frame, query)}?"
         if query == "why" and isinstance(frame.goal, g.Parameters):
             return f"{self.phrase_for('HOW_SURE')}?"
-        if query in ("did", "seen"):
-            return f"{self.phrase_for('WHAT_DID' if query == 'did' else 'SEEN')}?"
         if query == "capable":
             return self._capable_words(frame)
         if query == "compare":
@@ -190,6 +179,24 @@ class _Speaker(Phrasing):
         if query == "how_hard" and not event and any(c.kind in _LIMITS for c in frame.constraints):
             sense = "most"
         return f"{' '.join([self.phrase_for(terminal, sense), clause, *event])}?"
+
+    def _told_of_words(self, frame: g.Frame, query: g.Query) -> str:
+        """A question for what is known, seen or was done, without its mark."""
+        if query == "value" and isinstance(frame.goal, g.State):
+            return self._state_words(frame, frame.goal)
+        if query == "value" and isinstance(frame.goal, g.Parameters):
+            which = frame.goal.which
+            if frame.goal.than or which == ("distance",):
+                return self._distance_words(frame, frame.goal)
+            return f"{self.phrase_for('WHAT_IS')} {self._property_words(frame, which)}"
+        if query == "affordances" and frame.object is not None:
+            return f"{self.phrase_for('WHAT_CAN')} {self.object_words(frame.object)}"
+        if query == "seen" and isinstance(frame.goal, g.Place):
+            return f"{self.phrase_for('WHAT_IS')} {' '.join(self.goal_words(frame.goal))}"
+        said = {"affordances": "WHAT_CAN_YOU_DO", "did": "WHAT_DID", "seen": "SEEN"}
+        if query not in said:
+            raise no_words(f"the question {query}")
+        return self.phrase_for(said[query])
 
     def _capable_words(self, frame: g.Frame) -> str:
         thing = frame.object
@@ -221,13 +228,13 @@ class _Speaker(Phrasing):
             raise no_words("a question about nothing")
         is_it = f"{self.phrase_for('IS_IT')} {self.object_words(frame.object)}"
         if (said := _STANDING.get(state.kind)) is not None:
-            return f"{is_it} {self.phrase_for('STANDING', said)}?"
+            return f"{is_it} {self.phrase_for('STANDING', said)}"
         if isinstance(state, g.Displace) and isinstance(state.away_from, str):
             edge = self.phrase_for("FROM_REGION", state.away_from)
-            return f"{self.phrase_for('HOW_FAR')} {self.object_words(frame.object)} {edge}?"
+            return f"{self.phrase_for('HOW_FAR')} {self.object_words(frame.object)} {edge}"
         if isinstance(state, g.SetDown):
-            return f"{is_it} {self.phrase_for('ON_TABLE')}?"
-        return f"{is_it} {' '.join(self.goal_words(state))}?"
+            return f"{is_it} {self.phrase_for('ON_TABLE')}"
+        return f"{is_it} {' '.join(self.goal_words(state))}"
 
     def _distance_words(self, frame: g.Frame, goal: g.Parameters) -> str:
         if goal.which != ("distance",) or len(goal.than) > 1 or frame.object is None:
@@ -235,7 +242,7 @@ class _Speaker(Phrasing):
         words = [self.phrase_for("HOW_FAR"), self.object_words(frame.object)]
         for other in goal.than:
             words += [self.phrase_for("FROM"), self.object_words(other)]
-        return f"{' '.join(words)}?"
+        return f"{' '.join(words)}"
 
     def _to_make(self, event: g.Event) -> str:
         return f"{self.phrase_for('TO_MAKE')} it {self.phrase_for('EVENT_INFINITIVE', event)}"

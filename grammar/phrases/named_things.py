@@ -33,7 +33,7 @@ class Names(TokenReader):
         own_contents = words[0].startswith("its ")
         if words[0].type in ("IT", "THAT"):
             more = len(text.split()) > len(words[0].split())
-            reworded = more or len(text) > len(words[0]) and text.isalpha()  # "Heavy?"
+            reworded = more or (len(text) > len(words[0]) and text.isalpha())  # "Heavy?"
             text = "it" if own_contents else str(words[0]) if reworded else text
             several: g.Quantifier | None = "all" if str(words[0]) in _SEVERAL else None
             ref = g.ObjectRef(text=text, spans=((start, end),), pronoun=True, quantifier=several)

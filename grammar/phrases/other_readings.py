@@ -73,6 +73,10 @@ class OtherReadings:
         self._rewordings = lexicon.rewordings
         self._questions = PlainQuestions(lexicon, phrases)
 
+    def only_asks(self, said: Normalised) -> bool:
+        """Check for a text that can only be meant as a question, whatever it names."""
+        return self._questions.only_supposes(said)
+
     def readings(self, said: Normalised, before: Sequence[str] | None) -> Iterator[Normalised]:
         """Yield the sentence in other words, and with a unit, where it can be put so.
 

@@ -41,6 +41,9 @@ _STATES: dict[str, type[g.Upright | g.Topple | g.Open | g.Close]] = {
 }  # fmt: skip
 """What is asked to be so already → the goal that would bring it about."""
 
+_HELD = {"in": "fill", "on": "load"}
+"""Where things are asked for → the property of the object that has them there."""
+
 QUESTIONS: dict[str, dict[str, Any]] = {
     "what_if": {"query": "predict"},  # what happens if
     "how_much_spills": {"query": "predict", "event": "spills"},  # how much will spill
@@ -281,6 +284,28 @@ class Questions(TokenReader):
         )
         return ph.Thing(at, one)
 
+    def seen_at_part(self, children: Children) -> ph.Ask:
+        """What is next to the box."""
+        span, where = self.span_of(children), children[-1]
+        if isinstance(where, ph.Place) and (which := _HELD.get(where.relation)):
+            (other,) = cast("tuple[g.ObjectRef]", where.reference)
+            thing = ph.Thing(span, other)
+            return ph.Ask(span, "value", thing=thing, which=(which,), whole=True)
+        return ph.Ask(span, "seen", state=self._relation_asked(where, children), whole=True)
+
+    def _relation_asked(self, where: ph.Part, children: Children) -> g.Place:
+        """The place that a question asks about."""
+        span = self.span_of(children)
+        if (
+            not isinstance(where, ph.Place)
+            or where.relation not in STANDS_BESIDE
+            or not isinstance(where.reference, tuple)
+        ):
+            hint = "is it next to the mug?"
+            raise self.does_not_apply_error(children, "is no place to ask about", hint)
+        relation = cast(g.Relation, where.relation)
+        return g.Place(relation=relation, reference=where.reference, spans=(span,))
+
     def standing_part(self, children: Children) -> ph.Ask:
         """Is the box standing; is it next to the mug; is it on the table."""
         span, thing, where = self.span_of(children), things_in(children)[0], children[-1]
@@ -289,11 +314,7 @@ class Questions(TokenReader):
         if tokens_in(children, "ON_TABLE"):
             state = g.SetDown(spans=(span,))
         elif isinstance(where, ph.Place):
-            if where.relation not in STANDS_BESIDE or not isinstance(where.reference, tuple):
-                hint = "is it next to the mug?"
-                raise self.does_not_apply_error(children, "is no place to ask about", hint)
-            relation = cast(g.Relation, where.relation)
-            state = g.Place(relation=relation, reference=where.reference, spans=(span,))
+            state = self._relation_asked(where, children)
         return ph.Ask(span, "value", thing=thing, state=state, whole=True)
 
     def edge_distance_part(self, children: Children) -> ph.Ask:

@@ -44,6 +44,14 @@ _NAMES = re.compile(r"(?<![^ ])(?:the|a|an|my|your|our|his|her|that|this)(?= [a-
 _GOES_ON = re.compile("(?:of|among|between|from|in|on|at|with|or|not|than) ")
 """How a sentence begins that goes on with the one before it: "of those two"."""
 
+_SUPPOSED = re.compile(
+    "(?:(?:and|but|now|so|then|ok|okay|well) (?:, )?)*"
+    "(?:(?:suppose|supposing|imagine|assume|assuming|"
+    "let us (?:say|suppose|assume|imagine)|say|what if|if) (?:that )?(?:i|we|you|somebody|someone) "
+    "(?:now |just )?(?:ask|asked|tell|told|had|were|was|want|wanted)|what (?:happens|would happen))"
+)
+"""How a question begins what would come of something, which is not to be done for it."""
+
 _REQUEST = re.compile("(?:and |so |now |then |please )*(?:can|could|would|will) you ")
 _SENTENCE_END = re.compile(r" [.;!?](?= )")
 
@@ -63,11 +71,16 @@ _TOLD = re.compile(
     rf"(?P<who>[^,.;!?]+?) (?P<be>{_BE_NOT_CAN}|{_COULD})(?: not)?(?: (?P<rest>[^.;!?]+))?"
 )
 _WHETHER = re.compile(rf"(?:whether|if) {_TOLD.pattern}")
+_SUBJECTS = "the|an?|my|your|our|his|her|its?|that|this|these|those|you|they|we|i|s?he|all|both"
 _THAT = re.compile("that (?=(?:the|a|an|it|you|my|your|this|that|they|i|we) )")
+_ASKED_FOR = rf"(?: (?!(?:{_BE}) )[a-z]+)?"
+"""What "how" and "which" stand before: "how heavy", "which side"."""
+
 _EMBEDDED = re.compile(
-    rf"(?P<how>(?:and )?(?:how(?: (?!(?:{_BE}) )[a-z]+)?|where|why|wh(?:at|ich)(?: (?!(?:{_BE}) )[a-z]+)?)"
-    rf") (?!(?:{_BE}) ){_TOLD.pattern}"
+    rf"(?P<how>(?:and )?(?:how{_ASKED_FOR}|where|why|wh(?:at|ich){_ASKED_FOR})) "
+    rf"(?!(?:{_BE}) )(?=(?:{_SUBJECTS}) ){_TOLD.pattern}"
 )
+_DEED = re.compile("(?:you|it|they|that|everything|nothing|something|anything) ")
 _INVERTED = re.compile(rf"(?:and |so |or )?(?:{_BE}|how|what|which|why|where|who) ")
 
 
@@ -110,7 +123,7 @@ class PlainQuestions:
         plain = self._without_idle(plain)
         if not plain.text or plain.text in ("it", "that", "this"):
             return
-        asked = _put_as_question(plain, opened=opened, tagged=tagged)
+        asked = _put_as_question(plain, told=tagged or said.question)
         if asked is not None:
             yield replace(asked, question=True, asks=True)
         if plain.text != said.text:
@@ -138,6 +151,10 @@ class PlainQuestions:
             return True
         words = WORD.finditer(text)
         return any(self._phrases.has_any_at(_EFFECTIVE, text, word.start()) for word in words)
+
+    def only_supposes(self, said: Normalised) -> bool:
+        """Check for a question what would come of something: "suppose I asked you to push it"."""
+        return said.question and _SUPPOSED.match(said.text) is not None
 
     def is_opened(self, said: Normalised) -> bool:
         """Check for a question that is opened with words that ask nothing."""
@@ -174,17 +191,24 @@ class PlainQuestions:
         return plain.words_in((left, right)) if right - left < len(text) else plain
 
 
-def _put_as_question(said: Normalised, *, opened: bool, tagged: bool) -> Normalised | None:
-    """What is told, with its verb first: "whether the jar is shut" → "is the jar shut"."""
+def _put_as_question(said: Normalised, *, told: bool) -> Normalised | None:
+    """What is told, with its verb first: "whether the jar is shut" → "is the jar shut".
+
+    Args:
+        said: a question without words that ask nothing.
+        told: whether something that is told may be meant as one: "it did not move, did it?".
+    """
     if that := _THAT.match(said.text):
         said = said.words_in((that.end(), len(said.text)))
-    told = _WHETHER.fullmatch(said.text)
-    if told is None and (embedded := _EMBEDDED.fullmatch(said.text)):
-        groups = [embedded.span(name) for name in ("how", "be", "who", "rest")]
-        return said.words_in(*(span for span in groups if span[0] >= 0))
-    if told is None and (tagged or opened) and not _INVERTED.match(said.text):
-        told = _TOLD.fullmatch(said.text)
-    if told is None:
+    names = ("be", "who", "rest")
+    found = _WHETHER.fullmatch(said.text)
+    if found is None and (found := _EMBEDDED.fullmatch(said.text)):
+        names = ("how", *names)
+    if found is None and told and not _INVERTED.match(said.text):
+        found = _TOLD.fullmatch(said.text)
+        if found is None and _DEED.match(said.text):
+            columns = (said.columns[0],) * len("did ") + said.columns
+            return replace(said, text=f"did {said.text}", columns=columns)
+    if found is None:
         return None
-    groups = [told.span(name) for name in ("be", "who", "rest")]
-    return said.words_in(*(span for span in groups if span[0] >= 0))
+    return said.words_in(*(span for span in map(found.span, names) if span[0] >= 0))

@@ -9,6 +9,8 @@ from grammar.frames import command as g
 from nlcontrol.questions.answer import Answer
 from nlcontrol.questions.asked_push import target_of
 from nlcontrol.questions.property_values import property_answer, standing_text
+from nlcontrol.references.disambiguation_text import relation_text
+from nlcontrol.references.object_attributes import stands_in_relation
 from nlcontrol.references.object_names import name_words
 from nlcontrol.text_format import enumeration, place_text, quantity
 from planner import plan
@@ -21,7 +23,8 @@ if TYPE_CHECKING:
     from planner.types.world_state import SeenObject, WorldState
 
 _MORE = {"mass": ("heavier", "kg"), "height": ("taller", "m"), "width": ("wider", "m"),
-         "size": ("bigger", "m³"), "friction": ("rougher", ""), "position": ("farther away", "m")}  # fmt: skip
+         "size": ("bigger", "m³"), "friction": ("rougher", ""),
+         "position": ("farther away", "m")}  # fmt: skip
 """Property → who has more of it, and its unit."""
 
 
@@ -31,6 +34,8 @@ def answer_about_scene(
     """The answer to a question about several objects."""
     if frame.query == "capable":
         return capable_answer(frame, state, robot, defaults)
+    if frame.query == "seen" and isinstance(frame.goal, g.Place):
+        return neighbours_answer(frame.goal, state)
     return scene_answer(state) if frame.query == "seen" else comparison_answer(frame, state)
 
 
@@ -40,6 +45,7 @@ def scene_answer(state: WorldState) -> Answer:
     lines = tuple(
         f"the {s.name} at {place_text(s.pose.x, s.pose.y)}"
         + (f", {standing_text(s, state)}" if s.on else "")
+        + ("" if s.lies_on == "bottom" else f", lying on {s.side_below}")
         + ("" if s.model.lid is None else f", its lid {'closed' if s.is_covered else 'open'}")
         for s in seen
     )
@@ -47,6 +53,22 @@ def scene_answer(state: WorldState) -> Answer:
     held = "" if state.held is None else f" I hold the {state.held.name}."
     numbers = {"objects": float(len(seen))}
     return Answer(query="seen", text=f"I see {names}.{held}", lines=lines, numbers=numbers)
+
+
+def neighbours_answer(place: g.Place, state: WorldState) -> Answer:
+    """The objects that are seen in a relation to others: behind one, between two."""
+    assert isinstance(place.reference, tuple)
+    others = [state.objects[ref.id] for ref in place.reference if ref.id is not None]
+    there = [
+        seen.name
+        for seen in state.objects.values()
+        if seen not in others and stands_in_relation(place.relation, seen, others)
+    ]
+    where = f"{relation_text(place.relation)} {enumeration([f'the {o.name}' for o in others])}"
+    names = enumeration([f"the {name}" for name in there]) or "nothing"
+    numbers = {"objects": float(len(there))}
+    text = f"I see {names} {where}."
+    return Answer(query="seen", text=text, objects=tuple(there), numbers=numbers, yes=bool(there))
 
 
 def abilities_answer(state: WorldState) -> Answer:

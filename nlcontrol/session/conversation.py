@@ -173,10 +173,10 @@ class Conversation:
         on_event: Callable[[Event], object] | None,
         force_rate: float,
     ) -> Supervisor:
-        def clock() -> float:
-            return self.controller.executor.time
-
-        return Supervisor(progress, stop, on_event=on_event, force_rate=force_rate, clock=clock)
+        return Supervisor(
+            progress, stop, on_event=on_event, force_rate=force_rate,
+            clock=lambda: self.controller.executor.time,
+        )  # fmt: skip
 
     def _supervised(self, deed: Deed, supervisor: Supervisor, do: Callable[[], Result]) -> Result:
         """The result of something that is done, which is noted."""
@@ -386,9 +386,8 @@ class Conversation:
             with suppress(ControlError):
                 asked = self.controller.resolve(asked, self.context)
                 self.context = spoken.with_objects_of(self.context, asked)
-            for told in (self._last, self._done):
-                frames = told.frames if told else ()
-                if told and any(follow_up.says_all_of(each, asked.frames[0]) for each in frames):
+            for told in filter(None, (self._last, self._done)):
+                if any(follow_up.says_all_of(each, asked.frames[0]) for each in told.frames):
                     return why_answer(told)
             return why_not_answer(self.controller.carry_out(asked, self.context, plan_only=True))
         last = self._last

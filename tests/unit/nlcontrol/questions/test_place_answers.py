@@ -8,8 +8,10 @@ import pytest
 
 from grammar.frames import command as g
 from nlcontrol import Registry
+from nlcontrol.errors import ControlError
 from nlcontrol.questions.answer import Answer
-from nlcontrol.questions.place_answers import distance_answer, state_answer
+from nlcontrol.questions.place_answers import distance_answer, edge_answer, state_answer
+from nlcontrol.questions.scene_answers import neighbours_answer
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 
 SIDE = 0.09  # of the ice tea box, which stands square to the table [m]
@@ -85,3 +87,44 @@ def test_what_lies_on_its_side_is_not_upright() -> None:
     leaning = replace(state.objects["here"], attitude=LYING)
     fallen = replace(state, objects={**state.objects, "here": leaning})
     assert not state_answer(_asked(g.Upright()), fallen).yes
+
+
+def test_what_stands_upright_does_not_lie() -> None:
+    state = _state()
+    assert not state_answer(_asked(g.Topple()), state).yes
+    leaning = replace(state.objects["here"], attitude=LYING)
+    fallen = replace(state, objects={**state.objects, "here": leaning})
+    assert state_answer(_asked(g.Topple()), fallen).yes
+
+
+@pytest.mark.parametrize(("lid", "is_open"), [(0.0, False), (1.5, True)])
+def test_a_lid_is_open_or_closed(lid: float, *, is_open: bool) -> None:
+    cup = SeenObject("cup", PlanarPose(0.5, 0.0), Registry.built_in().get("ice tea cup"), lid=lid)
+    state = WorldState({"cup": cup})
+    assert state_answer(_asked(g.Open(), "cup"), state).yes is is_open
+    assert state_answer(_asked(g.Close(), "cup"), state).yes is not is_open
+
+
+def test_of_a_thing_without_a_lid_neither_is_said() -> None:
+    assert state_answer(_asked(g.Open()), _state()).yes is None
+
+
+def test_the_distance_from_an_edge_is_to_the_nearest_corner() -> None:
+    state = _state()  # whose table reaches from -0.2 to 1.2 m, and 0.8 m to both sides
+
+    def gap(edge: g.TableRegion) -> float:
+        return edge_answer(_asked(g.Displace(away_from=edge)), state).numbers["gap"]
+
+    assert gap("back_edge") == pytest.approx(0.7 - SIDE / 2.0)
+    assert gap("edge") == pytest.approx(0.7 - SIDE / 2.0)
+    assert gap("left_edge") == pytest.approx(0.8 - SIDE / 2.0)
+
+
+def test_only_the_distance_from_an_edge_is_told() -> None:
+    with pytest.raises(ControlError, match="edge"):
+        edge_answer(_asked(g.Displace(away_from="corner")), _state())
+
+
+def test_what_stands_behind_a_thing_is_told() -> None:
+    there = g.Place(relation="behind", reference=(_ref("here"),))
+    assert neighbours_answer(there, _state()).objects == ("behind",)
