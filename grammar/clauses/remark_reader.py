@@ -175,7 +175,7 @@ class RemarkReader:
         written = [self._sentence.words_as_written(part.span).casefold() for part in said]
         if any(words.startswith("another ") for words in written):
             return "more"  # "another 5 cm"
-        if any(words.startswith("do ") for words in written):
+        if any(words.startswith("do ") and words[:7] != "do not " for words in written):
             return "do"  # "do it gently"
         if self._excluded and things:
             return "correct"
