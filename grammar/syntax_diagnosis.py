@@ -47,7 +47,9 @@ def require_clear(sentence: Normalised, lexicon: Lexicon) -> None:
             continue  # "not too fast"
         end = start + len(phrase)
         after = _word_at(sentence, end)[1]
-        if after in ("", ",", ".", ";", "by") or (after != "of" and after in lexicon.reserved_words):
+        if after in ("", ",", ".", ";", "by") or (
+            after != "of" and after in lexicon.reserved_words
+        ):
             raise _vague_error(phrase, sentence.original_span(start, end), lexicon)
 
 
