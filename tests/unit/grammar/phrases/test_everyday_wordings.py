@@ -54,7 +54,7 @@ def _plain(value: object) -> object:
         ("push the jar away, I'd hate to see it spill", "push the jar away without spilling it"),
         ("push the jar away, I don't want it scratched", "gently push the jar away"),
         ("push the jar left, steer clear of the mug", "push the jar left without touching the mug"),
-        ("push the jar left, stop just short of the mug", "push the jar left without touching the mug"),
+        ("slide it left, stop just short of the mug", "slide it left without touching the mug"),
         ("push the jar away until it keels over", "push the jar away until it topples"),
         ("don't shove it too hard", "no, gently"),
         # amounts
