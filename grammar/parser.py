@@ -200,7 +200,11 @@ class Parser:
             return command
         told = islice(self._statements.readings(whole), _MOST_READINGS)
         rests = (self._asides.of_rest(said, topic, whole) for said, topic in told)
-        for said in filter(_is_said, chain(self._others.readings(sentence, before), rests)):
+        # "Push the mug, no dawdling" takes nothing back.
+        uncut = self._others.readings(whole, before) if sentence.text != whole.text else ()
+        plain = (self._asides.of_rest(said, None, whole) for said in uncut)
+        every = chain(self._others.readings(sentence, before), rests, plain)
+        for said in filter(_is_said, every):
             for each in (said, *self._names.readings(said)):
                 with suppress(ParseError, UnexpectedTokenError):
                     other = self._command_of(each)

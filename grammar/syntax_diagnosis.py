@@ -29,6 +29,9 @@ _WORD = re.compile(r"[^ ]+")
 _TAKEN_BY = re.compile(r"\bby (?:its|the) [^ ]+")
 
 
+_DENIED = re.compile("(?: not| never| without)(?: [^ ,.;]+)*$")
+
+
 def require_clear(sentence: Normalised, lexicon: Lexicon) -> None:
     """Refuses phrases of no clear meaning, whatever their words may be read as.
 
@@ -40,11 +43,13 @@ def require_clear(sentence: Normalised, lexicon: Lexicon) -> None:
         if " " not in phrase or f" {phrase} " not in text or '"' in text:
             continue
         start = text.find(f" {phrase} ")
-        if text.endswith(" not", 0, start):
+        if _DENIED.search(text, 0, start):
             continue  # "not too fast"
         end = start + len(phrase)
         after = _word_at(sentence, end)[1]
-        if after in ("", ",", ".", ";") or (after != "of" and after in lexicon.reserved_words):
+        if after in ("", ",", ".", ";", "by") or (
+            after != "of" and after in lexicon.reserved_words
+        ):
             raise _vague_error(phrase, sentence.original_span(start, end), lexicon)
 
 

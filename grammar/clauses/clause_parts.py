@@ -184,14 +184,16 @@ class Clause:
         """
         measure = next((part for part in self._left if isinstance(part, _MEASURES)), None)
         parts = self.take_all(ph.Amount)
-        part = parts[0] if parts else None
-        for other in [*parts[1:], measure] if part is not None else ():
-            if other is not None and not self._is_denied(part) and not self._is_finer(other, part):
+        if not parts:
+            return None
+        part = parts[0]
+        for other in filter(None, [*parts[1:], measure]):
+            if not self._is_denied(part) and not self._is_finer(other, part):
                 raise self.said_twice_error(part, other)
-        return None if part is None or measure is not None else cast(g.Amount, part.value)
+        return None if measure is not None else cast(g.Amount, part.value)
 
     def _is_finer(self, part: ph.Part, amount: ph.Amount) -> bool:
-        """Check for "a little, say 3 cm", "a bit, not too far", which say the same behind a pause."""
+        """Check for "a little, say 3 cm", which says the same behind a pause."""
         between = self._sentence.original[amount.span[1] : part.span[0]]
         alike = not isinstance(part, ph.Amount) or part.value == "little"
         return alike and amount.value == "little" and not _PAUSE.isdisjoint(between)

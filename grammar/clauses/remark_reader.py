@@ -60,6 +60,10 @@ def _without_comparisons(remarks: Sequence[ph.Remark], parts: Sequence[ph.Part])
     return [each for each in remarks if each.dialogue != "more" or each.span not in how]
 
 
+_BACK = frozenset({"back", "back off", "back up", "come back", "get back", "give back", "go back"})
+"""Words of going back that name no direction, once they are reworded."""
+
+
 class RemarkReader:
     """Reads a clause that has no verb, given its remarks and its other parts."""
 
@@ -149,7 +153,7 @@ class RemarkReader:
             self._remarks.append(ph.Remark(back[0].span, "reverse"))
 
     def _is_back(self, part: ph.Part) -> bool:
-        return self._sentence.words_as_written(part.span).casefold() == "back"
+        return self._sentence.words_as_written(part.span).casefold() in _BACK
 
     def _dialogue(self) -> g.Dialogue | None:
         """The act that its remarks say, or that little is said."""
@@ -175,7 +179,10 @@ class RemarkReader:
         written = [self._sentence.words_as_written(part.span).casefold() for part in said]
         if any(words.startswith("another ") for words in written):
             return "more"  # "another 5 cm"
-        if any(words.startswith("do ") for words in written):
+        how = all(isinstance(part, ph.Constraint) for part in said)  # "do not push it too hard"
+        if any(words.startswith("do not ") and not how for words in written):
+            return "do"
+        if any(words.startswith("do ") and not words.startswith("do not ") for words in written):
             return "do"  # "do it gently"
         if self._excluded and things:
             return "correct"

@@ -154,7 +154,8 @@ class Outcomes(TokenReader):
             subject = things[0] if len(things) > 1 else None
             if self.value_of(children, "UNTIL") == "before":
                 if event != "touching":
-                    raise self.does_not_apply_error(children, "is no event to stop at")
+                    message = "is no event to stop at"
+                    raise self.does_not_apply_error(children, message, "until it touches the mug")
                 return ph.Constraint(span, g.NoTouch(object=things[-1].ref, spans=(span,)), subject)
             stop = g.Until(event=cast(Any, event), object=things[-1].ref, spans=(span,))
             return ph.Constraint(span, stop, subject)
