@@ -14,6 +14,7 @@ from functools import cache, cached_property
 from itertools import islice, pairwise
 
 from grammar.frames.command import Span
+from grammar.phrases.ordered_rows import row_in_order
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
 from grammar.words.numerals import DIGITS
@@ -66,6 +67,8 @@ class OtherReadings:
             said: a sentence that is not read as it stands.
             before: what was said before, the last first; None outside of a conversation.
         """
+        if (row := row_in_order(said.text)) is not None and not said.question:
+            yield _with_words(said, *row)
         for stage in [*islice(reversed([*self._reworded(said)]), _MOST_STAGES), said]:
             reworded = self._without_denied(stage)
             if reworded is not said:

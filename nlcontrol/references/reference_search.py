@@ -244,11 +244,7 @@ def _fitting_objects(
     around: Surroundings,
     spoken: Spoken,
 ) -> list[Candidate]:
-    """Those of some objects that are told apart as a reference tells them.
-
-    Raises:
-        ControlError: `no_antecedent` if it needs one.
-    """
+    """Those of some objects that are told apart as a reference tells them."""
     doubtful = [c for c in found if c.name in (spoken.doubt or ())]
     several = ref.quantifier == "all"
     if len(doubtful) > 1 and ref.qualities and reference_noun(ref) in GENERIC and not several:
