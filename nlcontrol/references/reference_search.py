@@ -310,6 +310,8 @@ def _names_by_sight(
     for quality in reversed(qualities):
         if ref.quantifier == "all" and quality in _SIDES:
             left = on_side(quality, left, state)
+        elif ref.quantifier == "both" and quality in _SIDES:
+            left = [s for rank in (1, 2) for s in objects_at_rank(quality, left, rank)]
         elif quality not in COLOURS:
             # Only "nearest to the mug" has an object beside it and no relation.
             near = with_attribute(quality, left, beside)
