@@ -15,6 +15,7 @@ from functools import cache, cached_property, lru_cache
 from itertools import islice, pairwise
 
 from grammar.frames.command import Span
+from grammar.phrases.ordered_rows import row_in_order
 from grammar.phrases.plain_questions import PlainQuestions
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
@@ -84,6 +85,8 @@ class OtherReadings:
             said: a sentence that is not read as it stands.
             before: what was said before, the last first; None outside of a conversation.
         """
+        if (row := row_in_order(said.text)) is not None and not said.question:
+            yield _with_words(said, *row)
         asked = [*self._questions.readings(said)]
         first = self._questions.is_opened(said)  # "for our readers: what do you see?"
         for each in [*asked, said] if first else [said, *asked]:

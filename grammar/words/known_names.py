@@ -73,6 +73,7 @@ _BESIDES = (
 )
 _WAYS = "to the (?:left|right)|left|right|away|back|toward me|toward you"
 _UNITS = "cm|mm|centimetres?|centimeters?|inch|inches"
+_SIDE_OF = re.compile(r"(?:left|right|front|side) of$")
 _FURTHER_BACK = re.compile(r"(?:further|farther) (back)(?= |$)(?! to)")
 _OPENING = re.compile(
     r"(?:(?:and|but|first|next|now|please|so|then|right|ok|okay|well|no|yes|oh) (?:, )?)*"
@@ -185,7 +186,8 @@ class KnownNames:
     def _with_articles(self, said: Normalised) -> Normalised:
         """The sentence with "the" before each name that has no article."""
         for name in reversed(list(self._name.finditer(said.text))):
-            if said.text[: name.start()].rstrip().rpartition(" ")[2] not in self._before_name:
+            before = said.text[: name.start()].rstrip()
+            if before.rpartition(" ")[2] not in self._before_name or _SIDE_OF.search(before):
                 said = _with_words(said, name.start(), name.start(), "the ")
         return said
 

@@ -59,7 +59,8 @@ def find_by_name(text: str, candidates: Iterable[Candidate]) -> list[Candidate]:
 
 def name_words(text: str) -> tuple[str, ...]:
     """The words of a name, without its article."""
-    split = tuple(text.casefold().replace("-", " ").replace("_", " ").split())
+    plain = text.casefold().replace("-", " ").replace("_", " ").replace("iced tea", "ice tea")
+    split = tuple(plain.split())
     return split[1:] if len(split) > 1 and split[0] in {"the", "a", "an", "my", "this"} else split
 
 

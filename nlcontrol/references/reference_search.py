@@ -244,11 +244,7 @@ def _fitting_objects(
     around: Surroundings,
     spoken: Spoken,
 ) -> list[Candidate]:
-    """Those of some objects that are told apart as a reference tells them.
-
-    Raises:
-        ControlError: `no_antecedent` if it needs one.
-    """
+    """Those of some objects that are told apart as a reference tells them."""
     doubtful = [c for c in found if c.name in (spoken.doubt or ())]
     several = ref.quantifier == "all"
     if len(doubtful) > 1 and ref.qualities and reference_noun(ref) in GENERIC and not several:
@@ -314,6 +310,8 @@ def _names_by_sight(
     for quality in reversed(qualities):
         if ref.quantifier == "all" and quality in _SIDES:
             left = on_side(quality, left, state)
+        elif ref.quantifier == "both" and quality in _SIDES:
+            left = [s for rank in (1, 2) for s in objects_at_rank(quality, left, rank)]
         elif quality not in COLOURS:
             # Only "nearest to the mug" has an object beside it and no relation.
             near = with_attribute(quality, left, beside)

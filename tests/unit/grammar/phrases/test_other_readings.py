@@ -103,8 +103,9 @@ def test_what_is_only_said_of_a_thing_does_not_move_it(said: str) -> None:
 
 
 def test_two_are_not_all_that_were_spoken_of() -> None:
-    with pytest.raises(ParseError):
-        parse("push those two 10 cm away")
+    (frame,) = parse("push those two 10 cm away").frames
+    assert frame.object is not None
+    assert frame.object.quantifier == "both"
 
 
 def test_a_can_is_a_thing_and_no_courtesy() -> None:

@@ -54,3 +54,10 @@ def test_those_two_are_the_two_that_were_spoken_of() -> None:
         conversation.say(text, plan_only=True)
     result = conversation.say("push those two to the right", plan_only=True)
     assert {frame.object and frame.object.id for frame in result.frames} == {"mug", "tea tin"}
+
+
+def test_of_three_that_were_spoken_of_those_two_are_none() -> None:
+    conversation = Conversation(Controller("counter", seed=1))
+    for text in ("push the mug to the left", "push the tin away", "push the can away"):
+        conversation.say(text, plan_only=True)
+    assert conversation.say("push those two to the right", plan_only=True).error is not None
