@@ -19,7 +19,8 @@ KNOWN = parser_for(["mug", "jar", "soup can"])
 )  # fmt: skip
 def test_the_longest_part_that_is_a_command_is_read(text: str, means: str) -> None:
     command = understood_part(KNOWN, text, ())
-    assert command is not None and command.paraphrase == means
+    assert command is not None
+    assert command.paraphrase == means
 
 
 @pytest.mark.parametrize("text", ["", "quux", "the mug, the jar, quux", "push the quux, zorp it"])

@@ -14,17 +14,18 @@ def talk() -> Conversation:
 
 def test_what_is_understood_is_offered_and_done_when_accepted(talk: Conversation) -> None:
     refused = talk.say(UNREAD, plan_only=True)
-    assert refused.status == "not_understood" and refused.error is not None
+    assert refused.status == "not_understood"
+    assert refused.error is not None
     assert any('say "yes": "push the mug' in each for each in refused.error.suggestions)
     done = talk.say("yes", plan_only=True)
     assert done.status == "planned"
     assert [(f.action, f.object and f.object.id) for f in done.frames] == [("push", "mug")]
 
 
-@pytest.mark.parametrize("between", ["how heavy is the coffee box?", "what do you see?", "thanks", "zorp it"])
-def test_what_was_offered_is_forgotten_with_the_next_turn(
-    talk: Conversation, between: str
-) -> None:
+@pytest.mark.parametrize(
+    "between", ["how heavy is the coffee box?", "what do you see?", "thanks", "zorp it"]
+)
+def test_what_was_offered_is_forgotten_with_the_next_turn(talk: Conversation, between: str) -> None:
     talk.say(UNREAD, plan_only=True)
     talk.say(between, plan_only=True)
     said = talk.say("yes", plan_only=True)
