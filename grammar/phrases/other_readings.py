@@ -43,6 +43,8 @@ _THINGS = frozenset({"one", "a", "an", "both"})
 """Number words that rather stand for a thing."""
 
 _BEFORE = "actually|and|no|now|oh|ok|please|sorry|so|then|well"
+_BEFORE_WORDS = frozenset([",", *_BEFORE.split("|")])
+_PAUSES_OF_SENTENCES = frozenset(".;!?")
 _BEHIND = "(?: (?:, )?please)?"
 _SHARES = re.compile("half|third|quarter|fifth|tenth")
 _DENIED = re.compile(r"(?: ,)? (?:and )?(?:not|instead of|rather than) (?:by )?")
@@ -127,19 +129,26 @@ class OtherReadings:
 
         Words that are put in plain ones may hold others that look like some: all stages count.
         """
-        words = {*said.text.split(), "{}", "{~}"}
+        words, opening = set(said.text.split()), _opening_words(said.text)
         for means, templates in self._templates.items():
-            patterns = [_pattern_of(each) for each, first in templates if first & words]
+            patterns = [
+                _pattern_of(each)
+                for each, first, opens in templates
+                if first & (opening if opens else words)
+            ]
             if found := list(filter(None, (each.search(said.text) for each in patterns))):
                 said = _with_words(said, min(found, key=_rank), means)
-                words.update(said.text.split())
+                words, opening = words.union(said.text.split()), _opening_words(said.text)
                 yield said
 
     @cached_property
-    def _templates(self) -> dict[str, list[tuple[str, set[str]]]]:
-        """Plainer words → templates of what is put so, and the words they begin with."""
+    def _templates(self) -> dict[str, list[tuple[str, set[str], bool]]]:
+        """Plainer words → templates of what is put so, their first words, whether they open it."""
         return {
-            means: [(each, first_words(each.removesuffix("$"))) for each in templates]
+            means: [
+                (each, first_words(each.removesuffix("$")), "{" in each or each.endswith("$"))
+                for each in templates
+            ]
             for means, templates in self._rewordings.items()
         }
 
@@ -197,6 +206,16 @@ class OtherReadings:
             return True
         found = self._phrases.phrases_at(text, after)
         return bool(found) and not _BEHIND_NUMBER.isdisjoint(found[0][1])
+
+
+def _opening_words(text: str) -> set[str]:
+    """Words with which a template of a whole text, or of a sentence of it, may begin."""
+    found, opens = {"{}", "{~}"}, True
+    for word in text.split():
+        if opens:
+            found.add(word)
+        opens = word in _PAUSES_OF_SENTENCES or (opens and word in _BEFORE_WORDS)
+    return found
 
 
 def _end(match: re.Match[str] | None) -> int:
