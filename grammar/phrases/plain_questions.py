@@ -24,7 +24,7 @@ _SHAPES = {
     "openers": "(?:{0})(?: ,)? ",
     "tags": r" [,.] (?:{0})(?= [.;!?,]*$|$)",
     "endings": r"(?: [,.])? (?:{0})(?= [.;!?,]*$|$)",
-    "idle": r"(?<![^ ])(?:{0})(?: ,)?(?= |$)",
+    "idle": r"(?<![^ ])(?<!, )(?:{0})(?: ,)?(?= |$)",
 }
 """Where the words of each kind stand."""
 
@@ -65,7 +65,7 @@ _COULD = "(?<!the )(?<!that )(?<!this )(?<!soup )can"
 
 _ASKS = re.compile(
     rf"(?:(?:and|but|so|or|well|ok|okay|now|then|no|oh|hey|wait) (?:, )?)*(?:how|what|which|who|"
-    rf"whose|where|when|why|whether|any|anything|{_BE}) "
+    rf"whose|where|when|why|whether|if|any|anything|{_BE}) "
 )
 _TOLD = re.compile(
     rf"(?P<who>[^,.;!?]+?) (?P<be>{_BE_NOT_CAN}|{_COULD})(?: not)?(?: (?P<rest>[^.;!?]+))?"
@@ -118,7 +118,8 @@ class PlainQuestions:
     def _plain_readings(self, said: Normalised) -> Iterator[Normalised]:
         plain, opened = self._without_openers(said)
         plain, tagged = self._without_tags(plain)
-        if not (said.question or opened or _ASKS.match(said.text)):
+        asks = _ASKS.match(said.text) or (opened and _ASKS.match(plain.text))
+        if not (said.question or asks):
             return
         plain = self._without_idle(plain)
         if not plain.text or plain.text in ("it", "that", "this"):
@@ -200,7 +201,7 @@ def _put_as_question(said: Normalised, *, told: bool) -> Normalised | None:
     """
     if that := _THAT.match(said.text):
         said = said.words_in((that.end(), len(said.text)))
-    names = ("be", "who", "rest")
+    names: tuple[str, ...] = ("be", "who", "rest")
     found = _WHETHER.fullmatch(said.text)
     if found is None and (found := _EMBEDDED.fullmatch(said.text)):
         names = ("how", *names)

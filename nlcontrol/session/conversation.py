@@ -17,8 +17,8 @@ from grammar.frames import command as g
 from grammar.part_reader import understood_part
 from nlcontrol.errors import ControlError
 from nlcontrol.questions.answer import Answer
-from nlcontrol.questions.certainty import certainty_answer
 from nlcontrol.references.reference_resolution import Context
+from nlcontrol.reports.certainty import certainty_answer
 from nlcontrol.reports.why_answers import deed_answer, why_answer, why_not_answer
 from nlcontrol.results.result import result_with
 from nlcontrol.results.step_endings import status_of
