@@ -61,7 +61,7 @@ def row_in_order(text: str) -> tuple[re.Match[str], str] | None:
 
 @cache
 def _patterns(count: int) -> list[tuple[re.Pattern[str], str]]:
-    """What rows of so many things are said in, and what each means."""
+    """Templates of rows of so many things, and what each means."""
     things = _BESIDE.join([_ITEM] * count)
     return [
         (

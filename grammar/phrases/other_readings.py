@@ -276,7 +276,7 @@ def _pattern_of(template: str) -> re.Pattern[str]:
 def _found(
     templates: Sequence[str], text: str, *, asked: bool, by_sentences: bool
 ) -> list[re.Match[str]]:
-    """Where each of some templates stands in a text.
+    """The places of some templates in a text.
 
     What has any words in it is the whole text, but for "can you" before what is asked for, or else
     one of its sentences if these count.

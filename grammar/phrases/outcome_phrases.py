@@ -41,7 +41,7 @@ _STATES: dict[str, type[g.Upright | g.Topple | g.Open | g.Close]] = {
 }  # fmt: skip
 """What is asked to be so already → the goal that would bring it about."""
 
-_HELD = {"in": "fill", "on": "load"}
+_HELD = {"in": "fill", "on": "load", "under": "support", "below": "support"}
 """Where things are asked for → the property of the object that has them there."""
 
 QUESTIONS: dict[str, dict[str, Any]] = {
@@ -286,7 +286,7 @@ class Questions(TokenReader):
         return ph.Thing(at, one)
 
     def seen_at_part(self, children: Children) -> ph.Ask:
-        """What is next to the box."""
+        """A question: what is next to the box."""
         span, where = self.span_of(children), children[-1]
         if isinstance(where, ph.Place) and (which := _HELD.get(where.relation)):
             (other,) = cast("tuple[g.ObjectRef]", where.reference)
@@ -319,7 +319,7 @@ class Questions(TokenReader):
         return ph.Ask(span, "value", thing=thing, state=state, whole=True)
 
     def edge_distance_part(self, children: Children) -> ph.Ask:
-        """How far is the box from the edge."""
+        """A question: how far is the box from the edge."""
         span, region = self.span_of(children), self.value_of(children, "FROM_REGION")
         state = g.Displace(away_from=cast(g.TableRegion, region), spans=(span,))
         return ph.Ask(span, "value", thing=things_in(children)[0], state=state, whole=True)

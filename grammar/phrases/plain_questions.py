@@ -193,7 +193,7 @@ class PlainQuestions:
 
 
 def _put_as_question(said: Normalised, *, told: bool) -> Normalised | None:
-    """What is told, with its verb first: "whether the jar is shut" → "is the jar shut".
+    """The question of what is told, with its verb first: "whether the jar is shut" → "is the jar shut".
 
     Args:
         said: a question without words that ask nothing.

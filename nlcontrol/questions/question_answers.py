@@ -110,7 +110,7 @@ def answer(
 def _value(frame: g.Frame, state: WorldState, position_sd: float) -> Answer:
     """What an object is like, how it stands, or how far from another one."""
     match frame.goal:
-        case g.Displace():
+        case g.Displace(away_from=str()):
             return edge_answer(frame, state)
         case g.Place() | g.Upright() | g.SetDown() | g.Topple() | g.Open() | g.Close():
             return state_answer(frame, state)
