@@ -32,6 +32,14 @@ def distance_answer(frame: g.Frame, state: WorldState) -> Answer:
     return Answer(query="value", text=text, numbers={"gap": gap, "middles": apart})
 
 
+def far_answer(frame: g.Frame, state: WorldState) -> Answer:
+    """How far an object stands from the robot, which is at the origin: from there to its middle."""
+    target = target_of(frame, state)
+    away = math.hypot(*target.pose.p_WB[:2])
+    text = f"The middle of the {target.name} is {quantity(away, 'm')} away from the robot."
+    return Answer(query="value", text=text, numbers={"middle": away})
+
+
 def state_answer(frame: g.Frame, state: WorldState) -> Answer:
     """Whether an object stands upright, on the table itself, or in a relation to others."""
     target, goal = target_of(frame, state), frame.goal

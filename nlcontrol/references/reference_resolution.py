@@ -35,6 +35,7 @@ from grammar.frames.command import (
     SetDown,
     Topple,
 )
+from grammar.words.plurals import singular
 from nlcontrol.references.arrangements import arranged_frames, frames_to_clear
 from nlcontrol.references.object_names import Candidate
 from nlcontrol.references.reference_search import (
@@ -174,8 +175,15 @@ def _frame_of_pair(frame: Frame, spoken: Spoken) -> Frame:
         ControlError: `no_antecedent`, if it asks how far apart things are that were not named.
     """
     goal, ref = frame.goal, frame.object
-    if not isinstance(goal, Parameters) or goal.than or ref is None or ref.reference:
+    if not isinstance(goal, Parameters) or ref is None or ref.reference:
         return frame
+    if goal.which == ("distance",) and [each.text for each in goal.than] == ["robot"]:
+        return frame.model_copy(update={"goal": goal.model_copy(update={"than": ()})})
+    if goal.than:
+        return frame
+    several = ref.quantifier is not None or singular(ref.text) != ref.text
+    if goal.which == ("distance",) and not several:
+        return frame  # how far one thing is, it is from the robot
     apart = goal.which == ("distance",)
     compares = frame.query == "compare" and ref.text.endswith("er")
     if not (apart or compares):
