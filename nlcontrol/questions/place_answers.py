@@ -33,11 +33,15 @@ def distance_answer(frame: g.Frame, state: WorldState) -> Answer:
 
 
 def far_answer(frame: g.Frame, state: WorldState) -> Answer:
-    """How far an object stands from the robot, which is at the origin: from there to its middle."""
+    """How far an object stands from the robot, which is at the origin: away from it, and aside."""
     target = target_of(frame, state)
-    away = math.hypot(*target.pose.p_WB[:2])
-    text = f"The middle of the {target.name} is {quantity(away, 'm')} away from the robot."
-    return Answer(query="value", text=text, numbers={"middle": away})
+    away, left = float(target.pose.x), float(target.pose.y)
+    side = "left" if left > 0 else "right"
+    text = (
+        f"The middle of the {target.name} is {quantity(away, 'm')} away from the robot, "
+        f"{quantity(abs(left), 'm')} to the {side}."
+    )
+    return Answer(query="value", text=text, numbers={"away": away, "left": left})
 
 
 def state_answer(frame: g.Frame, state: WorldState) -> Answer:
