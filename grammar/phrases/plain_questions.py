@@ -52,6 +52,19 @@ _SUPPOSED = re.compile(
 )
 """How a question begins what would come of something, which is not to be done for it."""
 
+_CONFIRMED = re.compile(
+    "(?:(?:and|but|so|or|well|ok|okay|now|then|no|oh|hey|wait) (?:, )?)*(?:it|that|this|they) "
+    "(?:will|would|could|can|may|might|is|does) (?:not )?[^.;!?]*?"
+    "(?:will|would|could|can|may|might|is|does) (?:not )?(?:it|they|that)(?: [.;!?])?$"
+)
+"""A question whether something will happen, which forbids nothing: "it won't fall, will it"."""
+
+_IF_NEEDED = re.compile(
+    "(?:(?:and|but|so|or|well|really|ok|okay|now|then|no|oh|hey|wait) (?:[,.?!] )?)*(?:could|can|"
+    "would) you [^.;!?]*? if you (?:had to|really had to|wanted to|needed to|must)(?: [.;!?])?$"
+)
+"""A question for what is possible: "could you lift it, if you had to"."""
+
 _REQUEST = re.compile("(?:and |so |now |then |please )*(?:can|could|would|will) you ")
 _SENTENCE_END = re.compile(r" [.;!?](?= )")
 
@@ -155,7 +168,8 @@ class PlainQuestions:
 
     def only_supposes(self, said: Normalised) -> bool:
         """Check for a question what would come of something: "suppose I asked you to push it"."""
-        return said.question and _SUPPOSED.match(said.text) is not None
+        asked = any(each.match(said.text) for each in (_SUPPOSED, _CONFIRMED, _IF_NEEDED))
+        return said.question and asked
 
     def is_opened(self, said: Normalised) -> bool:
         """Check for a question that is opened with words that ask nothing."""

@@ -32,6 +32,18 @@ def distance_answer(frame: g.Frame, state: WorldState) -> Answer:
     return Answer(query="value", text=text, numbers={"gap": gap, "middles": apart})
 
 
+def far_answer(frame: g.Frame, state: WorldState) -> Answer:
+    """How far an object stands from the robot, which is at the origin: away from it, and aside."""
+    target = target_of(frame, state)
+    away, left = float(target.pose.x), float(target.pose.y)
+    side = "left" if left > 0 else "right"
+    text = (
+        f"The middle of the {target.name} is {quantity(away, 'm')} away from the robot, "
+        f"{quantity(abs(left), 'm')} to the {side}."
+    )
+    return Answer(query="value", text=text, numbers={"away": away, "left": left})
+
+
 def state_answer(frame: g.Frame, state: WorldState) -> Answer:
     """Whether an object stands upright, on the table itself, or in a relation to others."""
     target, goal = target_of(frame, state), frame.goal

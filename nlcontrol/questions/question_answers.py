@@ -28,7 +28,12 @@ from nlcontrol.questions.grasp_questions import (
     possible_answer,
     spill_answer,
 )
-from nlcontrol.questions.place_answers import distance_answer, edge_answer, state_answer
+from nlcontrol.questions.place_answers import (
+    distance_answer,
+    edge_answer,
+    far_answer,
+    state_answer,
+)
 from nlcontrol.questions.property_values import property_answer
 from nlcontrol.questions.push_prediction import (
     SURE,
@@ -116,6 +121,8 @@ def _value(frame: g.Frame, state: WorldState, position_sd: float) -> Answer:
             return state_answer(frame, state)
         case g.Parameters(than=(_, *_)):
             return distance_answer(frame, state)
+        case g.Parameters(which=("distance",)):
+            return far_answer(frame, state)
     return property_answer(frame, state, position_sd)
 
 

@@ -13,6 +13,7 @@ along B's axes, height is that of its top; a side that is not said is the width.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
@@ -35,6 +36,7 @@ from grammar.frames.command import (
     SetDown,
     Topple,
 )
+from grammar.words.plurals import singular
 from nlcontrol.references.arrangements import arranged_frames, frames_to_clear
 from nlcontrol.references.object_names import Candidate
 from nlcontrol.references.reference_search import (
@@ -86,6 +88,8 @@ _WAYS: Mapping[Direction, tuple[float, float]] = {
 }  # fmt: skip
 """Directions along x and y of W."""
 
+_THIS = re.compile(r"\b(?:this|that|the same) $", re.IGNORECASE)
+
 _ALONE: frozenset[Query | None] = frozenset({"value", "affordances", "predict"})
 """Questions that concern the model more than the table."""
 
@@ -118,14 +122,29 @@ def resolve_references(
         own = dict.fromkeys(f.object.id for f in frames if f.object and f.object.id)
         group = tuple(own) if len(own) > 1 else context.group
         before = Spoken(it, it[:1], latest, context.moved, group, doubt, context.ranked)
+        about = _with_this_one(frame, command.text, around, before)
         each = [
-            _resolve_frame(f, around, before) for f in _frames_of_several(frame, around, before)
+            _resolve_frame(f, around, before) for f in _frames_of_several(about, around, before)
         ]
         for resolved in frames_to_clear(each, around.look, defaults):
             frames.append(resolved)
             said = objects_spoken_of(resolved)
             spoken = (*said, *(name for name in spoken if name not in said))
     return command.model_copy(update={"frames": arranged_frames(frames, around.look)})
+
+
+def _with_this_one(frame: Frame, text: str, around: Surroundings, spoken: Spoken) -> Frame:
+    """A frame about "this box" of several boxes: the one that was spoken of last, if it is one."""
+    ref = frame.object
+    if ref is None or ref.pronoun or ref.id or ref.quantifier or not ref.spans or spoken.doubt:
+        return frame
+    start = ref.spans[0][0]
+    if not spoken.it or not _THIS.search(text[:start]) or ref.text not in text[start:].casefold():
+        return frame
+    fitting = [each.name for each in matching_objects(ref, around, spoken)]
+    if len(fitting) < 2 or spoken.it[0] not in fitting:
+        return frame
+    return frame.model_copy(update={"object": ref.model_copy(update={"id": spoken.it[0]})})
 
 
 def _pronoun_meanings(frame: Frame, spoken: tuple[str, ...], held: str | None) -> tuple[str, ...]:
@@ -174,8 +193,15 @@ def _frame_of_pair(frame: Frame, spoken: Spoken) -> Frame:
         ControlError: `no_antecedent`, if it asks how far apart things are that were not named.
     """
     goal, ref = frame.goal, frame.object
-    if not isinstance(goal, Parameters) or goal.than or ref is None or ref.reference:
+    if not isinstance(goal, Parameters) or ref is None or ref.reference:
         return frame
+    if goal.which == ("distance",) and [each.text for each in goal.than] == ["robot"]:
+        return frame.model_copy(update={"goal": goal.model_copy(update={"than": ()})})
+    if goal.than:
+        return frame
+    several = ref.quantifier is not None or singular(ref.text) != ref.text
+    if goal.which == ("distance",) and not several:
+        return frame  # how far one thing is, it is from the robot
     apart = goal.which == ("distance",)
     compares = frame.query == "compare" and ref.text.endswith("er")
     if not (apart or compares):

@@ -10,7 +10,12 @@ from grammar.frames import command as g
 from nlcontrol import Registry
 from nlcontrol.errors import ControlError
 from nlcontrol.questions.answer import Answer
-from nlcontrol.questions.place_answers import distance_answer, edge_answer, state_answer
+from nlcontrol.questions.place_answers import (
+    distance_answer,
+    edge_answer,
+    far_answer,
+    state_answer,
+)
 from nlcontrol.questions.scene_answers import neighbours_answer
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 
@@ -128,3 +133,8 @@ def test_only_the_distance_from_an_edge_is_told() -> None:
 def test_what_stands_behind_a_thing_is_told() -> None:
     there = g.Place(relation="behind", reference=(_ref("here"),))
     assert neighbours_answer(there, _state()).objects == ("behind",)
+
+
+def test_how_far_one_thing_is_without_another_is_from_the_robot() -> None:
+    answer = far_answer(_asked(g.Parameters(which=("distance",)), "bin"), _state())
+    assert "500 mm away from the robot, 400 mm to the left" in answer.text

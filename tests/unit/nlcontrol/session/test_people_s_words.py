@@ -19,6 +19,11 @@ from nlcontrol import Controller, Conversation
         ("workbench", "tilt the cereal box 5°", "At what force does it start to tip?", "how_hard"),
         ("pantry", "open the jar", "Would you be able to shut it again later?", "possible"),
         ("kitchen", "", "Are you strong enough to lift the mug?", "possible"),
+        ("counter", "push the mug 3 cm to the left", "It won't fall over, will it?", "predict"),
+        ("counter", "", "Could you lift the mug, if you had to?", "possible"),
+        ("breakfast", "how heavy is the sugar box?", "How tall is this box?", "value"),
+        ("counter", "push the tin 2 cm away", "Tell me, how far away is the can?", "value"),
+        ("kitchen", "put the mug behind the coffee box", "Is there enough space?", "possible"),
     ],
 )
 def test_a_question_in_any_words_is_answered(
