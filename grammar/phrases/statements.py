@@ -247,6 +247,7 @@ class Statements:
         told = [text[slice(*part)].strip(" ,.;!?") for part in parts]
         return not said.question and all(
             self._only_opens(each, (0, len(each)))
+            or self._told["whole"].fullmatch(each)  # "great show"
             or self._is_idle(each[self._start(each) :])
             or self._has_form(each, (0, len(each)))
             for each in told
