@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator
-from functools import cache, lru_cache
+from functools import cache, lru_cache, partial
 from hashlib import sha256
 from itertools import chain
 from pathlib import Path
@@ -89,13 +89,17 @@ class UnexpectedTokenError(Exception):
 
     Attributes:
         token: the token.
-        accepts: terminals with which it could have gone on.
     """
 
-    def __init__(self, token: Token, accepts: frozenset[str]) -> None:
+    def __init__(self, token: Token, accepted: Callable[[], frozenset[str]]) -> None:
         super().__init__(token)
         self.token = token
-        self.accepts = accepts
+        self._accepted = accepted
+
+    @property
+    def accepts(self) -> frozenset[str]:
+        """Terminals with which it could have gone on."""
+        return self._accepted()
 
 
 class LalrParser:
@@ -124,7 +128,7 @@ class LalrParser:
         for token in chain(self._lexer.tokens(text, acceptance), [end]):
             taken, states, rules = self._take_terminal(states, token.type)
             if not taken:
-                raise UnexpectedTokenError(token, self._acceptable_terminals(states))
+                raise UnexpectedTokenError(token, partial(self._acceptable_terminals, states))
             for rule in rules:
                 _reduce(values, rule)
             values.append(token)

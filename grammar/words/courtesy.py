@@ -80,6 +80,8 @@ class Courtesy:
         self._topics = re.compile(rf"(?:{lexicon.courtesy['topics']}) ")
         self._opening = self._words["both"] | self._words["before"]
         self._closing = self._words["both"] | self._words["after"]
+        known = self._opening | self._closing | self._words["beside_thanks"]
+        self._beside_closing = known - self._words["greeting"]
         self._stops = frozenset(lexicon.phrases_of("STOP"))
 
     def is_closing(self, said: Normalised) -> bool:
@@ -87,9 +89,8 @@ class Courtesy:
         if said.text.rstrip(" .") in self._stops:
             return False
         words = said.text.replace(" ,", "").replace(" .", "").split()
-        known = self._opening | self._closing | self._words["beside_thanks"]
-        known -= self._words["greeting"]
-        if said.question or self._words["closing"].isdisjoint(words) or not known.issuperset(words):
+        closes = not self._words["closing"].isdisjoint(words)
+        if said.question or not closes or not self._beside_closing.issuperset(words):
             return False
         asking = (m for m in WORD.finditer(said.text) if m[0] not in self._words["closing"])
         starts = (word.start() for word in asking)

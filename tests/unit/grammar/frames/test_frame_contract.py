@@ -164,7 +164,6 @@ def pushed(*constraints: Constraint, **goal: Any) -> Frame:
         Frame(action="topple", object=BOX, goal=Displace()),
         Frame(action="open", object=ObjectRef(text="it", pronoun=True), goal=Open(part="drawer")),
         Frame(action="pour", object=BOX, goal=Pour(fraction=0.3)),
-        Frame(query="affordances"),
         Frame(query="value", object=BOX),
         Frame(query="value", object=BOX, goal=Parameters(which=("colour",))),
         Frame(query="possible", object=BOX),

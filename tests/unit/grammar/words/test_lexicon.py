@@ -6,11 +6,14 @@ import json
 import re
 import subprocess
 import sys
+from collections import Counter
+from collections.abc import Hashable
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, get_args
 
 import pytest
+import yaml
 
 from grammar import ParseError, parse
 from grammar.frames.command import Action, Goal, Quality
@@ -359,3 +362,19 @@ def test_changed_words_are_read_at_once(tmp_path: Path, monkeypatch: pytest.Monk
     changed.write_text(words, encoding="utf-8")
     monkeypatch.setattr(module, "WORDS", changed)
     assert {"nudge", "jiggle"} & default_lexicon.__wrapped__().verbs.keys() == {"jiggle"}
+
+
+def test_no_key_of_the_words_stands_twice() -> None:
+    twice = list[object]()
+
+    class Strict(yaml.SafeLoader):
+        """Takes note of keys that stand twice, of which YAML keeps the last."""
+
+    def mapping(loader: yaml.SafeLoader, node: yaml.MappingNode) -> dict[Hashable, object]:
+        keys = [loader.construct_object(key) for key, _ in node.value]
+        twice.extend(key for key, count in Counter(keys).items() if count > 1)
+        return loader.construct_mapping(node, deep=True)
+
+    Strict.add_constructor(yaml.resolver.BaseResolver.DEFAULT_MAPPING_TAG, mapping)
+    yaml.load(WORDS.read_bytes(), Loader=Strict)
+    assert not twice
