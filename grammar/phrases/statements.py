@@ -245,11 +245,15 @@ class Statements:
             return False
         parts = parts_between(text, (0, len(text)), _END)
         told = [text[slice(*part)].strip(" ,.;!?") for part in parts]
-        return not said.question and all(
-            self._only_opens(each, (0, len(each)))
-            or self._is_idle(each[self._start(each) :])
-            or self._has_form(each, (0, len(each)))
-            for each in told
+        return (
+            not said.question
+            and all(
+                self._only_opens(each, (0, len(each)))
+                or self._told["whole"].fullmatch(each)  # "great show"
+                or self._is_idle(each[self._start(each) :])
+                or self._has_form(each, (0, len(each)))
+                for each in told
+            )
         )
 
     def _plans_elsewhere(self, text: str, start: int) -> bool:
