@@ -207,7 +207,7 @@ class PlainQuestions:
 
 
 def _put_as_question(said: Normalised, *, told: bool) -> Normalised | None:
-    """The question of what is told, with its verb first: "whether the jar is shut" → "is the jar shut".
+    """The question of what is told, its verb first: "whether it is shut" → "is it shut".
 
     Args:
         said: a question without words that ask nothing.

@@ -342,6 +342,8 @@ class Statements:
         points = next(filter(self._stands_alone, _POINTS.finditer(rest.text)), None)
         if not rest.text:
             return
+        if about and self._phrases.has_terminal_at("STROKE", rest.text, 0):
+            return  # "the jar is dirty. A little nudge to the left"
         if points is None or _NAMED.search(rest.text, 0, points.start()):
             if not (about and _SEVERAL.search(rest.text)):
                 yield rest, None
