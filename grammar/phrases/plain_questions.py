@@ -52,6 +52,14 @@ _SUPPOSED = re.compile(
 )
 """How a question begins what would come of something, which is not to be done for it."""
 
+_IN_DOUBT = re.compile(
+    "(?:[a-z]+ (?:, )?){0,3}(?:can|could|would) you [^.;]*? (?:, )?(?:even )?if (?:you|i|we) "
+    "(?:[a-z]+ )?(?:had to|have to|needed to|need to|must)(?: ,|$)"
+    "|(?:[a-z]+ , )?(?:it|that|they) (?:will|would|does|do|could|can|might|should) not "
+    "[^.,;]*? , (?:will|would|does|do|could|can|might|should) (?:it|they)$"
+)
+"""What asks whether something could be done or would happen, and does not ask for it."""
+
 _REQUEST = re.compile("(?:and |so |now |then |please )*(?:can|could|would|will) you ")
 _SENTENCE_END = re.compile(r" [.;!?](?= )")
 
@@ -155,7 +163,7 @@ class PlainQuestions:
 
     def only_supposes(self, said: Normalised) -> bool:
         """Check for a question what would come of something: "suppose I asked you to push it"."""
-        return said.question and _SUPPOSED.match(said.text) is not None
+        return said.question and any(each.match(said.text) for each in (_SUPPOSED, _IN_DOUBT))
 
     def is_opened(self, said: Normalised) -> bool:
         """Check for a question that is opened with words that ask nothing."""
