@@ -228,7 +228,9 @@ class OtherReadings:
             return None
         (wrong, unit), (meant, own) = amounts
         after = wrong.end() + (len(unit) + 1 if unit else 0)
-        if unit not in ("", own) and own or not _INSTEAD.fullmatch(said.text, after, meant.start()):
+        if (unit not in ("", own) and own) or not _INSTEAD.fullmatch(
+            said.text, after, meant.start()
+        ):
             return None
         words = f"no , {meant[0]} {unit}" if unit and not own else f"no , {meant[0]}"
         until = re.compile(re.escape(said.text[start : meant.end()])).match(said.text, start)

@@ -53,7 +53,7 @@ _SUPPOSED = re.compile(
 """How a question begins what would come of something, which is not to be done for it."""
 
 _IN_DOUBT = re.compile(
-    "(?:[a-z]+ (?:, )?){0,3}(?:can|could|would) you [^.;]*? (?:, )?(?:even )?if (?:you|i|we) "
+    "(?:[a-z]+ (?:[,.?!] )?){0,3}(?:can|could|would) you [^.;]*? (?:, )?(?:even )?if (?:you|i|we) "
     "(?:[a-z]+ )?(?:had to|have to|needed to|need to|must)(?: ,|$)"
     "|(?:[a-z]+ , )?(?:it|that|they) (?:will|would|does|do|could|can|might|should) not "
     "[^.,;]*? , (?:will|would|does|do|could|can|might|should) (?:it|they)$"

@@ -238,7 +238,7 @@ class Conversation:
         if self._unread.may_be_meant(command):
             nothing_before("what was said last was not understood, so this may be about that")
         command = follow_up.with_clear_way_back(command, self._done)
-        command = aims.with_near_thing(command, self._done)
+        command = aims.with_near_thing(aims.without_announced(command), self._done)
         meant = follow_up.meant_command(command, self._said, self._done, self._exchange)
         return Intention(
             meant,

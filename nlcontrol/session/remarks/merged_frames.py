@@ -197,6 +197,12 @@ def _as_kind_of(last: g.Goal, new: g.Goal) -> g.Goal:
     if isinstance(last, g.Place) and values.keys() == {"direction"} and last.relation in _BESIDE:
         return last.model_copy(update={"relation": _BESIDE_ON[values["direction"]]})
     if not set(values) <= set(type(last).model_fields):
+        if isinstance(last, g.HandOver | g.Open | g.Close | g.Pour) and isinstance(new, g.Displace):
+            raise error(
+                "nothing_before",
+                "nothing was moved along the table, so it is not clear what that is about",
+                suggestions=("say what to move, as “push the mug to the left”",),
+            )
         return new
     if isinstance(last, g.Place):
         return last.model_copy(update=values)

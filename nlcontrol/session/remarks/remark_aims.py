@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NoReturn
 
+from grammar import paraphrase
 from grammar.frames import command as g
 from nlcontrol.errors import error
 from nlcontrol.session.remarks.merged_frames import (
@@ -92,6 +93,20 @@ def frames_about(before: Sequence[g.Frame], said: g.Frame) -> list[g.Frame]:
     if len(objects) > 1:
         nothing_before(f"it is not clear whether {enumeration([*objects], 'or')} is meant")
     return fitting[-1:]
+
+
+def without_announced(command: g.Command) -> g.Command:
+    """The command without "let us measure it", if what is measured is said behind it."""
+    first, *others = command.frames
+    if len(others) != 1 or not command.text.casefold().lstrip("so, ").startswith("let"):
+        return command
+    announces = first.action == others[0].action == "explore" and first.object
+    measured = isinstance(first.goal, g.Parameters) and not first.goal.which
+    named = others[0].object and not others[0].object.pronoun
+    if announces and announces.pronoun and measured and named:
+        update = {"frames": tuple(others), "paraphrase": paraphrase(others)}
+        return command.model_copy(update=update)
+    return command
 
 
 def with_near_thing(command: g.Command, done: Result | None) -> g.Command:
