@@ -20,7 +20,7 @@ from grammar.words.lexicon import Lexicon, Verb
 from grammar.words.normalisation import Normalised
 
 GOES_ON = (ph.Direction, ph.Heading, ph.Toward, ph.AwayFrom, ph.Place, ph.Length, ph.Angle,
-           ph.Sense, ph.Amount, ph.Share)  # fmt: skip
+           ph.Sense, ph.Amount, ph.Share, ph.Volume)  # fmt: skip
 """Parts that say what should become of the object, also without a verb."""
 
 _SAYS = (*GOES_ON, ph.Constraint, ph.Avoid)
@@ -234,7 +234,8 @@ class RemarkReader:
         clause = Clause(rest, Verb("turn" if turns else "push", ""), self._sentence)
         goal: g.Goal = g.NoGoal()
         if clause.has_part(*GOES_ON):
-            kind = Verb("", "rotate") if turns else Verb("", "displace")
+            pours = any(isinstance(part, ph.Volume) for part in content)
+            kind = Verb("", "rotate" if turns else "pour" if pours else "displace")
             goal = goal_builder_for(kind, None, clause)(clause)
         clause.require_all_taken("")
         return goal, constraints

@@ -287,7 +287,7 @@ class _Speaker(Phrasing):
             raise no_words(f"{dialogue} with an object and no action")
         if frame.object is not None:
             word = f"{self.phrase_for('SAME')} {self.object_words(frame.object)}, {word}"
-        words = [word, *self.goal_words(frame.goal)]
+        words = [word, *self._much_words(frame.goal), *self.goal_words(frame.goal)]
         return " ".join([*words, *self._constraint_words(frame.goal, frame.constraints)])
 
     def _correction_words(self, frame: g.Frame) -> str:
@@ -302,7 +302,12 @@ class _Speaker(Phrasing):
         """Words for what a remark names: an object, where it goes, how."""
         words = [] if frame.object is None else [self.object_words(frame.object)]
         how = self._constraint_words(frame.goal, frame.constraints)
-        return [*words, *self.goal_words(frame.goal), *how]
+        return [*words, *self._much_words(frame.goal), *self.goal_words(frame.goal), *how]
+
+    def _much_words(self, goal: g.Goal) -> list[str]:
+        """Words for how much of a liquid a remark says, which names none: "no, 50 ml"."""
+        portion = self.portion_words(goal) if isinstance(goal, g.Pour) else ""
+        return [portion.removesuffix("of ").strip()] if portion else []
 
 
 def _with_it(frame: g.Frame) -> g.Frame:

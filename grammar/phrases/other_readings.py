@@ -23,8 +23,8 @@ from grammar.words.numerals import DIGITS
 from grammar.words.phrase_places import WORD, Phrases
 from grammar.words.phrase_templates import needed_words, template_pattern
 
-_CARRIED = frozenset({"LENGTH_UNIT", "ANGLE_UNIT"})
-_UNITS = _CARRIED | {"FORCE_UNIT", "SPEED_UNIT", "TIME_UNIT", "TOOL", "VOLUME_UNIT"}
+_CARRIED = frozenset({"LENGTH_UNIT", "ANGLE_UNIT", "VOLUME_UNIT"})
+_UNITS = _CARRIED | {"FORCE_UNIT", "SPEED_UNIT", "TIME_UNIT", "TOOL"}
 _BEHIND_NUMBER = frozenset({"DIRECTION", "I_MEANT", "MORE", "NEXT", "OR_MORE", "REVERSE", "SENSE",
                             "SEPARATOR", "TOWARD"})  # fmt: skip
 """Terminals that may stand behind a number whose unit is left out."""
@@ -56,6 +56,7 @@ _ASKING = re.compile(
     "(?:(?:also|just|kindly|maybe|now|perhaps|please|possibly|then) )*(?!mind )"
 )
 _BEHIND = "(?: (?:, )?please)?"
+_INSTEAD = re.compile(r" ?(?:(?:,|\.|but|, but|instead) )*")
 _SHARES = re.compile("half|third|quarter|fifth|tenth")
 _DENIED = re.compile(r"(?: ,)? (?:and )?(?:not|instead of|rather than) (?:by )?")
 _ANY_WORDS = r"([^ ,.;!?](?:.*?[^ ,.;!?])?)"
@@ -206,7 +207,9 @@ class OtherReadings:
         return said
 
     def _without_denied(self, said: Normalised) -> Normalised:
-        """The sentence without an amount that is not meant: "5 cm, not 8"."""
+        """The sentence without an amount that is not meant: "5 cm, not 8", "not 8, 5 cm"."""
+        if (told := self._without_denied_first(said)) is not None:
+            return told
         denied = {mark.end(): mark.start() for mark in _DENIED.finditer(said.text)}
         for (_, unit), (number, own) in pairwise(self._amounts(said.text) if denied else ()):
             end = said.text.index(own, number.end()) + len(own)
@@ -214,6 +217,24 @@ class OtherReadings:
             if unit and own in ("", unit) and ends and number.start() in denied:
                 return said.words_in((0, denied[number.start()]), (end, len(said.text)))
         return said
+
+    def _without_denied_first(self, said: Normalised) -> Normalised | None:
+        """What is meant in place of an amount that is denied before it: "not 8, 5 cm"."""
+        start = _end(_OPENING.match(said.text))
+        if not said.text.startswith("not ", start):
+            return None
+        amounts = [*self._amounts(said.text)][:2]
+        if len(amounts) < 2 or amounts[0][0].start() != start + len("not "):
+            return None
+        (wrong, unit), (meant, own) = amounts
+        after = wrong.end() + (len(unit) + 1 if unit else 0)
+        if (unit not in ("", own) and own) or not _INSTEAD.fullmatch(
+            said.text, after, meant.start()
+        ):
+            return None
+        words = f"no , {meant[0]} {unit}" if unit and not own else f"no , {meant[0]}"
+        until = re.compile(re.escape(said.text[start : meant.end()])).match(said.text, start)
+        return _with_words(said, until, words) if until else None
 
     def _unit_before(self, before: Sequence[str]) -> str:
         """The unit of the last sentence that has one; "" if there is none, or it has several.

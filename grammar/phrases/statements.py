@@ -79,7 +79,9 @@ _AMOUNT = (
 _POINTS = re.compile(
     rf"(?<![^ ])(?<!do )(?!(?<=make )it {_AMOUNT})(?:its?|them|they|this|these|those|that)(?= |$)"
 )
-_NAMED = re.compile(r"(?<![^ ])(?:the|my|your|our|an?|every|both|all)(?= )")
+_NAMED = re.compile(
+    r"(?<![^ ])(?:the|my|your|our|an?|every|both|all)(?= )(?! (?:way|left|right)(?: |$))"
+)
 _SEVERAL = re.compile(
     r"(?<![^ ])(?<!first of )(?:all|both|each|every|everything|rest|others?|two|three)(?= |$)"
 )

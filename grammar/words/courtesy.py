@@ -53,6 +53,9 @@ _READ = frozenset({"FILLER", "NEXT", "VOCATIVE"})
 _SAYS = frozenset({"AMOUNT", "DIRECTION", "FACE", "FROM_SIDE", "MANNER", "REGION",
                    "REGION_OF_TABLE", "SENSE", "SIDE_QUALITY", "WAY", "LENGTH_UNIT",
                    "ANGLE_UNIT", "FORCE_UNIT", "SPEED_UNIT", "TOOL"})  # fmt: skip
+_SAYS_WHERE = _SAYS | {"BETWEEN", "FROM", "IN", "INTO", "NEEDS", "NO", "RELATION", "REVERSE",
+                       "SAME", "TO_BE", "TOWARD", "VERB_ED", "VERB_ING"}  # fmt: skip
+_ONE_THING = re.compile(r"(?:the|my|your|our|that) [a-z ]+(?: (?:, )?please)?")
 _SAYS_OR_ASKS = _SAYS | {"SEEN", "UNDO", "WHAT_DID"}
 _JOINING = ("and", "but", "so", "then")
 _OUTCOME = re.compile(
@@ -237,7 +240,15 @@ class Courtesy:
         if not (kinds & _THING and wishes and last in self._words["before_thing"]):
             return None
         passive = any(self._has_kind({"VERB_ED"}, rest, m.start()) for m in WORD.finditer(rest))
-        return "i want " if passive else None
+        if passive:
+            return "i want "
+        return "give me " if last in ("have", "get") and self._only_names(rest) else None
+
+    def _only_names(self, text: str) -> bool:
+        """Check for a thing and nothing besides: of "could I have it closer" no more is known."""
+        ends = [word.start() for word in WORD.finditer(text)]
+        says = any(self._has_kind(_SAYS_WHERE, text, start) for start in ends)
+        return not says and _ONE_THING.fullmatch(text) is not None
 
     def _asks_for(self, words: list[str]) -> bool:
         """Check for a run behind which a verb is asked for: "… you could", not "do you"."""

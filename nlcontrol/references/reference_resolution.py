@@ -206,6 +206,9 @@ def _frame_of_pair(frame: Frame, spoken: Spoken) -> Frame:
     compares = frame.query == "compare" and ref.text.endswith("er")
     if not (apart or compares):
         return frame
+    if apart and not (ref.pronoun or ref.quantifier or ref.text.endswith("s")):
+        there = goal.model_copy(update={"which": ("position",)})  # "how far away is the mug?"
+        return frame.model_copy(update={"goal": there})
     moved = tuple(dict.fromkeys(reversed(spoken.moved)))[:2]
     may = (spoken.latest, spoken.group) if apart else (spoken.group, spoken.it)
     pair = next((set(names) for names in (*may, moved) if len(set(names)) == 2), None)

@@ -238,6 +238,7 @@ class Conversation:
         if self._unread.may_be_meant(command):
             nothing_before("what was said last was not understood, so this may be about that")
         command = follow_up.with_clear_way_back(command, self._done)
+        command = aims.with_near_thing(aims.without_announced(command), self._done)
         meant = follow_up.meant_command(command, self._said, self._done, self._exchange)
         return Intention(
             meant,
@@ -297,6 +298,7 @@ class Conversation:
                 self.past.append(PastPush.from_step(kept, step.plan, step.before, step.basis))
         del self.past[:-REMEMBERED]
         self.context = spoken.with_moved(self.context, self.past, self._deeds)
+        self.context = unread.context_with_refused(self.context, kept, self.controller)
 
     def _note_unread(
         self, text: str, code: str, named: list[str], offered: g.Command | None

@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from nlcontrol.results.result import Result
 
 _ONE = ("one", "ones")
+_WITHOUT_WAY = ("open", "close", "pour", "hand_over", "parameters")
 _NOT_MEANT = re.compile(
     r"(?:not|instead of|rather than) (?:the|my|your) ([a-z ]+?)(?= but |,|\.|;|!| - |: |$)"
 )
@@ -213,9 +214,10 @@ def _says_all(said: g.Frame, before: Sequence[g.Frame]) -> bool:
     """Check for "the mug" and where to, which nothing before it has to complete."""
     if isinstance(said.goal, g.Place):
         placed = any(isinstance(frame.goal, g.Place) for frame in before)
-        points = any(isinstance(p, g.ObjectRef) and p.pronoun for p in parts_within(said))
+        points = any(isinstance(p, g.ObjectRef) and p.text == "that" for p in parts_within(said))
         return said.object is not None and not (said.action or placed or points)
-    return not before and bool(stated_fields(said.goal))
+    other = said.object and all(frame.goal.kind in _WITHOUT_WAY for frame in before)
+    return bool((not before or other) and stated_fields(said.goal)) and not said.action
 
 
 def _repeats_plainly(command: g.Command) -> bool:

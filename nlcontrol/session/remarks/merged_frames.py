@@ -20,6 +20,7 @@ Rename = Callable[[g.ObjectRef], g.ObjectRef]
 
 _WHERE = ("direction", "heading", "toward", "away_from")
 FAR_FIELDS = ("distance", "angle", "height", "above", "bound", "fraction", "amount")
+_POURED = ("amount", "fraction", "volume", "fill")
 _TURNS = {"left": "ccw", "right": "cw"}
 _BESIDE_ON = {"left": "left_of", "right": "right_of", "away": "behind", "toward": "in_front_of"}
 _BESIDE = frozenset({"next_to", *_BESIDE_ON.values()})
@@ -133,11 +134,15 @@ def _merged_goal(last: g.Goal, said: g.Frame) -> g.Goal:
         return _share_of(last, share)
     if new.kind != last.kind and said.action is None:
         new = _as_kind_of(last, new)
+    if isinstance(new, g.Displace) and isinstance(last, g.Displace) and said.action is None:
+        beside = place_beside(last)  # "not so close, leave 10 cm between them"
+        if beside and new.distance and (place := _farther_from(beside, stated_fields(new))):
+            return place
     if new.kind != last.kind or isinstance(new, g.Place):
         return new
     fresh = set(stated_fields(new))
     update: dict[str, object] = {"spans": new.spans}
-    for group in (_WHERE, FAR_FIELDS, *((key,) for key in type(new).model_fields)):
+    for group in (_WHERE, FAR_FIELDS, _POURED, *((key,) for key in type(new).model_fields)):
         if fresh & set(group):
             update |= {key: getattr(new, key) for key in group if key in type(new).model_fields}
     return last.model_copy(update=update)
@@ -179,17 +184,40 @@ def _as_kind_of(last: g.Goal, new: g.Goal) -> g.Goal:
         values["sense"] = _TURNS.get(str(values.pop("direction")))
     if isinstance(last, g.Lift) and "distance" in values:
         values["height"] = values.pop("distance")
+    if isinstance(new, g.Pour):
+        raise error(
+            "nothing_before",
+            "nothing was poured, so it is not clear what that much is",
+            suggestions=("say what to pour, as “pour 50 ml of the water into the mug”",),
+        )
     if isinstance(values.get("direction"), tuple) or None in values.values():
         return new
-    if isinstance(last, g.Place) and last.relation in _BESIDE and "away_from" in values:
-        return _farther_from(last, values) or new
+    if (beside := place_beside(last)) and "away_from" in values:
+        return _farther_from(beside, values) or new
     if isinstance(last, g.Place) and values.keys() == {"direction"} and last.relation in _BESIDE:
         return last.model_copy(update={"relation": _BESIDE_ON[values["direction"]]})
     if not set(values) <= set(type(last).model_fields):
+        if isinstance(last, g.HandOver | g.Open | g.Close | g.Pour) and isinstance(new, g.Displace):
+            raise error(
+                "nothing_before",
+                "nothing was moved along the table, so it is not clear what that is about",
+                suggestions=("say what to move, as “push the mug to the left”",),
+            )
         return new
     if isinstance(last, g.Place):
         return last.model_copy(update=values)
     return type(last)(**values, spans=new.spans)
+
+
+def place_beside(last: g.Goal) -> g.Place | None:
+    """The place beside something that a goal is about: what is to touch it, or to get nearer."""
+    if isinstance(last, g.Place):
+        if last.relation == "touching":
+            return last.model_copy(update={"relation": "next_to"})
+        return last if last.relation in _BESIDE else None
+    if isinstance(last, g.Displace) and isinstance(last.toward, g.ObjectRef):
+        return g.Place(relation="next_to", reference=(last.toward,))
+    return None
 
 
 def _farther_from(last: g.Place, values: dict[str, Any]) -> g.Place | None:
@@ -198,7 +226,7 @@ def _farther_from(last: g.Place, values: dict[str, Any]) -> g.Place | None:
     Raises:
         ControlError: `nothing_before`, if it does not say how far.
     """
-    away = values["away_from"]
+    away = values.get("away_from")
     if not (isinstance(away, g.ObjectRef) and away.pronoun):
         return None
     if not isinstance(values.get("distance"), float):

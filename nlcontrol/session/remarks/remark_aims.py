@@ -9,9 +9,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NoReturn
 
+from grammar import paraphrase
 from grammar.frames import command as g
 from nlcontrol.errors import error
-from nlcontrol.session.remarks.merged_frames import are_alike, merge_frames, without_spans
+from nlcontrol.session.remarks.merged_frames import (
+    are_alike,
+    by_name,
+    merge_frames,
+    place_beside,
+    without_spans,
+)
 from nlcontrol.text_format import enumeration
 
 if TYPE_CHECKING:
@@ -19,6 +26,8 @@ if TYPE_CHECKING:
 
 _ABOUT_DEEDS = ("why", "did", "seen")
 """Questions with which nothing else can be asked the same."""
+
+_NEARER = (["closer"], ["nearer"])
 
 
 def nothing_before(message: str) -> NoReturn:
@@ -52,6 +61,8 @@ def followed_frames(
     answered = [frame for frame in asked if frame.query not in _ABOUT_DEEDS]
     if said.goal.kind != "none":  # to ask how it stands is not to ask where it goes
         answered = [each for each in answered if each.action or each.goal.kind == "parameters"]
+    if said.dialogue == "same" and not done and said.goal.kind == "none":  # "the same with the jar"
+        return [frame for frame in answered if frame.query == "value"]
     return done if about_deeds else answered or done
 
 
@@ -82,6 +93,37 @@ def frames_about(before: Sequence[g.Frame], said: g.Frame) -> list[g.Frame]:
     if len(objects) > 1:
         nothing_before(f"it is not clear whether {enumeration([*objects], 'or')} is meant")
     return fitting[-1:]
+
+
+def without_announced(command: g.Command) -> g.Command:
+    """The command without "let us measure it", if what is measured is said behind it."""
+    first, *others = command.frames
+    if len(others) != 1 or not command.text.casefold().lstrip("so, ").startswith("let"):
+        return command
+    announces = first.action == others[0].action == "explore" and first.object
+    measured = isinstance(first.goal, g.Parameters) and not first.goal.which
+    named = others[0].object and not others[0].object.pronoun
+    if announces and announces.pronoun and measured and named:
+        update = {"frames": tuple(others), "paraphrase": paraphrase(others)}
+        return command.model_copy(update=update)
+    return command
+
+
+def with_near_thing(command: g.Command, done: Result | None) -> g.Command:
+    """The command, in which "a bit closer" is closer to what something was put beside."""
+    frame, last = command.frames[0], frames_said(done)[-1:]
+    goal, beside = frame.goal, place_beside(last[0].goal) if last else None
+    if len(command.frames) > 1 or not frame.dialogue or frame.action or frame.object:
+        return command
+    if beside is None or not isinstance(goal, g.Displace) or goal.direction != "toward":
+        return command
+    said = [command.text[start:end].casefold() for start, end in goal.spans]
+    things = beside.reference if isinstance(beside.reference, tuple) else ()
+    if len(things) != 1 or not any(words.split()[-1:] in _NEARER for words in said):
+        return command
+    nearer = goal.model_copy(update={"direction": None, "toward": by_name(things[0])})
+    frame = frame.model_copy(update={"goal": nearer, "action": "move"})
+    return command.model_copy(update={"frames": (frame,)})
 
 
 def frames_said(result: Result | None, first: int = 0) -> list[g.Frame]:

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from grammar.frames.command import Command
     from nlcontrol.errors import ErrorInfo
     from nlcontrol.references.reference_resolution import Context
+    from nlcontrol.results.result import Result
+    from nlcontrol.session.controller import Controller
 
 
 @dataclass(frozen=True)
@@ -77,6 +79,18 @@ def context_with_unread(context: Context, text: str, named: list[str]) -> Contex
     among = tuple(named) if len(named) > 1 else None  # "the mug, not the jar"
     doubt = () if unnamed else among if named else context.doubt
     return replace(context, last=last, doubt=doubt)
+
+
+def context_with_refused(context: Context, result: Result, controller: Controller) -> Context:
+    """What was spoken of after a sentence that names a place that is not there.
+
+    "Put the mug in the bin" is about the mug, although not even that was looked for.
+    """
+    bound = any(frame.object and frame.object.id for frame in result.frames)
+    if result.status != "not_understood" or bound or context.doubt is not None:
+        return context
+    named = spoken.names_said(result.text, controller.cell, controller.models)
+    return context_with_unread(context, result.text, named) if named else context
 
 
 def with_offer(info: ErrorInfo, offered: Command | None) -> ErrorInfo:
