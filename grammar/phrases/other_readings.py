@@ -219,7 +219,7 @@ class OtherReadings:
         return said
 
     def _without_denied_first(self, said: Normalised) -> Normalised | None:
-        """What is meant in place of an amount that is denied before it: "not 8, 5 cm"."""
+        """The sentence of what is meant in place of an amount denied before it: "not 8, 5 cm"."""
         start = _end(_OPENING.match(said.text))
         if not said.text.startswith("not ", start):
             return None

@@ -298,7 +298,8 @@ class Conversation:
                 self.past.append(PastPush.from_step(kept, step.plan, step.before, step.basis))
         del self.past[:-REMEMBERED]
         self.context = spoken.with_moved(self.context, self.past, self._deeds)
-        self.context = unread.context_with_refused(self.context, kept, self.controller)
+        cell, models = self.controller.cell, self.controller.models
+        self.context = unread.context_with_refused(self.context, kept, cell, models)
 
     def _note_unread(
         self, text: str, code: str, named: list[str], offered: g.Command | None

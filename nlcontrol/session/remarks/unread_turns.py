@@ -6,6 +6,7 @@ that is not read as a whole its longest part that is a command is offered; "yes"
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -18,7 +19,8 @@ if TYPE_CHECKING:
     from nlcontrol.errors import ErrorInfo
     from nlcontrol.references.reference_resolution import Context
     from nlcontrol.results.result import Result
-    from nlcontrol.session.controller import Controller
+    from objectmodels import ObjectModel
+    from sim.cell.cell_description import CellDescription
 
 
 @dataclass(frozen=True)
@@ -81,7 +83,9 @@ def context_with_unread(context: Context, text: str, named: list[str]) -> Contex
     return replace(context, last=last, doubt=doubt)
 
 
-def context_with_refused(context: Context, result: Result, controller: Controller) -> Context:
+def context_with_refused(
+    context: Context, result: Result, cell: CellDescription, models: Mapping[str, ObjectModel]
+) -> Context:
     """What was spoken of after a sentence that names a place that is not there.
 
     "Put the mug in the bin" is about the mug, although not even that was looked for.
@@ -89,7 +93,7 @@ def context_with_refused(context: Context, result: Result, controller: Controlle
     bound = any(frame.object and frame.object.id for frame in result.frames)
     if result.status != "not_understood" or bound or context.doubt is not None:
         return context
-    named = spoken.names_said(result.text, controller.cell, controller.models)
+    named = spoken.names_said(result.text, cell, models)
     return context_with_unread(context, result.text, named) if named else context
 
 

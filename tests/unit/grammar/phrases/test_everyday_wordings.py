@@ -12,7 +12,7 @@ KNOWN = parser_for({"tea tin", "coffee box", "jar", "mug"})
 BEFORE = ("push the mug 5 cm to the left",)
 
 
-def frames(said: str) -> list[dict[str, object]]:
+def frames(said: str) -> list[object]:
     """What a sentence says after another one, without the places of its words."""
     every = KNOWN.parse(said, BEFORE).frames
     return [_plain(frame.model_dump(exclude={"spans"})) for frame in every]
