@@ -15,6 +15,7 @@ from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
 
+from grammar.frames.command import Span
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
 from grammar.words.phrase_places import WORD, Phrases
@@ -29,10 +30,11 @@ _SHAPES = {
 """Where the words of each kind stand."""
 
 _EFFECTIVE = frozenset({
-    "AMOUNT", "ANGLE_UNIT", "COMPARED", "DIRECTION", "DO", "EXCEPT", "FACE", "FORCE_UNIT",
-    "FROM_SIDE", "I_MEANT", "IF", "KEEP", "LENGTH_UNIT", "MANNER", "MORE", "NO", "NOT", "OR",
-    "RELATION", "REGION", "REGION_OF_TABLE", "REPEAT", "REVERSE", "SAME", "SENSE", "SPEED_UNIT",
-    "STOP", "TIME_UNIT", "TOWARD", "UNDO", "UNTIL", "VERB", "VERB_ED", "WITHOUT",
+    "AMOUNT", "ANGLE_UNIT", "AVOIDING", "AVOID_DOING", "COMPARED", "DIRECTION", "DO", "EXCEPT",
+    "FACE", "FORCE_UNIT", "FROM_SIDE", "I_MEANT", "IF", "KEEP", "KEEPS", "LENGTH_UNIT", "LETTING",
+    "MANNER", "METHOD", "MORE", "NO", "NOT", "OR", "RELATION", "REGION", "REGION_OF_TABLE",
+    "REPEAT", "REVERSE", "SAME", "SENSE", "SPEED_UNIT", "STAYS", "STOP", "STROKE", "TIME_UNIT",
+    "TOOL", "TOWARD", "UNDO", "UNTIL", "USING", "VERB", "VERB_ED", "VERB_ING", "WITHOUT",
 })  # fmt: skip
 """Terminals of which none stands in a sentence that a question beside it is read without."""
 
@@ -151,12 +153,14 @@ class PlainQuestions:
         asked += spans[-1:] if said.question else []
         if len(spans) < 2 or len(asked) != 1 or not 2 <= len(spans) <= _MOST:
             return None
-        others = [said.text[slice(*span)] for span in spans if span != asked[0]]
-        if any(map(self._has_effect, others)):
+        (kept,) = asked
+        others = [span for span in spans if span != kept]
+        if any(self._has_effect(said.text[slice(*span)]) for span in others):
             return None
-        start, end = asked[0]
-        question = said.words_in((start, start + len(said.text[start:end].rstrip(" .;!?"))))
-        named = any(_NAMES.search(said.text, *span) for span in spans if span < asked[0])
+        question = said.words_in(_without_marks(said.text, *kept))
+        left = (said.original_span(*_without_marks(said.text, *span)) for span in others)
+        question = replace(question, asides=(*said.asides, *left))
+        named = any(_NAMES.search(said.text, *span) for span in spans if span < kept)
         return None if named and _POINTS.search(question.text) else question
 
     def _has_effect(self, text: str) -> bool:
@@ -227,3 +231,9 @@ def _put_as_question(said: Normalised, *, told: bool) -> Normalised | None:
     if found is None:
         return None
     return said.words_in(*(span for span in map(found.span, names) if span[0] >= 0))
+
+
+def _without_marks(text: str, start: int, end: int) -> Span:
+    """A stretch of a text without spaces and marks at its ends."""
+    said = text[start:end]
+    return start + len(said) - len(said.lstrip(" ,.;!?")), start + len(said.rstrip(" ,.;!?"))

@@ -145,19 +145,24 @@ def tells_of_one(text: str) -> bool:
 def names_said(text: str, cell: CellDescription, models: Mapping[str, ObjectModel]) -> list[str]:
     """The objects that a text names as what it is about, the last first.
 
-    "The mug" is one if it fits one object only; "a nice cup" is none.
+    "The mug" is one if it fits one object only; "that tall box" may be any of several; "a nice cup"
+    is none.
     """
     known = names_on_table(cell.objects, models)
     names = {name_words(name) for each in known for name in each.names}
     vocabulary = {word for name in names for word in name}
+    adjectives = installed_lexicon()[0].adjectives
     words = _WORDS.findall(text.casefold())
     told = list[str]()
     for start, end in _runs(words, vocabulary):
         run, before = words[start:end], words[:start]
+        while before and before[-1] in adjectives:
+            before.pop()
         found = find_by_name(" ".join(run), known)
         named = tuple(run) in names or not _DETERMINERS.isdisjoint(before[-2:])
-        if named and len(found) == 1 and not _is_beside(" ".join([*before, ""])):
-            told.insert(0, found[0].name)
+        pointed = bool(before) and before[-1] in _DETERMINERS
+        if named and (len(found) == 1 or pointed) and not _is_beside(" ".join([*before, ""])):
+            told[:0] = [each.name for each in found]
     return list(dict.fromkeys(told))
 
 
