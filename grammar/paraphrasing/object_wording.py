@@ -44,7 +44,9 @@ class Naming:
             phrases = [phrase for phrase in phrases if phrase.endswith(ending)]
         if of_object:
             phrases = [phrase for phrase in phrases if not side_of_table_in(phrase)]
-        if terminal == "QUANTIFIER" and not ending.startswith("all the "):  # "all three of the"
+        if (terminal, value) == ("QUANTIFIER", "all") and not ending.startswith(
+            "all the "
+        ):  # "all three of the"
             counts = self.lexicon.numbers.ones.keys()
             phrases = [phrase for phrase in phrases if counts.isdisjoint(phrase.split())] or phrases
         if not phrases:
