@@ -158,8 +158,9 @@ class PlainQuestions:
         if any(self._has_effect(said.text[slice(*span)]) for span in others):
             return None
         question = said.words_in(_without_marks(said.text, *kept))
-        left = (said.original_span(*_without_marks(said.text, *span)) for span in others)
-        question = replace(question, asides=(*said.asides, *left))
+        left = (_without_marks(said.text, *span) for span in others)
+        asides = (said.original_span(start, end) for start, end in left if start < end)
+        question = replace(question, asides=(*said.asides, *asides))
         named = any(_NAMES.search(said.text, *span) for span in spans if span < kept)
         return None if named and _POINTS.search(question.text) else question
 

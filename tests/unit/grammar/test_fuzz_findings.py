@@ -44,6 +44,7 @@ def test_whatever_is_read_can_be_said(text: str, said: str) -> None:
         ("pour from the cup into the tin then the mug", "no_verb", "mug"),
         ("pull the box so that it does not move", "contradiction", "so that it does not move"),
         ("poke what is the height of the red can?", "unsupported_question", "poke"),
+        ("push it away?;w", "unexpected_words", "w"),
     ],
 )
 def test_what_says_nothing_whole_is_refused(text: str, code: str, at: str) -> None:
