@@ -200,7 +200,7 @@ class Conversation:
         text, command = text_of(said), None
         try:
             command = self.controller.command(said, self._spoken)
-            command = self._unread.accepted(command) or command
+            command = self._unread.accepted_command(command) or command
             self._unread = replace(self._unread, offered=None)
             self._spoken = (text, *self._spoken[: REMEMBERED - 1])
             meant = self._intention(command)

@@ -48,7 +48,7 @@ class UnreadTurns:
         goes_on = self.had_verb and aims.goes_on(command, self.names)
         return asks_on or goes_on or (self.of_other and leans)
 
-    def accepted(self, command: Command) -> Command | None:
+    def accepted_command(self, command: Command) -> Command | None:
         """The part that was offered, if a remark accepts it; else None."""
         (frame, *others) = command.frames
         bare = frame.dialogue == "do" and not aims.says_something(frame) and not others
