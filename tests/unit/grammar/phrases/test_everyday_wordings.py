@@ -84,6 +84,7 @@ def test_everyday_words_mean_what_plain_ones_do(said: str, plain: str) -> None:
         "if it starts to tip, tell me",
         "suppose I asked you to push the mug away",
         "don't knock the lid off",
+        "I want the jar open, but it's a long way off, so first move it next to the mug",
         "too fast by half",
         "push the mug a lot, 2 cm",
         "sorry not the mug I mean the jar push that to the right",
