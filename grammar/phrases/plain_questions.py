@@ -141,9 +141,9 @@ class PlainQuestions:
             return
         asked = _put_as_question(plain, told=tagged or said.question)
         if asked is not None:
-            yield replace(asked, question=True, asks=True)
+            yield replace(asked, question=True, asks=True).with_gaps_aside()
         if plain.text != said.text:
-            yield replace(plain, question=True, asks=True)
+            yield replace(plain, question=True, asks=True).with_gaps_aside()
 
     def _only_question(self, said: Normalised) -> Normalised | None:
         """The question of a text of several sentences, the others of which have no effect."""
@@ -158,9 +158,7 @@ class PlainQuestions:
         if any(self._has_effect(said.text[slice(*span)]) for span in others):
             return None
         question = said.words_in(_without_marks(said.text, *kept))
-        left = (_without_marks(said.text, *span) for span in others)
-        asides = (said.original_span(start, end) for start, end in left if start < end)
-        question = replace(question, asides=(*said.asides, *asides))
+        question = question.with_gaps_aside()
         named = any(_NAMES.search(said.text, *span) for span in spans if span < kept)
         return None if named and _POINTS.search(question.text) else question
 

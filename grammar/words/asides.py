@@ -140,8 +140,7 @@ class Asides:
             said = self._without_all(said, "stray", _STRAY.search)
         if said is sentence:
             return sentence
-        kept = {column for span in said.columns for column in range(*span)}
-        return replace(said, asides=_gaps(kept, sentence))
+        return said.with_gaps_aside()
 
     def of_rest(self, rest: Normalised, topic: Normalised | None, whole: Normalised) -> Normalised:
         """A rest of a sentence without its asides, behind the thing that "it" means in it."""
@@ -150,8 +149,7 @@ class Asides:
             text = f"{topic.text} , {said.text}"
             comma = (topic.columns[-1][1],) * 2
             said = replace(said, text=text, columns=(*topic.columns, *[comma] * 3, *said.columns))
-        kept = {column for span in said.columns for column in range(*span)}
-        return replace(said, asides=_gaps(kept, whole))
+        return said.with_gaps_aside()
 
     def without_hesitations(self, sentence: Normalised) -> Normalised | None:
         """A sentence that is not read as it stands, without words and pauses that may hesitate."""
@@ -163,10 +161,9 @@ class Asides:
                 said = said.words_in((0, pause.start()), (pause.end(), len(said.text)))
         if said is sentence or not said.text:
             return None
-        kept = {column for span in said.columns for column in range(*span)}
         suggests = sentence.text.startswith(("maybe ", "perhaps "))  # "maybe push it?"
         asks = said.question and not suggests
-        return replace(said, question=asks, asides=_gaps(kept, sentence))
+        return replace(said, question=asks).with_gaps_aside()
 
     @cached_property
     def _hesitating(self) -> re.Pattern[str]:
@@ -361,10 +358,3 @@ def _with_mark_first(said: Normalised) -> Normalised:
         return said
     before, after = (0, found.start() + 1), (found.end(), len(said.text))
     return said.words_in(before, found.span(2), found.span(1), after)
-
-
-def _gaps(kept: set[int], sentence: Normalised) -> tuple[Span, ...]:
-    """The runs of words of a sentence of which no column was kept."""
-    marks = "".join(c if c.isalnum() and i not in kept else " " if i not in kept else "\n"
-                    for i, c in enumerate(sentence.original))  # fmt: skip
-    return tuple(run.span() for run in re.finditer(r"[^\s](?:[^\n]*[^\s])?", marks))

@@ -28,6 +28,7 @@ _READY = re.compile(r"[A-Za-z0-9 ,.'\"-]*")
 _MINUS = re.compile(r"(?<![^ ])-(?=[.\d])|(?<=\de)-(?=\d)")
 _ELLIPSIS = re.compile(r"\.(?:[ .]*\.)+")
 _DASH = re.compile(r"(?<= )-+(?= )")
+_RUN = re.compile(r"[^\s](?:[^\n]*[^\s])?")
 _RANGE = re.compile(r"(?<=\d)-(?=[.\d])")
 
 
@@ -90,6 +91,15 @@ class Normalised:
                 text, columns = f"{text} ", [*columns, (self.columns[left][0],) * 2]
             text, columns = text + self.text[left:right], [*columns, *self.columns[left:right]]
         return replace(self, text=text, columns=tuple(columns))
+
+    def with_gaps_aside(self) -> Normalised:
+        """The same, where all words of the sentence as given that are not in `text` are asides."""
+        kept = {column for span in self.columns for column in range(*span)}
+        marks = "".join(
+            "\n" if i in kept else char if char.isalnum() else " "
+            for i, char in enumerate(self.original)
+        )
+        return replace(self, asides=tuple(run.span() for run in _RUN.finditer(marks)))
 
     def words_as_written(self, span: Span) -> str:
         """The words of a span as they were written, one space apart, asides left out."""
