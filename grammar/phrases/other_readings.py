@@ -37,6 +37,12 @@ _NO_NAME = frozenset({"BE", "CAN", "DO", "I_MEANT", "IF", "IS", "IT", "MORE", "N
 _OPENING = re.compile("(?:(?:and|but|first|next|now|please|so|then) (?:, )?)*")
 _NAMED = re.compile("(?:the|my|your|our|all|both|every[a-z]*)(?: |$)")
 
+_OTHER = frozenset({"CAN_YOU", "COMPARATIVE", "FIND_OUT", "HOW", "HOW_HARD", "POSSIBLE", "REPEAT", "SAME", "STOP",
+                    "UNDO", "WHAT_CAN", "WHAT_DID", "WHAT_HAPPENS", "WHAT_IF", "WHAT_IS", "WHERE",
+                    "SUPERLATIVE", "THAN", "WHICH_CAN", "WHICH_IS", "WHY_DID"})  # fmt: skip
+"""Terminals with which something else is asked, which no words for a question may swallow."""
+
+_JOINED = re.compile(r"(?<![^ ])(?:(?:and|but|so|then|please|[,.;]) )+")
 _MOST_STAGES = 4
 """Stages of rewording that are tried, the last first, so that no text takes long."""
 
@@ -153,12 +159,26 @@ class OtherReadings:
         while (at := min((each for each in tried if each > at), default=-1)) >= 0:
             means = self._meanings[at]
             asked = means.partition(" ")[0] in self._phrases.verbs
-            if found := _found(tried[at], said.text, asked=asked, by_sentences=by_sentences):
+            found = _found(tried[at], said.text, asked=asked, by_sentences=by_sentences)
+            if found := [each for each in found if not self._swallows(each, means)]:
                 said = _with_words(said, min(found, key=_rank), means)
                 if new := set(said.text.split()) - words:
                     words |= new
                     tried = self._fitting(words)
                 yield said
+
+    def _swallows(self, match: re.Match[str], means: str) -> bool:
+        """Check for words that are not in what is meant, and ask or command something else."""
+        numbers = [told.strip("{}") for _, told in _PIECES.findall(means) if told]
+        used = {int(number or i) for i, number in enumerate(numbers, 1)}
+        left = (match[i] for i in range(1, match.re.groups + 1) if i not in used and match[i])
+        return any(self._asks_or_commands(text) for text in left)
+
+    def _asks_or_commands(self, text: str) -> bool:
+        starts = [word.start() for word in WORD.finditer(text)]
+        asks = any(self._phrases.has_any_at(_OTHER, text, start) for start in starts)
+        begun = [joint.end() for joint in _JOINED.finditer(text)]
+        return asks or any(self._phrases.has_terminal_at("VERB", text, at) for at in begun)
 
     def _fitting(self, words: set[str]) -> dict[int, list[str]]:
         """Of each meaning, by its place, the templates that may stand in a text of these words."""

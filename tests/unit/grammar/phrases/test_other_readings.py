@@ -110,3 +110,16 @@ def test_two_are_not_all_that_were_spoken_of() -> None:
 
 def test_a_can_is_a_thing_and_no_courtesy() -> None:
     assert parse("and to the can, but gently").frames[0].goal.kind == "place"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "explain why you did it that way what can I do to it?",
+        "how far did it go and push it left?",
+        "why did you stop there, then lift it?",
+    ],
+)
+def test_a_question_in_other_words_swallows_no_other_one_and_no_command(text: str) -> None:
+    with pytest.raises(ParseError):
+        parse(text)
