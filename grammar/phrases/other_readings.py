@@ -37,9 +37,10 @@ _NO_NAME = frozenset({"BE", "CAN", "DO", "I_MEANT", "IF", "IS", "IT", "MORE", "N
 _OPENING = re.compile("(?:(?:and|but|first|next|now|please|so|then) (?:, )?)*")
 _NAMED = re.compile("(?:the|my|your|our|all|both|every[a-z]*)(?: |$)")
 
-_OTHER = frozenset({"CAN_YOU", "COMPARATIVE", "FIND_OUT", "HOW", "HOW_HARD", "POSSIBLE", "REPEAT", "SAME", "STOP",
-                    "UNDO", "WHAT_CAN", "WHAT_DID", "WHAT_HAPPENS", "WHAT_IF", "WHAT_IS", "WHERE",
-                    "SUPERLATIVE", "THAN", "WHICH_CAN", "WHICH_IS", "WHY_DID"})  # fmt: skip
+_OTHER = frozenset({"CAN_YOU", "FIND_OUT", "HOW", "HOW_HARD", "POSSIBLE", "REPEAT",
+                    "SAME", "STOP", "SUPERLATIVE", "THAN", "UNDO", "WHAT_CAN", "WHAT_DID",
+                    "WHAT_HAPPENS", "WHAT_IF", "WHAT_IS", "WHERE", "WHICH_CAN", "WHICH_IS",
+                    "WHY_DID"})  # fmt: skip
 """Terminals with which something else is asked, which no words for a question may swallow."""
 
 _JOINED = re.compile(r"(?<![^ ])(?:(?:and|but|so|then|please|[,.;]) )+")

@@ -305,7 +305,7 @@ class Lexicon:
         single = {p for known in phrases for p in known if " " not in p}
         return frozenset(
             single | self.later_words | self.vague.keys() | self.numbers.first_words
-            | self.verb_words["VERB"].keys()
+            | self.verb_words["VERB"].keys() | self.contractions.keys()
         )  # fmt: skip
 
 
