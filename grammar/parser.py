@@ -199,10 +199,10 @@ class Parser:
         if self._names is None or self.knows_names_of(command):
             return command
         told = islice(self._statements.readings(whole), _MOST_READINGS)
-        rests = (self._asides.of_rest(said, topic, whole) for said, topic in told)
+        rests = (self._asides.of_rest(said, topic) for said, topic in told)
         # "Push the mug, no dawdling" takes nothing back.
         uncut = self._others.readings(whole, before) if sentence.text != whole.text else ()
-        plain = (self._asides.of_rest(said, None, whole) for said in uncut)
+        plain = (self._asides.of_rest(said) for said in uncut)
         every = chain(self._others.readings(sentence, before), rests, plain)
         for said in filter(_is_said, every):
             for each in (said, *self._names.readings(said)):
@@ -219,12 +219,12 @@ class Parser:
         yield from self._reworded(sentence, before)
         if sentence.text != whole.text:  # "I said left, but I meant right"
             for said in self._others.readings(whole, before):
-                if (plain := self._asides.of_rest(said, None, whole)).text:
+                if (plain := self._asides.of_rest(said)).text:
                     yield plain
         most = _MOST_READINGS if len(whole.text) <= _LONGEST_TRIED else _FEW_READINGS
         rests = list[Normalised]()
         for said, topic in islice(self._statements.readings(whole), most):
-            plain = self._asides.of_rest(said, topic, whole)
+            plain = self._asides.of_rest(said, topic)
             if plain.text:
                 yield plain
                 yield from self._reworded(plain, before)

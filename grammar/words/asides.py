@@ -142,7 +142,7 @@ class Asides:
             return sentence
         return said.with_gaps_aside()
 
-    def of_rest(self, rest: Normalised, topic: Normalised | None, whole: Normalised) -> Normalised:
+    def of_rest(self, rest: Normalised, topic: Normalised | None = None) -> Normalised:
         """A rest of a sentence without its asides, behind the thing that "it" means in it."""
         said = self.left_out(rest)
         if topic is not None:
