@@ -150,7 +150,7 @@ def _no_unit_error(end: int, sentence: Normalised, lexicon: Lexicon) -> ParseErr
     span = sentence.original_span(start, len(sentence.text[:end].rstrip()))
     written = sentence.words_as_written(span)
     close = _nearest_words(written.casefold(), _words_of_terminals(frozenset(_UNITS), lexicon))
-    if written.endswith("s") and not close:
+    if written.endswith("s") and not close and written.casefold() not in lexicon.reserved_words:
         message, hint = "are not counted out", f'say "all the {written}", or name each of them'
         return sentence.error_at(span, "several_objects", message, hint)
     suggestions = close or ("cm", "degrees", "N")
