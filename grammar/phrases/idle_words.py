@@ -9,12 +9,12 @@ it is not idle, whatever else it says.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 from functools import cached_property
 
 from grammar.words.lexicon import Lexicon
 from grammar.words.numerals import DIGITS
-from grammar.words.phrase_places import WORD, Phrases
+from grammar.words.phrase_places import Phrases
 from grammar.words.phrase_templates import template_pattern
 
 _NEUTRAL = frozenset({"A", "CAN", "CAN_YOU", "FILLER", "IS", "IT", "ME", "MUST", "NEXT", "OF",
@@ -57,7 +57,7 @@ class IdleWords:
         if subject and self._denied.search(text):
             return False
         open_name, idle, last = False, False, ""
-        words = list(self._words(text))
+        words = list(self._phrases.longest_in(text))
         for i, (start, word, kinds) in enumerate(words):
             acts = "VERB" in kinds or word in self._lexicon.later_verbs
             noun = word in self._nouns and (open_name or not acts or last in self._idle)
@@ -69,25 +69,13 @@ class IdleWords:
                 return False
             if not said and not (kinds and _NEUTRAL.issuperset(kinds)):
                 free = tells or follows in self._nouns or (last in _BEFORE_ANY and not open_name)
-                unknown = not kinds and word.isalpha() and not self._is_number(word)
+                unknown = not kinds and word.isalpha() and not self._lexicon.numbers.is_number(word)
                 if not (unknown and free) or (_MANNER.fullmatch(word) and not tells):
                     return False
             idle = idle or noun or tells or (said and word not in self._weak)
             open_name = not noun and not tells and (open_name or not _ARTICLES.isdisjoint(kinds))
             last = word
         return idle and not open_name
-
-    def _is_number(self, word: str) -> bool:
-        return bool(self._lexicon.numbers.pattern.fullmatch(word) or DIGITS.fullmatch(word))
-
-    def _words(self, text: str) -> Iterator[tuple[int, str, tuple[str, ...]]]:
-        """Yield the phrases of a text, and the single words of those that hold only idle ones."""
-        end = 0
-        while word := WORD.search(text, end):
-            found = self._phrases.phrases_at(text, word.start())
-            phrase, kinds = (found[0][0], tuple(found[0][1])) if found else (word[0], ())
-            yield word.start(), phrase, kinds
-            end = word.start() + len(phrase)
 
     @cached_property
     def _nouns(self) -> frozenset[str]:

@@ -171,7 +171,7 @@ class Statements:
     def _way_in(self, text: str, start: int, end: int) -> Span | None:
         """The part of a sentence that only says how or where to; None if it says more."""
         start += self._start(text[start:end])
-        said = (kinds for _, _, kinds in self._longest_phrases(text[start:end]))
+        said = (kinds for _, _, kinds in self._phrases.longest_in(text[start:end]))
         return None if any(not _NAMING.isdisjoint(kinds) for kinds in said) else (start, end)
 
     def _told_around(self, text: str, span: Span) -> tuple[list[int], list[int]]:
@@ -308,26 +308,17 @@ class Statements:
     def _says_how(self, text: str, how: frozenset[str]) -> bool:
         """Check for words that restrict what is done, or are a command."""
         negated, last, seen = False, "", set[str]()
-        for end, phrase, kinds in self._longest_phrases(text):
+        for start, phrase, kinds in self._phrases.longest_in(text):
             seen |= _EFFECTOR.intersection(kinds)
             negated = negated or not _NOTS.isdisjoint(kinds)
             says = phrase != "from" and not how.isdisjoint(kinds)
             if says or seen == _EFFECTOR or (negated and not _EVENTS.isdisjoint(kinds)):
                 return True
             commands = "VERB" in kinds and last not in _DOING
-            if commands and self._phrases.has_any_at(_THING, text, end + 1):
+            if commands and self._phrases.has_any_at(_THING, text, start + len(phrase) + 1):
                 return True
             last = phrase.rpartition(" ")[2]
         return False
-
-    def _longest_phrases(self, text: str) -> Iterator[tuple[int, str, Sequence[str]]]:
-        """Yield the phrases and unknown words of a text, each with its end and its terminals."""
-        end = 0
-        while word := WORD.search(text, end):
-            found = self._phrases.phrases_at(text, word.start())
-            phrase, kinds = found[0] if found else (word[0], ())
-            end = word.start() + len(phrase)
-            yield end, phrase, kinds
 
     def _without(
         self, said: Normalised, told: Sequence[Span], kept: Sequence[Span]

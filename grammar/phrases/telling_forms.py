@@ -9,7 +9,7 @@ either: words of mood ("timber!"), or praise of anything that has no name here (
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 from functools import cached_property
 
 from grammar.words.lexicon import Lexicon
@@ -106,8 +106,10 @@ class TellingForms:
     def _is_empty(self, text: str) -> bool:
         """Check for a part of a sentence without a subject, none of whose words has an effect."""
         words = text.split()
-        kinds = (kinds for _, _, kinds in self._longest_phrases(text))
-        named = not self._names.isdisjoint(words) or any(map(self._is_number, words))
+        kinds = (kinds for _, _, kinds in self._phrases.longest_in(text))
+        named = not self._names.isdisjoint(words) or any(
+            map(self._lexicon.numbers.is_number, words)
+        )
         return not named and all(_EMPTY.issuperset(each) for each in kinds)
 
     def subject_of(self, text: str) -> str:
@@ -127,17 +129,21 @@ class TellingForms:
         if not self._lexicon.later_verbs.keys().isdisjoint(words):
             return False
         praises = self._praising.match(text)
-        for start, phrase, kinds in self._longest_phrases(text):
+        for start, phrase, kinds in self._phrases.longest_in(text):
             if not _NEUTRAL.issuperset(kinds):
                 return False
             praised = praises and (start < praises.end() or not self._is_effective(phrase))
             if not (kinds or phrase in self._silent or _ENDINGS.fullmatch(phrase) or praised):
                 return False
-        return not all(kinds for _, _, kinds in self._longest_phrases(text))
+        return not all(kinds for _, _, kinds in self._phrases.longest_in(text))
 
     def _is_effective(self, word: str) -> bool:
         """Check for a word that says which, how or how many."""
-        return word in self._lexicon.adjectives or word.endswith("ly") or self._is_number(word)
+        return (
+            word in self._lexicon.adjectives
+            or word.endswith("ly")
+            or self._lexicon.numbers.is_number(word)
+        )
 
     @cached_property
     def _praising(self) -> re.Pattern[str]:
@@ -146,14 +152,11 @@ class TellingForms:
     def measures(self, text: str) -> bool:
         """Check for a text with an amount and its unit."""
         last = ""
-        for _, phrase, kinds in self._longest_phrases(text):
-            if not _UNITS.isdisjoint(kinds) and self._is_number(last):
+        for _, phrase, kinds in self._phrases.longest_in(text):
+            if not _UNITS.isdisjoint(kinds) and self._lexicon.numbers.is_number(last):
                 return True
             last = phrase
         return False
-
-    def _is_number(self, word: str) -> bool:
-        return bool(self._lexicon.numbers.pattern.fullmatch(word) or DIGITS.fullmatch(word))
 
     def names_no_thing(self, text: str) -> bool:
         """Check for an exclamation after which "it" is what was spoken of before."""
@@ -269,7 +272,7 @@ class TellingForms:
             return False
         place = negated = event = by = False
         last, before = ",", ""
-        for start, phrase, kinds in self._longest_phrases(text):
+        for start, phrase, kinds in self._phrases.longest_in(text):
             is_so = before in self._being  # "my nan is quicker"
             says_how = not _HOW.isdisjoint(kinds) and not (is_so and "MANNER" in kinds)
             commands = "VERB" in kinds and last in _JOINS and start > 0
@@ -287,15 +290,6 @@ class TellingForms:
         is_there = not self._being.isdisjoint(text.split()) or self._person.match(text)
         is_there = is_there if placed else None
         return not (negated and event and not _PAST.search(text)) and (not place or bool(is_there))
-
-    def _longest_phrases(self, text: str) -> Iterator[tuple[int, str, Collection[str]]]:
-        """Yield the phrases and unknown words of a text, each with its start and its terminals."""
-        end = 0
-        while word := WORD.search(text, end):
-            found = self._phrases.phrases_at(text, word.start())
-            phrase, kinds = found[0] if found else (word[0], ())
-            yield word.start(), phrase, kinds
-            end = word.start() + len(phrase)
 
 
 _PAST = re.compile(r"(?<![^ ])(?:did|was|were|had|has|have) not(?= |$)")
