@@ -170,10 +170,7 @@ class OtherReadings:
 
     def _swallows(self, match: re.Match[str], means: str) -> bool:
         """Check for words that are not in what is meant, and ask or command something else."""
-        numbers = [told.strip("{}") for _, told in _PIECES.findall(means) if told]
-        used = {int(number or i) for i, number in enumerate(numbers, 1)}
-        left = (match[i] for i in range(1, match.re.groups + 1) if i not in used and match[i])
-        return any(self._asks_or_commands(text) for text in left)
+        return any(self._asks_or_commands(match[i]) for i in _unused_groups(match, means))
 
     def _asks_or_commands(self, text: str) -> bool:
         starts = [word.start() for word in WORD.finditer(text)]
@@ -360,6 +357,7 @@ def _with_words(said: Normalised, match: re.Match[str], means: str) -> Normalise
     """
     over: Span = said.original_span(*match.span())
     places = [span for span in match.regs[1:] if span[0] >= 0]
+    unsaid = {said.original_span(*match.span(i)) for i in _unused_groups(match, means)}
     following = iter(places)
     text, columns = "", list[Span]()
     for words, number in _PIECES.findall(means):
@@ -376,4 +374,12 @@ def _with_words(said: Normalised, match: re.Match[str], means: str) -> Normalise
         said,
         text=said.text[: match.start()] + text + said.text[match.end() :],
         columns=(*said.columns[: match.start()], *columns, *said.columns[match.end() :]),
+        asides=tuple(sorted({*said.asides, *unsaid})),
     )
+
+
+def _unused_groups(match: re.Match[str], means: str) -> list[int]:
+    """The groups of any words of which none are in what is meant."""
+    numbers = [told.strip("{}") for _, told in _PIECES.findall(means) if told]
+    used = {int(number or i) for i, number in enumerate(numbers, 1)}
+    return [i for i in range(1, match.re.groups + 1) if i not in used and match[i]]

@@ -222,10 +222,8 @@ class Conversation:
     def _intention(self, command: g.Command) -> Intention | Result:
         """The intention of a command, or what there is to say to a remark."""
         remark = follow_up.sole_remark(command)
-        if remark in ("stop", "thank"):
-            # Sentences are carried out before the next one is read, so there is nothing to stop.
-            said = "Nothing is being done." if remark == "stop" else "Gladly."
-            return self._plain_result(command, Answer(text=said), "done")
+        if (reply := aims.reply_to(command, self._said)) is not None:
+            return self._plain_result(command, Answer(text=reply), "done")
         if remark == "did":
             done = self._deeds or nothing_before("nothing was done yet")
             told = deed_answer(done, first=aims.asks_first(command))

@@ -375,7 +375,7 @@ def sole_remark(command: g.Command) -> str | None:
     """
     kinds = [frame.dialogue or frame.query for frame in command.frames]
     if len(kinds) == 1:
-        return kinds[0] if kinds[0] in ("stop", "why", "undo", "did", "thank") else None
+        return kinds[0] if kinds[0] in ("why", "undo", "did") else None
     for frame, kind in zip(command.frames, kinds, strict=True):
         if kind in ("stop", "why", "undo", "correct", "did"):
             raise error(

@@ -66,6 +66,30 @@ def followed_frames(
     return done if about_deeds else answered or done
 
 
+def reply_to(command: g.Command, said: Result | None) -> str | None:
+    """What there is to say to a remark that has nothing done; None to any other."""
+    (frame, *others) = command.frames
+    if frame.dialogue == "thank" and not others:
+        return "Gladly."
+    if frame.dialogue == "stop" and not others:
+        # Sentences are carried out before the next one is read, so there is nothing to stop.
+        return "Nothing is being done."
+    if only_agrees(command) and _is_all_done(said):
+        return "That is done already; “again” does it once more."
+    return None
+
+
+def _is_all_done(said: Result | None) -> bool:
+    """Check for a command of which nothing is left to do."""
+    return said is not None and said.status == "done" and not any(f.query for f in said.frames)
+
+
+def only_agrees(command: g.Command) -> bool:
+    """Check for "yes", "go ahead" and nothing besides."""
+    (frame, *others) = command.frames
+    return frame.dialogue == "do" and not says_something(frame) and not others
+
+
 def _can_correct(last: g.Frame, said: g.Frame) -> bool:
     """Check for a frame in which what a remark says can take the place of something."""
     if last.action is not None:

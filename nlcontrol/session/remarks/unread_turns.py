@@ -50,9 +50,7 @@ class UnreadTurns:
 
     def accepted_command(self, command: Command) -> Command | None:
         """The part that was offered, if a remark accepts it; else None."""
-        (frame, *others) = command.frames
-        bare = frame.dialogue == "do" and not aims.says_something(frame) and not others
-        return self.offered if bare else None
+        return self.offered if aims.only_agrees(command) else None
 
     def with_turn(
         self, text: str, named: list[str], context: Context, offered: Command | None

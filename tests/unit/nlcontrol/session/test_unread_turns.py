@@ -36,3 +36,11 @@ def test_what_was_offered_is_forgotten_with_the_next_turn(talk: Conversation, be
 def test_only_a_bare_yes_accepts(talk: Conversation, said: str) -> None:
     talk.say(UNREAD, plan_only=True)
     assert talk.say(said, plan_only=True).status not in ("planned", "done")
+
+
+def test_what_is_done_is_not_done_again_for_a_yes(talk: Conversation) -> None:
+    assert talk.say("move the mug 2 cm to the left").status == "done"
+    for agreed in ("yes please", "go ahead", "do it"):
+        said = talk.say(agreed)
+        assert (said.status, said.steps, said.answer is None) == ("done", (), False)
+    assert talk.say("again", plan_only=True).plan
