@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
+from itertools import chain, takewhile
 
 from grammar.clauses.clause_parts import Parts, unexpected_part
 from grammar.errors import ParseError
@@ -78,14 +78,22 @@ def _without_denied_ways(parts: Parts, sentence: Normalised) -> Parts:
 
 
 def _with_shared_way(clauses: list[Parts]) -> list[Parts]:
-    """Takes "push the mug and then the jar to the left" for both to the left."""
-    for i, (clause, after) in enumerate(pairwise(clauses)):
-        match clause, after:
-            case [ph.Verb(), ph.Thing()], [ph.Next(word="then"), ph.Thing(), *way] if way and all(
-                isinstance(part, _WHERE_TO) for part in way
-            ):
-                clauses[i] = [*clause, *way]
+    """Takes "push first the mug and then the jar to the left" for both to the left."""
+    bare = list(takewhile(_names_only, clauses))
+    said = [part for part in chain(*clauses[len(bare) :][:1]) if not isinstance(part, ph.Next)]
+    match said:
+        case [ph.Thing(), *way] if (
+            any(isinstance(part, _WHERE_TO) for part in way)
+            and all(isinstance(part, (*_WHERE_TO, ph.Constraint)) for part in way)
+        ):
+            return [*([*clause, *way] for clause in bare), *clauses[len(bare) :]]
     return clauses
+
+
+def _names_only(clause: Parts) -> bool:
+    """Check for "push first the mug", "then the jar": a thing, and nothing said of it."""
+    said = [part for part in clause if not isinstance(part, ph.Next | ph.Verb)]
+    return len(said) == 1 and isinstance(said[0], ph.Thing)
 
 
 def _with_named_way(parts: Parts) -> Parts:

@@ -111,10 +111,20 @@ def _may_be_continued(constraint: g.Constraint) -> bool:
 
 
 def complete_avoidances(parts: Sequence[ph.Part], lexicon: Lexicon) -> list[ph.Part]:
-    """Gives "over" in "without knocking it over" to the verb that it stands behind."""
+    """Gives "over" in "without knocking it over" to the verb that it stands behind.
+
+    What does not touch "the jar" does not "hit the jar over" either.
+    """
     out: list[ph.Part] = []
     for part in parts:
         before = out[-1] if out else None
+        over = isinstance(part, ph.Particle) and part.word == "over" and not part.optional
+        if over and isinstance(before, ph.Constraint | ph.FurtherNoTouch):
+            clause, span = before.constraint, (before.span[0], part.span[1])
+            if isinstance(clause, g.NoTouch):
+                told = clause.model_copy(update={"spans": (span,)})
+                out[-1] = replace(before, constraint=told, span=span)
+                continue
         if isinstance(part, ph.Particle) and isinstance(before, ph.Avoid) and before.word:
             phrase = f"{before.word} {part.word}"
             kind = lexicon.terminals["AVOIDING"].get(phrase, lexicon.terminals["AVOID"].get(phrase))
