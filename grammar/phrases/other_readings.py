@@ -56,7 +56,7 @@ _PAUSES = frozenset(",.;")
 _THINGS = frozenset({"one", "a", "an", "both"})
 """Number words that rather stand for a thing."""
 
-_BEFORE = "actually|and|no|now|oh|ok|please|sorry|so|then|well"
+_BEFORE = "actually|and|finally|lastly|no|now|oh|ok|please|sorry|so|then|well"
 _ASKING = re.compile(
     rf"(?:(?:{_BEFORE}) (?:, )?)*"
     "(?:(?:can|could|would|will|might) you|(?:i|we) (?:want|need|would like) you to|try to|let us) "

@@ -149,7 +149,7 @@ class Courtesy:
 
     def _is_read(self, words: list[str]) -> bool:
         """Check for words that the grammar reads itself."""
-        text = " ".join(words)
+        text = " ".join(words).rstrip(" ,.;")
         found = self._phrases.phrases_at(text, 0)
         whole = bool(found) and found[0][0] == text and not _READ.isdisjoint(found[0][1])
         return whole or any(

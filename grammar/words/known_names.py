@@ -157,6 +157,7 @@ class KnownNames:
             - (self._several if ref.quantifier else set())
             for frame in frames
             for ref in references_in(frame)
+            if not ref.pronoun
         )
         return all(self._borne.issuperset(words) for words in names)
 
