@@ -82,9 +82,8 @@ def _with_shared_way(clauses: list[Parts]) -> list[Parts]:
     bare = list(takewhile(_names_only, clauses))
     said = [part for part in chain(*clauses[len(bare) :][:1]) if not isinstance(part, ph.Next)]
     match said:
-        case [ph.Thing(), *way] if (
-            any(isinstance(part, _WHERE_TO) for part in way)
-            and all(isinstance(part, (*_WHERE_TO, ph.Constraint)) for part in way)
+        case [ph.Thing(), *way] if any(isinstance(part, _WHERE_TO) for part in way) and all(
+            isinstance(part, (*_WHERE_TO, ph.Constraint)) for part in way
         ):
             return [*([*clause, *way] for clause in bare), *clauses[len(bare) :]]
     return clauses

@@ -64,7 +64,8 @@ _CONFIRMED = re.compile(
 _IF_NEEDED = re.compile(
     "(?:(?:and|but|so|or|well|really|ok|okay|now|then|no|oh|hey|wait) (?:[,.?!] )?)*(?:could|can|"
     "would) you [^.;!?]*? (?:if you (?:had to|really had to|wanted to|needed to|must)|, "
-    "(?:i mean , |that is , )?(?:are you (?:able to|capable of it)|is (?:it|that) possible))(?: [.;!?])?$"
+    "(?:i mean , |that is , )?(?:are you (?:able to|capable of it)|is (?:it|that) possible))"
+    "(?: [.;!?])?$"
 )
 """A question for what is possible: "could you lift it, if you had to", "…, are you able to"."""
 
