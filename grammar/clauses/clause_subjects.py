@@ -33,6 +33,9 @@ _MOVES_LID = {"off": "take", "on": "put"}
 _MOVES_PART = {"up": "open", "out": "open", "down": "shut", "in": "shut"}
 """Where a lid or a drawer is moved, and what becomes of its owner."""
 
+_ONE = ("one", "ones")
+"""Nouns of a thing that was named otherwise."""
+
 
 # --- which object ------------------------------------------------------------------------------
 
@@ -99,14 +102,20 @@ def _object_of_constraints(thing: ph.Thing, parts: Sequence[ph.Part]) -> ph.Thin
 
 
 def _is_list(things: Sequence[ph.Thing], lexicon: Lexicon, sentence: Normalised) -> bool:
-    """Check for things that stand side by side, joined by "and", or changed one for another."""
+    """Check for things that stand side by side, joined by "and", or changed one for another.
+
+    Behind a comma alone "the blue one" may be the thing before it.
+    """
     pairing = {"and", *lexicon.terminals["EXCHANGED_WITH"]}
     for one, other in pairwise(things):
         between = sentence.original[one.span[1] : other.span[0]].casefold()
         words = between.replace(",", " , ").split()
         counting = {word for phrase in lexicon.terminals["QUANTIFIER"] for word in phrase.split()}
         joined = set(words) <= {",", "&", *pairing, *lexicon.terminals["THE"], "a", "an", *counting}
-        if not joined or not {",", *pairing} & set(words):
+        same = other.ref.text.casefold().rpartition(" ")[2] in _ONE and not set(pairing) & set(
+            words
+        )
+        if not joined or same or not {",", *pairing} & set(words):
             return False
     return True
 

@@ -26,12 +26,12 @@ from grammar.clauses.counted_objects import (
     require_countable,
     require_no_other_meant,
     with_exception,
-    with_left_alone,
     with_listed_exceptions,
     without_both,
 )
 from grammar.clauses.object_descriptions import attach_descriptions
 from grammar.clauses.remark_reader import GOES_ON, RemarkReader, joint_dialogue
+from grammar.clauses.ways_back import with_ways_back
 from grammar.frames import command as g
 from grammar.phrases import phrase_parts as ph
 from grammar.words.lexicon import Lexicon, Verb
@@ -71,7 +71,7 @@ def frames_of(
         frames += read
         previous = said
     require_countable(frames, sentence)
-    return _with_ways_back(frames, sentence)
+    return with_ways_back(frames, sentence)
 
 
 def _goes_farther(frame: g.Frame) -> bool:
@@ -105,29 +105,6 @@ def _only_takes(frame: g.Frame, then: g.Frame, sentence: Normalised) -> bool:
     verb = sentence.words_as_written(frame.spans[0]).casefold() if frame.spans else ""
     it = then.object is not None and (then.object.pronoun or then.object.text in _ALL_TAKEN)
     return plain and verb in ("take", "grab") and it and then.action in _ON_THE_TABLE
-
-
-def _with_ways_back(frames: Sequence[g.Frame], sentence: Normalised) -> tuple[g.Frame, ...]:
-    """Takes "put it back" alone for an undoing, and behind something else for a place."""
-    if len(frames) == 1:
-        (frame,) = frames
-        goal, thing = frame.goal, frame.object
-        back = isinstance(goal, g.Place) and goal.relation == "back" and not frame.query
-        alone = thing.quantifier is None if thing else frame.dialogue == "correct"
-        if back and alone and not frame.constraints:
-            spans = tuple(sorted((*frame.spans, *goal.spans)))
-            return (g.Frame(dialogue="undo", object=thing, spans=spans),)
-        return tuple(frames)
-    return with_left_alone([_as_way_back(frame, sentence) for frame in frames])
-
-
-def _as_way_back(frame: g.Frame, sentence: Normalised) -> g.Frame:
-    said = [sentence.words_as_written(span).casefold().split() for span in frame.spans]
-    if frame.dialogue != "undo" or not any("back" in words for words in said):
-        return frame
-    it = g.ObjectRef(text="it", spans=frame.spans, pronoun=True)
-    goal = g.Place(relation="back", reference=())
-    return g.Frame(action="place", object=frame.object or it, goal=goal, spans=frame.spans)
 
 
 def _in_order(clauses: list[Parts]) -> list[Parts]:

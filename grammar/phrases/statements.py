@@ -187,7 +187,7 @@ class Statements:
             [
                 end
                 for end, start in splits[-_MOST_PAUSES:]
-                if self._all_tell(text, (start, span[1]), _TAIL, _SHORTEST)
+                if self._all_tell(text, (start, span[1]), _denied_behind(text, start), _SHORTEST)
                 or self._has_form(text, (start, span[1]), behind=True)
             ],
         )
@@ -384,3 +384,9 @@ class Statements:
                 break
             end = word.end()
         return end
+
+
+def _denied_behind(text: str, start: int) -> frozenset[str]:
+    """Terminals of none of what is told behind a command: "push it so the jar is on its left"."""
+    follows = text[start:].lstrip(" ,").startswith("so ")
+    return _TAIL | _WHERE if follows else _TAIL

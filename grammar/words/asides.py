@@ -72,9 +72,10 @@ _TOPIC = re.compile(
 """A reason about a thing, which "it" means then: "since the mug is dirty, push it away"."""
 
 _MEANT_BEFORE = re.compile(
-    r"(?<= ), (the(?: [a-z0-9]+){1,4}?) (?:, )?(i (?:mean|meant))(?= [,.;]|$)"
+    r"(?<= ), (the(?: [a-z0-9]+){1,4}?|(?:to the )?(?:left|right)|away|[0-9.]+ [a-z]+) (?:, )?"
+    r"(i (?:mean|meant))(?= [,.;]|$)"
 )
-"""What is meant and the mark of it: "the mug, the jar I mean"."""
+"""What is meant and the mark of it: "the mug, the jar I mean", "left - right, I mean"."""
 
 _NO_REASON_BEHIND = re.compile(
     r"(?<![^ ])(?:as [a-z]+|is|are|back|leave [a-z]+(?: just)?"

@@ -66,6 +66,9 @@ _OUTCOME = re.compile(
 _FORBIDDEN = frozenset({"must", "nothing"})
 """What must not be is no courtesy, whatever its words: "nothing must happen to it"."""
 
+_WAITS = re.compile("(?:only )?(?:when|once|until|till) (?:i|we) ")
+"""The beginning of what says when to begin, which is no courtesy: "when I say so"."""
+
 _PAUSES = frozenset(",.;!?")
 _LONGEST_REQUEST = 20
 """Words of the longest request before a verb, so that no text takes long."""
@@ -127,6 +130,8 @@ class Courtesy:
         if not known.issuperset(words) or self._words["pointing"].issuperset(words):
             return False
         if self._names_a_thing(words) or _goes_ahead(words) or _FORBIDDEN.issubset(words):
+            return False
+        if _WAITS.match(" ".join(words)):
             return False
         return not self._is_read(words) and not self._says_something(" ".join(words))
 

@@ -50,7 +50,13 @@ def _plain(value: object) -> object:
          "pull the mug nearer, then pull the tea tin nearer, then pull the jar nearer"),
         ("push the mug left, then the tea tin, then the jar right",
          "push the mug left, then push the tea tin left, then push the jar right"),
+        # back, and what is meant instead
+        ("move the jar left and then back", "move the jar left, then put the jar back to where it was"),
+        ("push the jar left, then pull it back", "push the jar left, then pull it toward me"),
+        ("push the mug left - right, I mean", "push the mug right"),
+        ("push the mug 5 cm, 6 cm, I mean", "push the mug 6 cm"),
         # what may be so
+        ("is the jar too heavy for you", "is it possible to lift the jar?"),
         ("is it going to tip if you push it hard?", "will it tip if you push it hard?"),
         ("suppose you pushed the jar. Would it slide, or would it tip?",
          "will the jar topple if you push it?"),
@@ -116,6 +122,11 @@ def test_everyday_words_mean_what_plain_ones_do(said: str, plain: str) -> None:
         "too fast by half",
         "push the mug a lot, 2 cm",
         "sorry not the mug I mean the jar push that to the right",
+        "push the mug left when I say so",
+        "push the mug left and back again",
+        "push the mug 5 cm left and then 2 cm back",
+        "push the mug so the jar is on its left",
+        "push the mug, the blue one, left",
     ],
 )
 def test_what_is_not_clear_is_not_done(said: str) -> None:
