@@ -51,7 +51,8 @@ def _plain(value: object) -> object:
         ("push the mug left, then the tea tin, then the jar right",
          "push the mug left, then push the tea tin left, then push the jar right"),
         # back, and what is meant instead
-        ("move the jar left and then back", "move the jar left, then put the jar back to where it was"),
+        ("lift the jar, then move it left and then back",
+         "lift the jar, then move it left, then put it back to where it was"),
         ("push the jar left, then pull it back", "push the jar left, then pull it toward me"),
         ("push the mug left - right, I mean", "push the mug right"),
         ("push the mug 5 cm, 6 cm, I mean", "push the mug 6 cm"),
