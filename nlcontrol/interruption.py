@@ -25,8 +25,11 @@ class Interrupted(KeyboardInterrupt):
     """
 
 
-class Terminated(BaseException):
-    """Raised where SIGTERM ends a command."""
+class Terminated(SystemExit):
+    """Raised where SIGTERM ends a command.
+
+    Any other kind of exception would be kept by an event loop, which then goes on for ever.
+    """
 
 
 class Signals:

@@ -131,10 +131,10 @@ def _run_command(args: Sequence[str], *, as_json: bool) -> int:
         return status if isinstance(status, int) else OK
     except click.UsageError as raised:
         return _print_usage_error(raised, as_json)
-    except SystemExit as raised:  # the way of click to tell that the reader has gone
-        raise BrokenPipeError from raised
     except (click.Abort, KeyboardInterrupt, Terminated):
         return _print_interruption(as_json)
+    except SystemExit as raised:  # the way of click to tell that the reader has gone
+        raise BrokenPipeError from raised
     except Exception as raised:
         if SIGNALS.received:  # what a signal raises, a library may have turned into something else
             return _print_interruption(as_json)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import signal
 import subprocess
 import sys
@@ -11,7 +12,7 @@ import pytest
 
 from benchmarks.interruptions import cases, interrupted, run
 from nlcontrol.cli.console import robot_stop
-from nlcontrol.interruption import EXIT_CODES, Signals, Terminated
+from nlcontrol.interruption import EXIT_CODES, Interrupted, Signals, Terminated
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
 
@@ -92,6 +93,23 @@ try:
 except KeyboardInterrupt:
     raise SystemExit(SIGNALS.exit_code)
 """
+
+
+@pytest.mark.parametrize(
+    ("number", "raised"), [(signal.SIGINT, Interrupted), (signal.SIGTERM, Terminated)]
+)
+def test_a_signal_in_the_midst_of_a_callback_ends_its_event_loop(
+    number: signal.Signals, raised: type[BaseException]
+) -> None:
+    signals = Signals()
+    signals.received = [number]
+
+    async def wait() -> None:
+        asyncio.get_running_loop().call_soon(signals.end)
+        await asyncio.sleep(2.0)  # ends by itself where the signal is lost
+
+    with pytest.raises(raised):
+        asyncio.run(wait())
 
 
 def test_python_does_not_end_by_a_signal_that_was_caught(tmp_path: Path) -> None:
