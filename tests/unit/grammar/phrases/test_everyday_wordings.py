@@ -56,6 +56,8 @@ def _plain(value: object) -> object:
         ("push the jar left, then pull it back", "push the jar left, then pull it toward me"),
         ("push the mug left - right, I mean", "push the mug right"),
         ("push the mug 5 cm, 6 cm, I mean", "push the mug 6 cm"),
+        ("do it, slowly", "do it slowly"),
+        ("try that, but gently", "do it gently"),
         # what may be so
         ("is the jar too heavy for you", "is it possible to lift the jar?"),
         ("is it going to tip if you push it hard?", "will it tip if you push it hard?"),
@@ -133,6 +135,11 @@ def test_everyday_words_mean_what_plain_ones_do(said: str, plain: str) -> None:
 def test_what_is_not_clear_is_not_done(said: str) -> None:
     with pytest.raises(ParseError):
         KNOWN.parse(said, BEFORE)
+
+
+def test_words_that_a_rewording_swallows_are_told() -> None:
+    said = "why did you slide it instead of lifting it?"
+    assert [said[slice(*aside)] for aside in KNOWN.parse(said, BEFORE).asides] == ["lifting it"]
 
 
 def test_one_sentence_of_several_is_put_in_other_words() -> None:
