@@ -33,9 +33,6 @@ _MOVES_LID = {"off": "take", "on": "put"}
 _MOVES_PART = {"up": "open", "out": "open", "down": "shut", "in": "shut"}
 """Where a lid or a drawer is moved, and what becomes of its owner."""
 
-_ONE = ("one", "ones")
-"""Nouns of a thing that was named otherwise."""
-
 
 # --- which object ------------------------------------------------------------------------------
 
@@ -107,15 +104,14 @@ def _is_list(things: Sequence[ph.Thing], lexicon: Lexicon, sentence: Normalised)
     Behind a comma alone "the blue one" may be the thing before it.
     """
     pairing = {"and", *lexicon.terminals["EXCHANGED_WITH"]}
+    counting = {word for phrase in lexicon.terminals["QUANTIFIER"] for word in phrase.split()}
+    joints = {",", "&", *pairing, *lexicon.terminals["THE"], "a", "an", *counting}
     for one, other in pairwise(things):
         between = sentence.original[one.span[1] : other.span[0]].casefold()
-        words = between.replace(",", " , ").split()
-        counting = {word for phrase in lexicon.terminals["QUANTIFIER"] for word in phrase.split()}
-        joined = set(words) <= {",", "&", *pairing, *lexicon.terminals["THE"], "a", "an", *counting}
-        same = other.ref.text.casefold().rpartition(" ")[2] in _ONE and not set(pairing) & set(
-            words
-        )
-        if not joined or same or not {",", *pairing} & set(words):
+        words = set(between.replace(",", " , ").split())
+        paired = not words.isdisjoint(pairing)
+        named = other.ref.text.casefold().rpartition(" ")[2] not in lexicon.nobodies
+        if not words <= joints or not (paired or ("," in words and named)):
             return False
     return True
 

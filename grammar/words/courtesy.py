@@ -129,9 +129,9 @@ class Courtesy:
         """Check for words of courtesy that do not just point at something."""
         if not known.issuperset(words) or self._words["pointing"].issuperset(words):
             return False
-        if self._names_a_thing(words) or _goes_ahead(words) or _FORBIDDEN.issubset(words):
+        if self._names_a_thing(words) or _goes_ahead(words):
             return False
-        if _WAITS.match(" ".join(words)):
+        if _FORBIDDEN.issubset(words) or _WAITS.match(" ".join(words)):
             return False
         return not self._is_read(words) and not self._says_something(" ".join(words))
 
