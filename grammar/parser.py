@@ -11,7 +11,7 @@ from contextlib import suppress
 from copy import copy
 from dataclasses import replace
 from functools import cache, lru_cache
-from itertools import chain, islice, pairwise
+from itertools import chain, pairwise
 
 from grammar.clauses.frame_builder import frames_of
 from grammar.errors import ParseError
@@ -20,9 +20,9 @@ from grammar.paraphrasing.clause_wording import Phrasing
 from grammar.paraphrasing.command_wording import paraphrase
 from grammar.phrases.lalr_parser import LalrParser, UnexpectedTokenError, parse_table
 from grammar.phrases.other_readings import OtherReadings
-from grammar.phrases.statements import Statements
 from grammar.phrases.tree_transform import parts_of
 from grammar.syntax_diagnosis import EXAMPLE, diagnose, require_clear
+from grammar.unbound_words import LawOfEffect
 from grammar.words.asides import Asides
 from grammar.words.known_names import KnownNames
 from grammar.words.lexicon import Lexicon
@@ -33,14 +33,11 @@ from grammar.words.phrase_lexer import PhraseLexer
 _OF_WORDS = ("unexpected_words", "does_not_apply", "several_objects", "missing_unit", "said_twice")
 """Errors about some words, before which there may be a whole sentence."""
 
-_MOST_READINGS = 8
-"""Readings without statements that are tried, so that no text takes long."""
-
-_FEW_READINGS = 5
-"""The same of a long text."""
-
-_FEW_RESTS = 2
-"""Of those without statements, how many are put in other words sentence by sentence."""
+_OF_UNREAD_WORDS = frozenset({"unexpected_words", "unknown_verb", "no_verb", "no_object",
+                              "several_objects", "several_commands", "does_not_apply",
+                              "missing_unit", "unsupported_verb", "said_twice", "incomplete",
+                              "unbound_words"})  # fmt: skip
+"""Errors of sentences that may be read without a part that has an effect."""
 
 _LONGEST_TRIED = 150
 """Characters beyond which a text is long, and not read again with each quantity that is offered,
@@ -66,14 +63,13 @@ class Parser:
         self._asides = Asides(lexicon, lexer.phrases)
         self._lalr = LalrParser(parse_table(), lexer)
         self._others = OtherReadings(lexicon, lexer.phrases)
-        self._statements = Statements(lexicon, lexer.phrases)
+        self._law = LawOfEffect(lexicon, lexer.phrases)
         self._names: KnownNames | None = None
 
     def with_names(self, names: Iterable[str]) -> Parser:
         """A parser with the same words that knows the names of some objects."""
         parser = copy(self)
         parser._names = KnownNames(names, self.lexicon)
-        parser._statements = self._statements.with_names(parser._names.words)
         return parser
 
     def knows_names_of(self, command: Command) -> bool:
@@ -97,7 +93,20 @@ class Parser:
         try:
             return self._command(text, before)
         except ParseError as error:
-            raise self._with_what_is_read(self._cause_of(error, text), text) from None
+            cause = self._cause_of(error, text)
+            raise self._unbound(cause, text) or self._with_what_is_read(cause, text) from None
+
+    def _unbound(self, error: ParseError, text: str) -> ParseError | None:
+        """The refusal of a sentence that would be read without words that have an effect."""
+        if error.code not in _OF_UNREAD_WORDS or len(text) > _LONGEST_TRIED:
+            return None
+        said = normalise(text, self.lexicon.contractions)
+        for span in self._law.stretches(said, error.span):
+            rest = f"{text[: span[0]]} {text[span[1] :]}".strip(" ,.;:-")
+            command = self.command_if_read(rest) if rest else None
+            if command is not None and all(f.action and not f.dialogue for f in command.frames):
+                return self._law.error(said, span, command.paraphrase)
+        return None
 
     def _cause_of(self, error: ParseError, text: str) -> ParseError:
         """The error; of an unclear question, what is wrong with it as a command too."""
@@ -141,8 +150,10 @@ class Parser:
         whole = normalise(text, self.lexicon.contractions)
         whole = replace(whole, asks=self._others.only_asks(whole))
         sentence = self._asides.left_out(whole)
-        if not sentence.text:
+        if not sentence.text and self._asides.are_closing(whole):
             return _thanks(text, sentence.asides)
+        if not sentence.text:
+            sentence = whole
         try:
             command = self._command_of(sentence)
         except (ParseError, UnexpectedTokenError) as raised:
@@ -151,8 +162,6 @@ class Parser:
                 return other
             if (asked := self._asked_again(whole, before)) is not None:
                 return asked
-            if self._statements.only_tells(whole):
-                return _thanks(text, (whole.original_span(0, len(whole.text)),))
             if isinstance(raised, UnexpectedTokenError):
                 raise diagnose(raised, sentence, self.lexicon) from None
             raise
@@ -198,12 +207,10 @@ class Parser:
         """
         if self._names is None or self.knows_names_of(command):
             return command
-        told = islice(self._statements.readings(whole), _MOST_READINGS)
-        rests = (self._asides.of_rest(said, topic) for said, topic in told)
         # "Push the mug, no dawdling" takes nothing back.
         uncut = self._others.readings(whole, before) if sentence.text != whole.text else ()
-        plain = (self._asides.of_rest(said) for said in uncut)
-        every = chain(self._others.readings(sentence, before), rests, plain)
+        plain = map(self._asides.left_out, uncut)
+        every = chain(self._others.readings(sentence, before), plain)
         for said in filter(_is_said, every):
             for each in (said, *self._names.readings(said)):
                 with suppress(ParseError, UnexpectedTokenError):
@@ -219,18 +226,9 @@ class Parser:
         yield from self._reworded(sentence, before)
         if sentence.text != whole.text:  # "I said left, but I meant right"
             for said in self._others.readings(whole, before):
-                if (plain := self._asides.of_rest(said)).text:
+                if (plain := self._asides.left_out(said)).text:
                     yield plain
-        most = _MOST_READINGS if len(whole.text) <= _LONGEST_TRIED else _FEW_READINGS
-        rests = list[Normalised]()
-        for said, topic in islice(self._statements.readings(whole), most):
-            plain = self._asides.of_rest(said, topic)
-            if plain.text:
-                yield plain
-                yield from self._reworded(plain, before)
-                rests.append(plain)
-        for said in (sentence, *rests[:_FEW_RESTS]):
-            yield from self._others.by_sentences(said)
+        yield from self._others.by_sentences(sentence)
 
     def _reworded(self, sentence: Normalised, before: Sequence[str] | None) -> Iterator[Normalised]:
         """A sentence with known names, in other words, and without hesitations."""
@@ -253,6 +251,7 @@ class Parser:
             raise ParseError(
                 "unsupported_question", "this asks for nothing that is known", None, ()
             )
+        self._law.require_bound(sentence, frames, self._names.words if self._names else ())
         try:
             words = paraphrase(frames, self.lexicon)
         except ValueError as raised:

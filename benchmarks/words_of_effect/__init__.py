@@ -1,0 +1,1 @@
+"""Commands with words that forbid, postpone or restrict them."""

@@ -7,16 +7,16 @@ A clause that has an effect (a condition, a time, a veto, a report, another addr
 a retraction) is said before, into, or behind a command of the test set or of the sampler. Such a
 sentence may be refused, it may ask, or its words may set something in the frames, where the clause
 happens to be one that the language has. What must not be is a command of whose clause nothing is
-left: the same frames as without it, or frames in which the word stands in no part but a name. Those
-are counted as acts against the words. Every sentence is read twice, as of itself and as if the names
-of its objects stood on the table.
+left: the same frames as without it, or frames in which the word stands in no part. Those are
+counted as acts against the words. Every sentence is read twice, by itself and as if the names of
+its objects stood on the table; a name that nothing there has is refused at the table.
 """
 
 from __future__ import annotations
 
 import argparse
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
 from random import Random
@@ -98,27 +98,29 @@ def cases(name: str, seed: int) -> Iterator[Case]:
 
 def acts_against_words(read: Command, case: Case) -> bool:
     """Check for a command of which the effective words of a case have set nothing."""
-    if not _moves(read):
-        return False
     if _without_places(read) == _without_places(case.command):
         return True
-    setting, naming = list[Span](), list[Span]()
-    for frame in read.frames:
-        setting += _spans_that_set(frame)
-        naming += (span for ref in references_in(frame) for span in ref.spans)
-    return _meets(naming, case.effect) or not _meets(setting, case.effect)
+    setting = (span for frame in read.frames for span in _spans_that_set(frame))
+    return not any(start < case.effect[1] and case.effect[0] < end for start, end in setting)
 
 
-def _meets(spans: Iterable[Span], words: Span) -> bool:
-    return any(start < words[1] and words[0] < end for start, end in spans)
+def outcome_of(parser: Parser, case: Case, names: set[str]) -> tuple[str, Command | None]:
+    """What becomes of a case, and what it is read as: refused, asks, sets something, or acts.
 
-
-def reading(parser: Parser, text: str) -> Command | None:
-    """What a text is read as; None if it is refused."""
+    Args:
+        parser: what reads it.
+        case: a sentence.
+        names: of what stands on the table.
+    """
     try:
-        return parser.parse(text)
+        read = parser.parse(case.text)
     except ParseError:
-        return None
+        return "refused", None
+    if not parser_for(names).knows_names_of(read):
+        return "refused at the table", read
+    if not _moves(read):
+        return "asks", read
+    return "acts" if acts_against_words(read, case) else "sets something", read
 
 
 def _said_together(command: Command, clause: Clause) -> str | None:
@@ -171,12 +173,9 @@ def main() -> None:
     for case in islice(cases(chosen.clauses, chosen.seed), chosen.count):
         names = {ref.text for frame in case.command.frames for ref in references_in(frame)}
         for parser in (default_parser(), parser_for(names)):
-            read = reading(parser, case.text)
-            against = read is not None and acts_against_words(read, case)
-            outcome = "refused" if read is None else "acts" if against else (
-                "sets something" if _moves(read) else "asks")  # fmt: skip
+            outcome, read = outcome_of(parser, case, names)
             counts[outcome] += 1
-            by_kind[case.clause.kind] += against
+            by_kind[case.clause.kind] += outcome == "acts"
             if outcome in ("acts", "sets something") and shown[outcome] < chosen.show:
                 shown[outcome] += 1
                 print(f"{outcome}: {case.text!r} -> {read and read.paraphrase!r}")

@@ -169,7 +169,7 @@ class ActionReader:
             ):
                 message = "says when, and nothing is done later"
                 raise self._sentence.error_at(
-                    (start, end), "does_not_apply", message, "within 5 seconds"
+                    (start, end), "unbound_words", message, "within 5 seconds"
                 )
 
     def _goal_of_parts(
@@ -265,9 +265,25 @@ class ActionReader:
         if particle is not None and moves and particle.word in _UP_AND_DOWN:
             if particle.span < thing.span:  # "bring down the jar" says nothing of the table's plane
                 raise unexpected_part(particle, self._sentence)
+            kinds = {type(each) for each in rest}
+            if ph.Length in kinds and ph.Direction not in kinds:  # not "down and left by 4 cm"
+                return self._moved_up(part, particle, rest)
             direction = ph.Direction(particle.span, _UP_AND_DOWN[particle.word])
             rest = [direction if p is particle else p for p in rest]
         return alone, part.word, (part.span,), rest
+
+    def _moved_up(
+        self, part: ph.Verb, particle: ph.Particle, rest: Parts
+    ) -> tuple[Verb, str, tuple[Span, ...], Parts]:
+        """Takes "move it up by 8 cm" for a lift: with a length, "up" is a height."""
+        lift = self._lexicon.find_verb(part.word, particle.word) or self._lexicon.find_verb("lift")
+        alone = self._lexicon.find_verb(part.word)
+        if particle.word != "up" or lift is None or alone is None or alone.action != "move":
+            message = "is a height, where it says how far; nothing is pushed there"
+            hints = "away by 5 cm", "toward me by 5 cm", "lift it by 5 cm"
+            raise self._sentence.error_at(particle.span, "does_not_apply", message, *hints)
+        left = [p for p in rest if p is not particle]
+        return lift, part.word, _join_spans([part.span, particle.span], self._sentence), left
 
 
 def _with_it_bound(frame: g.Frame) -> g.Frame:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import chain, takewhile
+from itertools import chain, pairwise, takewhile
 
 from grammar.clauses.clause_parts import Parts, unexpected_part
 from grammar.errors import ParseError
@@ -26,6 +26,8 @@ _EMPHASIS = ("actually", "make it", "make that", "rather")
 
 _OPENINGS = (ph.Filler, ph.Amount, ph.Constraint, ph.Avoid, ph.Remark)
 """What may stand before a verb."""
+
+_OPPOSITE = {"left": "right", "right": "left", "away": "toward", "toward": "away"}
 
 
 def clauses_of(parts: Sequence[ph.Part], sentence: Normalised) -> list[Parts]:
@@ -65,16 +67,21 @@ def _with_open_condition(parts: Parts, sentence: Normalised) -> Parts:
 
 
 def _without_denied_ways(parts: Parts, sentence: Normalised) -> Parts:
-    """Takes "not to the right" behind "to the left" for emphasis."""
+    """Takes "to the left, not to the right" for emphasis; "away but not to the left" forbids."""
     ways = {part.value for part in parts if isinstance(part, ph.Direction)}
-    for part in parts:
-        if isinstance(part, ph.NotThere) and (not ways or part.value in ways):
+    for before, part in pairwise(parts):
+        opposed = isinstance(part, ph.NotThere) and _OPPOSITE.get(str(part.value)) in ways
+        if isinstance(part, ph.NotThere) and (not opposed or _is_but(before)):
             hint = "to the left, not to the right"
-            raise sentence.error_at(part.span, "unexpected_words", "says no way to go", hint)
+            raise sentence.error_at(part.span, "unbound_words", "forbids a way to go", hint)
     return [
         ph.Filler(part.span, anywhere=True) if isinstance(part, ph.NotThere) else part
         for part in parts
     ]
+
+
+def _is_but(part: ph.Part) -> bool:
+    return isinstance(part, ph.Separator) and part.word == "but"
 
 
 def _with_shared_way(clauses: list[Parts]) -> list[Parts]:

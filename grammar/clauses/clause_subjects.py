@@ -133,6 +133,7 @@ def attach_objects(parts: Sequence[ph.Part], lexicon: Lexicon, sentence: Normali
         asks, pours = lexicon.find_verb("pour"), replace(verb, word="pour")
         parts = [pours if part is verb else part for part in parts]
     if asks is not None and asks.goal == "pour":
+        _require_target(parts, sentence)
         return _with_poured_object(parts, verb)
     parts = _with_it_placed(parts, verb, lexicon, sentence)
     parts = _with_moved_part(parts, verb, lexicon, sentence)
@@ -198,6 +199,15 @@ def _with_poured_object(parts: Sequence[ph.Part], verb: ph.Verb) -> Parts:
     if (poured := _with_source(rest, liquid)) is not None:
         return poured
     return list(parts) if liquid or not amount else [*parts, _pronoun_after(verb)]
+
+
+def _require_target(parts: Sequence[ph.Part], sentence: Normalised) -> None:
+    """Refuses "pour the milk out of the jug", which says where from and not where to."""
+    places = [part for part in parts if isinstance(part, ph.Place | ph.Into)]
+    liquid = any(isinstance(part, ph.Thing) for part in parts)
+    if len(places) == 1 and liquid and getattr(places[0], "relation", "") in ("from", "out_of"):
+        message = "says where from, and not where to"
+        raise sentence.error_at(places[0].span, "does_not_apply", message, "into the mug")
 
 
 def _with_source(parts: Parts, liquid: ph.Thing | None) -> Parts | None:

@@ -153,6 +153,13 @@ def _is_way_to(part: ph.Place, before: Parts, sentence: Normalised) -> bool:
     return words.startswith(("over ", "onto ", "up onto ", "to " if taken else "over "))
 
 
+def _is_kept(parts: Parts, lexicon: Lexicon) -> bool:
+    """Check for a verb behind whose object a place says where it is kept: "hold it next to"."""
+    verb = next((p for p in parts if isinstance(p, ph.Verb)), None)
+    found = verb and lexicon.find_verb(verb.word)
+    return bool(found and found.kept)
+
+
 def _of_same_sentence(parts: Parts, i: int, sentence: Normalised) -> Parts:
     """The parts up to the full stop behind a part: what follows tells nothing about it."""
     end = parts[i].span[1]
@@ -175,7 +182,7 @@ def _is_description(part: ph.Place, parts: Parts, i: int, before: Parts, lexicon
     goal = _goal_of_verb(parts, lexicon)
     if goal is None and isinstance(owner, ph.Thing):
         return _is_nobody(owner, lexicon)  # "now the one next to it"
-    if goal in ("lift", "remove") and part.relation == "from":
+    if goal in ("lift", "remove") and (part.relation == "from" or _is_kept(parts, lexicon)):
         return False
     into = any(isinstance(p, ph.Into) for p in parts)
     if goal == "pour" and part.relation in ("in", "on") and not into:

@@ -17,6 +17,9 @@ _BEFORE_FACE: dict[str, g.Direction] = {
     "front": "away", "back": "toward", "left": "right", "right": "left",
 }  # fmt: skip
 
+_LATER = 60.0
+"""Time from which on "in" says when to begin, as no push takes so long [s]."""
+
 Origin = Literal["table", "top"]
 Face = Literal["front", "back", "left", "right", "top"]
 
@@ -54,9 +57,14 @@ class Manners(q.TokenReader):
         """In under four seconds; for three seconds."""
         span, value = self.span_of(children), self._measure(children, "time", q.MAX_TIME_S, "s")
         bound = self.bound_of(children)
-        if children[0].type == "IN" and bound == "exact" and q.tokens_in(children, "A"):
-            message, hint = "says when to begin, or how long it may take", "in at most one minute"
-            raise self.does_not_apply_error(children, message, hint)
+        later = value >= _LATER or bool(q.tokens_in(children, "A"))
+        if (
+            children[0].type == "IN"
+            and not self.value_of(children, "IN")
+            and (bound == "exact" and later)
+        ):
+            message, hint = "says when to begin; nothing is done later", "within one minute"
+            raise self.sentence.error_at(span, "unbound_words", message, hint)
         if bound == "at_least":
             raise self.does_not_apply_error(
                 children, "leaves open how long it takes",

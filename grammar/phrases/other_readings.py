@@ -80,7 +80,7 @@ class OtherReadings:
         self._numbers = lexicon.numbers.pattern
         self._phrases_of = {kind: lexicon.words_of(kind) for kind in _CARRIED}
         self._rewordings = lexicon.rewordings
-        self._questions = PlainQuestions(lexicon, phrases)
+        self._questions = PlainQuestions(lexicon)
 
     def only_asks(self, said: Normalised) -> bool:
         """Check for a text that can only be meant as a question, whatever it names."""
@@ -233,7 +233,8 @@ class OtherReadings:
             end = said.text.index(own, number.end()) + len(own)
             ends = not said.text[end:] or said.text[end : end + 2].strip() in _PAUSES
             if unit and own in ("", unit) and ends and number.start() in denied:
-                return said.words_in((0, denied[number.start()]), (end, len(said.text)))
+                meant = said.words_in((0, denied[number.start()]), (end, len(said.text)))
+                return meant.taken_back_from(said)
         return said
 
     def _without_denied_first(self, said: Normalised) -> Normalised | None:

@@ -1,10 +1,8 @@
 """Questions as they are asked of a robot: "may I ask whether the jar is shut, do you think?".
 
 What a question is opened with, what asks for assent and words that ask nothing are left out, and
-what is told with "whether" or "…, isn't it?" is put as a question. So are sentences beside it that
-say nothing of what is to be done, and of no thing that it could mean by "it": "Good seamanship. How
-far is the jar?". What is left is only read as a question, so that "you won't topple it, will you?"
-never becomes a command.
+what is told with "whether" or "…, isn't it?" is put as a question. What is left is only read as a
+question, so that "you won't topple it, will you?" never becomes a command.
 """
 
 from __future__ import annotations
@@ -13,12 +11,9 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property
-from itertools import pairwise
 
-from grammar.frames.command import Span
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
-from grammar.words.phrase_places import WORD, Phrases
 from grammar.words.phrase_templates import template_pattern
 
 _SHAPES = {
@@ -28,23 +23,6 @@ _SHAPES = {
     "idle": r"(?<![^ ])(?<!, )(?:{0})(?: ,)?(?= |$)",
 }
 """Where the words of each kind stand."""
-
-_EFFECTIVE = frozenset({
-    "AMOUNT", "ANGLE_UNIT", "AVOIDING", "AVOID_DOING", "COMPARED", "DIRECTION", "DO", "EXCEPT",
-    "FACE", "FORCE_UNIT", "FROM_SIDE", "I_MEANT", "IF", "KEEP", "KEEPS", "LENGTH_UNIT", "LETTING",
-    "MANNER", "METHOD", "MORE", "NO", "NOT", "OR", "RELATION", "REGION", "REGION_OF_TABLE",
-    "REPEAT", "REVERSE", "SAME", "SENSE", "SPEED_UNIT", "STAYS", "STOP", "STROKE", "TIME_UNIT",
-    "TOOL", "TOWARD", "UNDO", "UNTIL", "USING", "VERB", "VERB_ED", "VERB_ING", "WITHOUT",
-})  # fmt: skip
-"""Terminals of which none stands in a sentence that a question beside it is read without."""
-
-_POINTS = re.compile(
-    r"(?<![^ ])(?:its?|them|they|those|these|that|this|ones?|others?|"
-    r"two|both|he|she|her|him)(?= |$)"
-)
-_NAMES = re.compile(r"(?<![^ ])(?:the|a|an|my|your|our|his|her|that|this)(?= [a-z])")
-_GOES_ON = re.compile("(?:of|among|between|from|in|on|at|with|or|not|than) ")
-"""How a sentence begins that goes on with the one before it: "of those two"."""
 
 _SUPPOSED = re.compile(
     "(?:(?:and|but|now|so|then|ok|okay|well) (?:, )?)*"
@@ -68,9 +46,6 @@ _IF_NEEDED = re.compile(
     "(?: [.;!?])?$"
 )
 """A question for what is possible: "could you lift it, if you had to", "…, are you able to"."""
-
-_REQUEST = re.compile("(?:and |so |now |then |please )*(?:can|could|would|will) you ")
-_SENTENCE_END = re.compile(r" [.;!?](?= )")
 
 _MOST = 4
 """Openers, and tags, that are left out one after another."""
@@ -104,10 +79,8 @@ _INVERTED = re.compile(rf"(?:and |so |or )?(?:{_BE}|how|what|which|why|where|who
 class PlainQuestions:
     """Puts questions plainly, by a lexicon."""
 
-    def __init__(self, lexicon: Lexicon, phrases: Phrases) -> None:
+    def __init__(self, lexicon: Lexicon) -> None:
         self._said = lexicon.asking
-        self._denied = [template_pattern(each) for each in lexicon.statements["denied"]]
-        self._phrases = phrases
 
     @cached_property
     def _patterns(self) -> dict[str, re.Pattern[str]]:
@@ -115,24 +88,12 @@ class PlainQuestions:
         said = {kind: "|".join(map(template_pattern, each)) for kind, each in self._said.items()}
         return {kind: re.compile(shape.format(said[kind])) for kind, shape in _SHAPES.items()}
 
-    @cached_property
-    def _wished(self) -> re.Pattern[str]:
-        """The words of sentences that say what is wanted or meant."""
-        wished = "|".join(self._denied)
-        return re.compile(rf"(?<![^ ])(?:{wished}|like|let|remember|my)(?= |$)")
-
     def readings(self, said: Normalised) -> Iterator[Normalised]:
         """Yield a question in plain words, where it is one and can be put so.
 
         Args:
             said: a sentence that is not read as it stands.
         """
-        yield from self._plain_readings(said)
-        if (only := self._only_question(said)) is not None:
-            yield replace(only, question=True, asks=_REQUEST.match(only.text) is None)
-            yield from self._plain_readings(only)
-
-    def _plain_readings(self, said: Normalised) -> Iterator[Normalised]:
         plain, opened = self._without_openers(said)
         plain, tagged = self._without_tags(plain)
         asks = _ASKS.match(said.text) or (opened and _ASKS.match(plain.text))
@@ -146,30 +107,6 @@ class PlainQuestions:
             yield replace(asked, question=True, asks=True).with_gaps_aside()
         if plain.text != said.text:
             yield replace(plain, question=True, asks=True).with_gaps_aside()
-
-    def _only_question(self, said: Normalised) -> Normalised | None:
-        """The question of a text of several sentences, the others of which have no effect."""
-        ends = [0, *(mark.end() for mark in _SENTENCE_END.finditer(said.text)), len(said.text)]
-        spans = [(start, end) for start, end in pairwise(ends) if said.text[start:end].strip()]
-        asked = [span for span in spans if said.text[: span[1]].endswith("?")]
-        asked += spans[-1:] if said.question else []
-        if len(spans) < 2 or len(asked) != 1 or not 2 <= len(spans) <= _MOST:
-            return None
-        (kept,) = asked
-        others = [span for span in spans if span != kept]
-        if any(self._has_effect(said.text[slice(*span)]) for span in others):
-            return None
-        question = said.words_in(_without_marks(said.text, *kept))
-        question = question.with_gaps_aside()
-        named = any(_NAMES.search(said.text, *span) for span in spans if span < kept)
-        return None if named and _POINTS.search(question.text) else question
-
-    def _has_effect(self, text: str) -> bool:
-        """Check for a sentence that may ask for something, or say how or where."""
-        if _GOES_ON.match(text.strip()) or self._wished.search(text):
-            return True
-        words = WORD.finditer(text)
-        return any(self._phrases.has_any_at(_EFFECTIVE, text, word.start()) for word in words)
 
     def only_supposes(self, said: Normalised) -> bool:
         """Check for a question what would come of something: "suppose I asked you to push it"."""
@@ -232,9 +169,3 @@ def _put_as_question(said: Normalised, *, told: bool) -> Normalised | None:
     if found is None:
         return None
     return said.words_in(*(span for span in map(found.span, names) if span[0] >= 0))
-
-
-def _without_marks(text: str, start: int, end: int) -> Span:
-    """A stretch of a text without spaces and marks at its ends."""
-    said = text[start:end]
-    return start + len(said) - len(said.lstrip(" ,.;!?")), start + len(said.rstrip(" ,.;!?"))

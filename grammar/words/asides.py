@@ -1,7 +1,7 @@
 """Words around a command that change nothing, and words that are taken back.
 
-"Uh, could you push the tin, no wait, the jar away, because it is in the way? Thanks!" means "push
-the jar away": politeness, fillers, reasons and doubled words are left out, and what is corrected is
+"Uh, could you push the tin, no wait, the jar away? Thanks!" means "push the jar away": politeness,
+fillers and doubled words, which a closed list holds, are left out, and what is corrected is
 replaced by what corrects it. A correction takes the place of the last group of words of its own
 kind (a thing, a number, a direction, a verb); where none stands before it, nothing is taken back.
 """
@@ -15,12 +15,11 @@ from functools import cached_property, partial
 
 from grammar.frames.command import Span
 from grammar.words.corrections import RENAMED, RESTATED, Corrections
-from grammar.words.courtesy import Courtesy
+from grammar.words.emphasis import Emphasis
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
 from grammar.words.phrase_places import WORD, Phrases
 from grammar.words.phrase_templates import first_words, template_pattern
-from grammar.words.reasons import Reasons
 from grammar.words.repeats import Repeats
 
 _Search = Callable[[str, int], re.Match[str] | None]
@@ -32,22 +31,19 @@ _HESITATING = frozenset({",", "ah", "eh", "ehm", "er", "erm", "err", "hm", "hmm"
 _SHAPES = {
     "corrections": r"(?:(?<= )[.,;] )??(?<![^ ])(?:(?:(?: ,)? )?(?<![^ ])(?:{0}))+(?: ,)?(?= )",
     "hesitations": r"(?:(?<=^the )|(?<= the )|(?<= a )|(?<= an ))(?:{0})(?: ,)?(?= [a-z])",
-    "fillers": r"(?<![^ ])(?!(?<=you )like ,|(?<=as )well|(?<=do )you know|(?:, )?you know why"
-    r"|(?<=not )see ,)"
+    "fillers": r"(?<![^ ])(?!(?<=you )(?:like|please) ,|(?<=as )well|(?<=do )you know"
+    r"|(?:, )?you know why|(?<=not )see ,)"
     r"(?:(?:(?: ,)? )?(?<![^ ])(?:{0}))+(?= |$)",
-    "reasons": r"(?:^(?!so (?!that ))|(?<= ))(?:{0})(?= |$)",
-    "statements": r"(?<=[^ ] )(?:{0})(?: [^,.;]+)?(?= [,.;] )",
     "shares": r"(?<=[^ ] )(?:{0})(?=$| )",
-    "restarts": r"(?:^|(?<=[.;] )|(?<=^no )(?:, )?)(?:{0})(?= )",
     "after": r"(?<![^ ])(?<!the )(?:{0})(?=$| [.;])",
-    "before": r"(?:^|(?<=[.;] ))(?:{0})(?= |$)",
+    "before": r"(?:^|(?<=[.;] ))(?:{0})(?= (?!not |never )|$)",
 }
 """Where each kind of aside stands, in the order in which they are left out.
 
 "Like," is a filler, but not in "as fast as you like, then".
 """
 
-_BY_FIRST_WORD = frozenset({"reasons", "after", "before"})
+_BY_FIRST_WORD = frozenset({"after", "before"})
 """Kinds that begin with their first word, and have so many templates that only those that begin
 with a word of the text are made patterns of."""
 
@@ -65,38 +61,20 @@ _OPENING = re.compile(r"(?:^|(?<=[.;] ))[^ ]+")
 _MOST_TRIED = 6
 """Marks of a correction of which one text may have as many, so that none takes long."""
 
-_TOPIC = re.compile(
-    r"(?:[a-z]+ ){1,3}((?:the|my|your|our)(?: [a-z0-9]+){1,5}) "
-    r"(?:is|are|was|stands|blocks|has|gets|might|could|will) [^,]* (?:, )?(?:[a-z]+ ){1,3}it(?= |$)"
-)
-"""A reason about a thing, which "it" means then: "since the mug is dirty, push it away"."""
-
 _MEANT_BEFORE = re.compile(
     r"(?<= ), (the(?: [a-z0-9]+){1,4}?|(?:to the )?(?:left|right)|away|[0-9.]+ [a-z]+) (?:, )?"
     r"(i (?:mean|meant))(?= [,.;]|$)"
 )
 """What is meant and the mark of it: "the mug, the jar I mean", "left - right, I mean"."""
 
-_NO_REASON_BEHIND = re.compile(
-    r"(?<![^ ])(?:as [a-z]+|is|are|back|leave [a-z]+(?: just)?"
-    "|after|before|if|or|that|unless|until|whether|when|which|while) $"
-)
-"""What looks like a reason is none: "as soon as it is", "leave it as it is", "if it bothers me"."""
-
 _SEVERAL = re.compile(r"(?<![^ ])(?:and|them|they|these|those|both|all|two|three|four)(?= )")
 
+_SOMEWHERE = frozenset({"AWAY_FROM_REGION", "BETWEEN", "DIRECTION", "FACE", "FROM_SIDE", "INTO",
+                        "MUTUAL", "REGION", "REGION_OF_TABLE", "RELATION", "SENSE", "TOWARD",
+                        "TOWARD_REGION"})  # fmt: skip
+"""Terminals of where something is to go."""
+
 _WHERE = ("DIRECTION", "TOWARD", "REGION_OF_TABLE")
-
-_TAKES_BACK = re.compile(r"(?<![^ ])(?:joking|kidding)(?= |$)")
-"""What is no reason, but takes back what was said: "I was joking"."""
-
-_WISH = re.compile(
-    r"(?<![^ ])(?:wants?|needs?|(?:would|will) (?:like|love|prefer)|prefers?|wish(?:es)?|says?|"
-    "said)(?= )"
-)
-_ASKED_FOR = ("AVOID", "COMPARED", "DIRECTION", "EVENT_INFINITIVE", "MANNER", "REGION_OF_TABLE",
-              "TOUCH", "TOUCHING", "VERB_ED")  # fmt: skip
-"""Terminals of what may be wished of the thing that is moved."""
 
 _STRAY = re.compile(
     r"(?<= the) ,(?= )|(?<=^the) ,(?= )|"
@@ -110,31 +88,26 @@ class Asides:
     def __init__(self, lexicon: Lexicon, phrases: Phrases) -> None:
         self._lexicon = lexicon
         self._phrases = phrases
-        self._courtesy = Courtesy(lexicon, phrases)
-        self._reasons = Reasons(lexicon, phrases)
+        self._emphasis = Emphasis(lexicon, phrases)
         self._repeats = Repeats(lexicon, phrases)
         self._corrections = Corrections(lexicon, phrases, self._repeats)
         self._patterns: dict[tuple[str, str], re.Pattern[str]] = {}
 
     def left_out(self, sentence: Normalised) -> Normalised:
         """The sentence without its asides, empty if it says nothing else."""
-        if self._courtesy.is_remark(sentence.text):
+        if self._phrases.is_remark(sentence.text):
             return sentence
         said = _with_mark_first(sentence)
         spoken = sentence.text.split()
         words = set(spoken)
-        if self._courtesy.is_closing(sentence):
-            said = replace(sentence, text="", columns=())
-        said = self._courtesy.without_greeting(said)
         for kind in _SHAPES:
+            if kind == "after":
+                said = self._without_all_of("before", said)
+                if self._phrases.is_remark(said.text):
+                    break  # "fine, go ahead"
             if kind == "before":
-                said = self._courtesy.put_plainly(said)
-            opens = kind == "before" or (kind == "restarts" and not said.text.startswith("no "))
-            near = _OPENING.findall(said.text) if opens else words
-            if not self._templates[kind].keys().isdisjoint(near):
-                said = self._without_all(said, kind, partial(self._aside_in, kind))
-        if spoken.count(",") > 1:
-            said = self._without_courtesy(said)
+                said = self._emphasis.put_plainly(said)
+            said = self._without_all_of(kind, said)
         if len(words) < len(spoken):
             said = self._without_repeats(said)
         if not words.isdisjoint(",.;"):
@@ -143,14 +116,15 @@ class Asides:
             return sentence
         return said.with_gaps_aside()
 
-    def of_rest(self, rest: Normalised, topic: Normalised | None = None) -> Normalised:
-        """A rest of a sentence without its asides, behind the thing that "it" means in it."""
-        said = self.left_out(rest)
-        if topic is not None:
-            text = f"{topic.text} , {said.text}"
-            comma = (topic.columns[-1][1],) * 2
-            said = replace(said, text=text, columns=(*topic.columns, *[comma] * 3, *said.columns))
-        return said.with_gaps_aside()
+    def _without_all_of(self, kind: str, said: Normalised) -> Normalised:
+        near = _OPENING.findall(said.text) if kind == "before" else said.text.split()
+        if self._templates[kind].keys().isdisjoint(near):
+            return said
+        return self._without_all(said, kind, partial(self._aside_in, kind))
+
+    def are_closing(self, sentence: Normalised) -> bool:
+        """Check for thanks or leave in a sentence that is all courtesy, which a greeting is not."""
+        return not set(self._lexicon.asides["closing"]).isdisjoint(sentence.text.split())
 
     def without_hesitations(self, sentence: Normalised) -> Normalised | None:
         """A sentence that is not read as it stands, without words and pauses that may hesitate."""
@@ -226,8 +200,6 @@ class Asides:
         start, end = match.span()
         if kind == "shares" and not self._is_shared(said.text, match):
             return None
-        if kind == "reasons":
-            return self._without_reason(said, start, end)
         if kind == "hesitations" and self._corrections.begins_a_group(said.text, end + 1):
             return None  # "push the like away"
         if kind == "corrections":
@@ -237,10 +209,10 @@ class Asides:
                 if match[0] != "that is":
                     return None  # ", that is the plan"
                 only = RENAMED
-            return self._corrections.correction(said, start, end, only)
+            return self._corrected(said, start, end, only)
         often = said.text.count(match[0]) > _MOST_TRIED
         restates = kind == "fillers" and "please" not in match[0] and not often
-        if restates and (corrected := self._corrections.correction(said, start, end, RESTATED)):
+        if restates and (corrected := self._corrected(said, start, end, RESTATED)):
             return corrected
         if kind == "fillers":
             start, end = self._with_pauses(said.text, start, end)
@@ -255,6 +227,12 @@ class Asides:
         tagged = tagged and match[0].rpartition(" ")[2] not in _WHEN
         return replace(left, question=said.question and not (polite or tagged))
 
+    def _corrected(
+        self, said: Normalised, start: int, end: int, only: frozenset[str]
+    ) -> Normalised | None:
+        corrected = self._corrections.correction(said, start, end, only)
+        return corrected and corrected.taken_back_from(said)
+
     def _is_shared(self, text: str, match: re.Match[str]) -> bool:
         """Check for "each" of what is done to several things, not "push each to the left"."""
         said, before = match[0].lstrip(", "), text[: match.start()].rstrip(" ,")
@@ -262,14 +240,14 @@ class Asides:
         several = _SEVERAL.search(before) is not None
         if match.end() == len(text) or text[match.end() + 1] in ".;":
             return (each or several) and (
-                self._courtesy.is_said(before) or said.startswith(("in", "one", "turn"))
+                self._emphasis.is_said(before) or said.startswith(("in", "one", "turn"))
             )
         goes_on = self._phrases.has_any_at(_WHERE, text, match.end() + 1)
         measured = text[match.end() + 1 :].startswith("by ") or text[match.end() + 1].isdigit()
         measured = measured or said.startswith(("in", "one", "turn"))
         if each and goes_on and match[0] == said:
-            return self._courtesy.is_said(before)  # "5 cm each to the left"
-        return several and (measured or goes_on) and not self._courtesy.is_said(before)
+            return self._emphasis.is_said(before)  # "5 cm each to the left"
+        return several and (measured or goes_on) and not self._emphasis.is_said(before)
 
     def _with_pauses(self, text: str, start: int, end: int) -> Span:
         """A filler with the pauses around it that stand within a phrase, or within a name."""
@@ -285,15 +263,6 @@ class Asides:
             return start, end + paused  # "to uh, the left"
         return start, end
 
-    def _without_courtesy(self, said: Normalised) -> Normalised:
-        """The sentence without courtesy between commas: "the, mate, tin"."""
-        while span := self._courtesy.pause_in(said.text):
-            start, end = self._with_pauses(said.text, *span)
-            if (start, end) == span:
-                end += 2  # one of both commas
-            said = said.words_in((0, start), (end, len(said.text)))
-        return said
-
     def _without_repeats(self, said: Normalised) -> Normalised:
         marked = not self._templates["corrections"].keys().isdisjoint(said.text.split())
         marks = self._pattern_of("corrections") if marked else None
@@ -302,28 +271,9 @@ class Asides:
             repeat = self._repeats.repeat_in(said.text, marks)
             if repeat is None or self._is_named(said.text, *repeat):
                 break
-            said = said.words_in((0, repeat[0]), (repeat[1], len(said.text)))
+            once = said.words_in((0, repeat[0]), (repeat[1], len(said.text)))
+            said = once.taken_back_from(said)
         return said
-
-    def _without_reason(self, said: Normalised, start: int, opened: int) -> Normalised | None:
-        if _NO_REASON_BEHIND.search(said.text, 0, start):
-            return None
-        end = self._reasons.end_of(said.text, start, opened)
-        if end is None or _TAKES_BACK.search(said.text, start, end):
-            return None
-        if said.text[start] in ",.;" and self._wishes(said.text, start, end):
-            return None  # "…. My wife would like it nearer"
-        if start == 0 and (topic := _TOPIC.match(said.text)):
-            if said.text[end] != ",":
-                return None  # "as the mug is dirty push it away"
-            return said.words_in(topic.span(1), (end, len(said.text)))
-        return said.words_in((0, start), (end, len(said.text)))
-
-    def _wishes(self, text: str, start: int, end: int) -> bool:
-        """Check for a wish in a stretch of a text that says where, how, or what must not be."""
-        wish = _WISH.search(text, start, end)
-        words = WORD.finditer(text, wish.end(), end) if wish else ()
-        return any(self._phrases.has_any_at(_ASKED_FOR, text, word.start()) for word in words)
 
     def _says_too_little(self, kind: str, match: re.Match[str], left: Normalised) -> bool:
         """Check for a rest that needs what is left out: "to the right now", "no, right"."""
@@ -331,12 +281,11 @@ class Asides:
         tag = kind == "after" and left.question and match[0].startswith(",")
         needed = match[0].strip(" .,") in ("over", "right", "straight away") and not tag
         if needed and match.start():
-            if not self._reasons.goes_somewhere(left.text):
+            starts = (word.start() for word in WORD.finditer(left.text))
+            if not any(self._phrases.has_any_at(_SOMEWHERE, left.text, at) for at in starts):
                 return True  # "push it 5 cm, right"; "push it, over"; "push it straight away"
             if match.string[match.start()] == "." and after:
-                return not self._courtesy.begins_command(after)  # "left. Right. Slowly"
-        if kind == "restarts":
-            return self._courtesy.is_closing(left)  # "hold on, thanks"
+                return not self._emphasis.begins_command(after)  # "left. Right. Slowly"
         if kind != "after" or not left.text:
             return kind == "after" and (left.question or match[0].startswith("and"))  # "can you?"
         marks = {*self._lexicon.terminals["NO"], *self._lexicon.terminals["I_MEANT"], ",", "not"}

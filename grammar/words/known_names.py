@@ -248,4 +248,5 @@ def _with_words(said: Normalised, start: int, end: int, words: str) -> Normalise
     """The sentence with other words in the place of some of it."""
     at = said.columns[min(start, len(said.columns) - 1)]
     columns = (*said.columns[:start], *((at[0], at[0]),) * len(words), *said.columns[end:])
-    return replace(said, text=said.text[:start] + words + said.text[end:], columns=columns)
+    put = replace(said, text=said.text[:start] + words + said.text[end:], columns=columns)
+    return put.taken_back_from(said)

@@ -46,6 +46,7 @@ class Verb:
         turns: how far it turns, if the verb itself says so ("turn around").
         which: what is found out, if the verb itself says so ("weigh").
         relation: how things stand to each other, if the verb itself says so ("stack").
+        kept: whether a place behind its object says where that is kept ("hold").
     """
 
     action: str
@@ -55,6 +56,7 @@ class Verb:
     turns: float | None = None
     which: str | None = None
     relation: str | None = None
+    kept: bool = False
 
 
 @dataclass(frozen=True)
@@ -77,10 +79,9 @@ class Lexicon:
         later_words: words that begin phrases which are not read.
         vague: words and phrases of no clear meaning → what to say instead.
         contractions: contracted word → spelled out.
-        asides: where words stand that change nothing → templates of them.
-        courtesy: where they stand → the words that runs of courtesy are made of.
+        asides: where words of courtesy stand, which change nothing → templates of them.
+        effects: word with an effect, none of which is ever left out → what it does.
         rewordings: plain words → templates of what is put so where it is not read.
-        statements: what they are told by → templates of it.
         asking: where words of questions stand that ask nothing → templates of them.
         labels: terminal → how a message names it.
     """
@@ -101,9 +102,8 @@ class Lexicon:
     vague: Mapping[str, tuple[str, ...]]
     contractions: Mapping[str, str]
     asides: Mapping[str, tuple[str, ...]]
-    courtesy: Mapping[str, str]
+    effects: Mapping[str, str]
     rewordings: Mapping[str, tuple[str, ...]]
-    statements: Mapping[str, tuple[str, ...]]
     asking: Mapping[str, tuple[str, ...]]
     labels: Mapping[str, str]
 
@@ -138,9 +138,8 @@ class Lexicon:
             vague={word: tuple(instead) for word, instead in data["vague"].items()},
             contractions=data["contractions"],
             asides={place: tuple(templates) for place, templates in data["asides"].items()},
-            courtesy=data["courtesy"],
+            effects=_expand_phrases("effects", data["effects"]),
             rewordings={means: tuple(said) for means, said in data["rewordings"].items()},
-            statements={kind: tuple(said) for kind, said in data["statements"].items()},
             asking={place: tuple(said) for place, said in data["asking"].items()},
             labels=data["labels"],
         )

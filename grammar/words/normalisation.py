@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from grammar.errors import ParseError
@@ -60,6 +60,8 @@ class Normalised:
         columns: for each character of `text` the span in `original` that it came from.
         question: whether the sentence ended in a question mark.
         asides: where words stand that change nothing and were left out.
+        taken_back: where words stand that the speaker took back or said twice, or in whose place
+            others stand.
         asks: whether it was put so that it can only be meant as a question.
     """
 
@@ -68,6 +70,7 @@ class Normalised:
     columns: tuple[Span, ...]
     question: bool
     asides: tuple[Span, ...] = ()
+    taken_back: tuple[Span, ...] = ()
     asks: bool = False
 
     def original_span(self, start: int, end: int) -> Span:
@@ -92,14 +95,35 @@ class Normalised:
             text, columns = text + self.text[left:right], [*columns, *self.columns[left:right]]
         return replace(self, text=text, columns=tuple(columns))
 
+    def left_out(self) -> tuple[Span, ...]:
+        """Where words stand that are neither in `text` nor taken back, in the sentence as given."""
+        apart = {c for span in (*self.columns, *self.taken_back) for c in range(*span)}
+        aside = {c for span in self.asides for c in range(*span)}
+        unsaid = aside - {c for span in self.taken_back for c in range(*span)}
+        return self._runs((set(range(len(self.original))) - apart) | unsaid)
+
+    def runs_of(self, spans: Iterable[Span]) -> tuple[Span, ...]:
+        """Stretches of the words of some spans."""
+        return self._runs({column for span in spans for column in range(*span)})
+
     def with_gaps_aside(self) -> Normalised:
         """The same, where all words of the sentence as given that are not in `text` are asides."""
         kept = {column for span in self.columns for column in range(*span)}
+        return replace(self, asides=self._runs(set(range(len(self.original))) - kept))
+
+    def _runs(self, columns: Collection[int]) -> tuple[Span, ...]:
+        """Stretches of words in some columns, with what is no word between them."""
         marks = "".join(
-            "\n" if i in kept else char if char.isalnum() else " "
+            " " if not char.isalnum() else char if i in columns else "\n"
             for i, char in enumerate(self.original)
         )
-        return replace(self, asides=tuple(run.span() for run in _RUN.finditer(marks)))
+        return tuple(run.span() for run in _RUN.finditer(marks))
+
+    def taken_back_from(self, said: Normalised) -> Normalised:
+        """The same, where all words of a longer form that are not in it were taken back."""
+        kept = set(self.columns)
+        gone = tuple(span for span in said.columns if span not in kept and span[0] < span[1])
+        return replace(self, taken_back=(*self.taken_back, *gone))
 
     def words_as_written(self, span: Span) -> str:
         """The words of a span as they were written, one space apart, asides left out."""

@@ -113,6 +113,11 @@ class Phrases:
         asked = frozenset(wanted)
         return any(not asked.isdisjoint(kinds) for _, kinds in self.phrases_at(text, start))
 
+    def is_remark(self, text: str) -> bool:
+        """Check for a text that is "do it" and nothing else, in any of its words: "go on then"."""
+        found = self.phrases_at(text, 0)
+        return bool(found) and found[0][0] == text and "DO" in found[0][1]
+
     def has_any_in_clause(self, wanted: Iterable[str], text: str, start: int) -> bool:
         """Check for a phrase of one of some terminals from here to the end of a clause."""
         rest = _CLAUSE_END.search(text, start)

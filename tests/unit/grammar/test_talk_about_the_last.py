@@ -41,9 +41,3 @@ def test_it_is_read_as_it_is_meant(text: str, query: str | None, dialogue: str |
 def test_what_may_mean_something_else_is_refused(text: str) -> None:
     with pytest.raises(ParseError):
         parse(text)
-
-
-def test_what_happened_to_a_thing_is_no_part_of_its_name() -> None:
-    (frame,) = parse("the cup fell, right it").frames
-    assert frame.object is not None
-    assert (frame.object.text, frame.goal.kind) == ("cup", "upright")

@@ -15,16 +15,11 @@ KNOWN = parser_for({"mug", "jar", "tea tin", "soup can", "water bottle"})
     [
         # what a question is opened with, what asks for assent, words that ask nothing
         ("may I ask whether the jar is shut?", "is the jar closed?"),
-        ("Before you move anything: is the jar open?", "is the jar open?"),
-        ("for our guests: how heavy is the jar?", "how heavy is the jar?"),
-        ("my neighbour thinks the tin is heavier than the jar. Is he right?",
-         "is the tin heavier than the jar?"),
         ("any idea how tall that is?", "how tall is that?"),
         ("do you think the tin is heavier than the jar?", "is the tin heavier than the jar?"),
         ("the jar isn't open, is it?", "is the jar open?"),
         ("how heavy would you say the jar is?", "how heavy is the jar?"),
         ("so how heavy is the jar really, in your opinion?", "how heavy is the jar?"),
-        ("Good seamanship. How far is the jar from the mug?", "how far is the jar from the mug?"),
         # what was done
         ("has anything been bumped?", "what did you do?"),
         ("how many newtons did you need?", "what did you do?"),
