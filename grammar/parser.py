@@ -20,6 +20,7 @@ from grammar.paraphrasing.clause_wording import Phrasing
 from grammar.paraphrasing.command_wording import paraphrase
 from grammar.phrases.lalr_parser import LalrParser, UnexpectedTokenError, parse_table
 from grammar.phrases.other_readings import OtherReadings
+from grammar.phrases.phrase_parts import Filler
 from grammar.phrases.tree_transform import parts_of
 from grammar.syntax_diagnosis import EXAMPLE, diagnose, require_clear
 from grammar.unbound_words import LawOfEffect
@@ -258,8 +259,9 @@ class Parser:
             message = "these words together make no sentence"
             hints = ("say it in two sentences", "leave something out")
             raise ParseError("does_not_apply", message, None, hints) from raised
-        text, asides = sentence.original, sentence.asides
-        return Command(text=text, frames=frames, paraphrase=words, asides=asides)
+        fillers = (part.span for part in parts if isinstance(part, Filler))
+        asides = sentence.runs_of((*sentence.asides, *fillers))
+        return Command(text=sentence.original, frames=frames, paraphrase=words, asides=asides)
 
 
 def _is_said(sentence: Normalised) -> bool:

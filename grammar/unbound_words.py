@@ -20,7 +20,7 @@ from grammar.words.normalisation import Normalised, normalise
 from grammar.words.phrase_places import Phrases
 from grammar.words.phrase_templates import first_words, template_pattern
 
-_COURTESY = ("before", "after", "shares", "fillers", "hesitations", "topics", "emphasis")
+COURTESY = ("before", "after", "shares", "fillers", "hesitations", "topics", "emphasis")
 """Kinds of asides that are left out as courtesy."""
 
 _MARKS = re.compile(r"[\[(][,.;|]+[\])]|(?<![^ (\[|])[,.;](?![^ )\]|])")
@@ -39,12 +39,14 @@ _TOLD = {
     "exception": "takes something out, and it is not clear what",
     "report": "reports or supposes something, and commands nothing",
     "other": "is said of somebody else",
+    "reason": "gives a reason, which is not read",
     "retraction": "takes something back, and it is not clear what",
 }
 """What words of each kind do, in a message."""
 
-_WAITS = frozenset({"condition", "time"})
-"""Kinds without which the rest may be said later."""
+_REST = {"condition": "when it is to be done, say", "time": "when it is to be done, say",
+         "reason": "this would do", "": "this would do"}  # fmt: skip
+"""Kinds without which the rest may be said by itself, and how that is suggested."""
 
 _LIMITS = ("BEFORE", "BOUND", "DOES_NOT", "EXCEPT", "LETTING", "NOT", "UNTIL", "WITHOUT")
 """Terminals with which a limit begins."""
@@ -133,9 +135,8 @@ class LawOfEffect:
         effect = self._effect.search(self._plain(said.original[slice(*span)]))
         kind = self._lexicon.effects[effect[0]] if effect else ""
         message = _TOLD.get(kind, "would be left out, and is no courtesy")
-        later = rest and (kind in _WAITS or not kind)
-        hint = f'{"this would do" if not kind else "when it is to be done, say"}: "{rest}"'
-        return said.error_at(span, "unbound_words", message, hint if later else _HINT)
+        hint = f'{_REST[kind]}: "{rest}"' if rest and kind in _REST else _HINT
+        return said.error_at(span, "unbound_words", message, hint)
 
     def _begins_limit(self, effect: re.Match[str]) -> bool:
         return self._phrases.has_any_at(_LIMITS, effect.string, effect.start())
@@ -186,12 +187,12 @@ class LawOfEffect:
 
     @cached_property
     def _marks_of_correction(self) -> re.Pattern[str]:
-        rows = map(template_pattern, map(_without_marks, self._lexicon.asides["corrections"]))
+        rows = map(template_pattern, map(without_marks, self._lexicon.asides["corrections"]))
         return re.compile(rf"^{_DENIES}|(?<![^ ])(?:{'|'.join(rows)})(?= |$)")
 
     @cached_property
     def _rows(self) -> dict[str, list[str]]:
-        return _by_first_word(chain.from_iterable(self._lexicon.asides[k] for k in _COURTESY))
+        return _by_first_word(chain.from_iterable(self._lexicon.asides[k] for k in COURTESY))
 
     @cached_property
     def _asking_rows(self) -> dict[str, list[str]]:
@@ -222,13 +223,13 @@ def _place_of(said: Normalised, column: int) -> int:
 def _by_first_word(templates: Iterable[str]) -> dict[str, list[str]]:
     """First word → the rows, without their marks, that may begin with it."""
     rows: dict[str, list[str]] = {}
-    for row in map(_without_marks, templates):
+    for row in map(without_marks, templates):
         for word in first_words(row):
             rows.setdefault(word, []).append(row)
     return rows
 
 
-def _without_marks(template: str) -> str:
+def without_marks(template: str) -> str:
     """A template without its marks of punctuation: "[,|.] (,|.|and) that is all" → "[and] …"."""
     template = re.sub(r"[\[(](?:[,.;]\|)+([^\[\]()]+)[\])]", r"[\1]", template)
     template = " ".join(_MARKS.sub("", template).split())

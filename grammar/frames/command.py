@@ -132,14 +132,18 @@ class Command(Part):
         text: the sentence as given; of frames that came without one, the paraphrase.
         frames: what is to be done, one after the other.
         paraphrase: the frames in plain words, which are read as the same frames.
-        asides: words of the text that change nothing: politeness, fillers, reasons, and what was
-            taken back.
+        asides: words of the text that set nothing: courtesy, and what was taken back.
     """
 
     text: str
     frames: tuple[Frame, ...]
     paraphrase: str
     asides: Spans = ()
+
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """The words of the text that set nothing, as they were said."""
+        return tuple(self.text[start:end] for start, end in self.asides)
 
 
 def references_in(part: BaseModel) -> Iterator[ObjectRef]:

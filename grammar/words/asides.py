@@ -97,7 +97,7 @@ class Asides:
         """The sentence without its asides, empty if it says nothing else."""
         if self._phrases.is_remark(sentence.text):
             return sentence
-        said = _with_mark_first(sentence)
+        said = self._without_all_of("before", _with_mark_first(sentence))
         spoken = sentence.text.split()
         words = set(spoken)
         for kind in _SHAPES:

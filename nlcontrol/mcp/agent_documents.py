@@ -70,6 +70,7 @@ def result_answer(result: Result, detail: bool) -> ToolAnswer:
             "ok": result.ok,
             "status": result.status,
             "understood": result.paraphrase,
+            "without": list(result.left_out),
             "verdicts": [_verdict(check, result.text) for check in result.checks],
             "notes": [
                 *result.notes,

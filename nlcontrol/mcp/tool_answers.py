@@ -35,6 +35,7 @@ class ToolAnswer(BaseModel):
         suggestions: what would do instead, in words.
         say: whole sentences that would do instead, to be given to `plan` or `ask` as they are.
         understood: how the sentence was understood.
+        without: words of the sentence that set nothing.
         numbers: the figures that decided, by name [SI].
         plan_id: of the plan that waits to be executed, once.
         expires_in: time for which that is possible [s].
@@ -57,6 +58,7 @@ class ToolAnswer(BaseModel):
     suggestions: list[str] = Field(default=[])
     say: list[str] = Field(default=[])
     understood: str | None = None
+    without: list[str] = Field(default=[])
     numbers: dict[str, float] = Field(default={})
     plan_id: str | None = None
     expires_in: float | None = None

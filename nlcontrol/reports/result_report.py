@@ -5,7 +5,7 @@ Values are SI inside; people read millimetres, degrees and newtons.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import islice
 
 from nlcontrol.checks.verdicts import Check
@@ -25,8 +25,15 @@ def report(result: Result) -> str:
 def report_lines(result: Result) -> Iterator[str]:
     """The lines of a report: what was understood and planned, and what came of it."""
     if result.paraphrase:
-        yield f"I understood: {result.paraphrase}"
+        yield from understanding_lines(result.paraphrase, result.left_out)
     yield from _lines_after_understanding(result, planned=True)
+
+
+def understanding_lines(paraphrase: str, left_out: Sequence[str]) -> Iterator[str]:
+    """What was understood, and the words of the sentence that set nothing."""
+    yield f"I understood: {paraphrase}"
+    if left_out:
+        yield f"  left out: {', '.join(f'“{words}”' for words in left_out)}"
 
 
 def later_lines(result: Result) -> Iterator[str]:

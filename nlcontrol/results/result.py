@@ -131,6 +131,7 @@ class Result(Document):
             (told to stop).
         text: the sentence as given.
         paraphrase: what was understood, in words.
+        left_out: words of the sentence that set nothing: courtesy, and what was taken back.
         frames: the same as data.
         planned: how many of the frames were planned.
         plan: the pushes or the steps of the hand, with what was predicted, of the last frame
@@ -160,6 +161,7 @@ class Result(Document):
     status: ResultStatus
     text: str
     paraphrase: str | None = None
+    left_out: tuple[str, ...] = ()
     frames: tuple[Frame, ...] = ()
     planned: int = 0
     plan: Plan | None = None

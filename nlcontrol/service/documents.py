@@ -189,7 +189,8 @@ class Understanding(Document):
         text: the sentence as given.
         frames: what is to be done, one after the other.
         paraphrase: the frames in plain words, which are read as the same frames.
-        asides: words that change nothing.
+        asides: where words stand that set nothing.
+        left_out: these words.
         error: why it was not understood.
         explanation: which words set which part of a frame; parameters follow with a plan.
     """
@@ -199,6 +200,7 @@ class Understanding(Document):
     frames: tuple[Frame, ...] = ()
     paraphrase: str | None = None
     asides: Spans = ()
+    left_out: tuple[str, ...] = ()
     error: ErrorInfo | None = None
     explanation: tuple[Row, ...] = ()
 

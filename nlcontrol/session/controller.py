@@ -361,8 +361,14 @@ class Controller:
     def empty_result(self, text: str, command: Command | None = None) -> Result:
         """The result of a sentence of which nothing has come yet."""
         result = Result(ok=False, status="failed", text=text, scene=self.cell.name, seed=self.seed)
-        said = command and {"paraphrase": command.paraphrase, "frames": command.frames}
-        return result_with(result, **(said or {}))
+        if command is None:
+            return result
+        return result_with(
+            result,
+            paraphrase=command.paraphrase,
+            left_out=command.left_out,
+            frames=command.frames,
+        )
 
     @in_turn
     def carry_out(
@@ -382,7 +388,7 @@ class Controller:
         from nlcontrol.session.frame_execution import run_command
 
         result, supervisor = self.empty_result(command.text, command), Supervisor.of(progress)
-        supervisor.tell("understood", command.paraphrase)
+        supervisor.tell("understood", command.paraphrase, left_out=command.left_out)
         try:
             if approval is None:
                 held = None if self.held is None else self.held.name

@@ -29,7 +29,7 @@ EventKind = Literal[
 
 KINDS: Mapping[EventKind, tuple[str, str]] = MappingProxyType(
     {
-        "understood": ("the sentence was read; `text` is how it is understood", ""),
+        "understood": ("the sentence was read; `text` is how it is understood", "`left_out`"),
         "planned": ("a frame has its first plan", "`plan`"),
         "phase": ("something begins; of the phases of a trace, or `plan`, `learn`", "`phase`"),
         "contact": ("the fingers have felt what they were to touch", "`forces`"),
@@ -57,6 +57,7 @@ class Event(DocumentPart):
         time: of the robot [s].
         wall_time: since the sentence was said [s].
         text: the same in words.
+        left_out: words of the sentence that set nothing.
         frame: place of the frame in the sentence that it is about, from 0.
         phase: that begins.
         forces: per finger [N].
@@ -70,6 +71,7 @@ class Event(DocumentPart):
     time: float
     wall_time: float
     text: str
+    left_out: tuple[str, ...] | None = None
     frame: int | None = None
     phase: str | None = None
     forces: dict[str, float] | None = None

@@ -132,6 +132,7 @@ def parse(sentence: tuple[str, ...], frames: Path | None, as_json: bool) -> int:
     Of --frames it tells whether they make sense.
     """
     from grammar.parser import default_parser
+    from nlcontrol.reports.result_report import understanding_lines
     from nlcontrol.session.frame_documents import command_of, text_of
     from nlcontrol.text_format import frame_lines
 
@@ -142,13 +143,10 @@ def parse(sentence: tuple[str, ...], frames: Path | None, as_json: bool) -> int:
     except ControlError as raised:
         print_error(raised.info, as_json=as_json, text=None if frames else text_of(said))
         return raised.info.status.exit
-    lines = [f"I understood: {command.paraphrase}"]
+    lines = [*understanding_lines(command.paraphrase, command.left_out)]
     for number, frame in enumerate(command.frames, start=1):
         lines += [f"{number}."] if len(command.frames) > 1 else []
         lines += frame_lines(frame, command.text)
-    if command.asides:
-        left_out = (f"“{command.text[start:end]}”" for start, end in command.asides)
-        lines.append(f"without effect: {', '.join(left_out)}")
     return print_answer(command.model_dump(mode="json"), lines, as_json=as_json)
 
 

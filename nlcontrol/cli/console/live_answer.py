@@ -55,11 +55,11 @@ class LiveAnswer(Narrator):
 
     def _lines_of(self, event: Event) -> Iterator[str]:
         from nlcontrol.plan_text import plan_lines
-        from nlcontrol.reports.result_report import default_line
+        from nlcontrol.reports.result_report import default_line, understanding_lines
 
         if event.kind == "understood":
             self._understood = True
-            yield f"I understood: {event.text}"
+            yield from understanding_lines(event.text, event.left_out or ())
         elif event.kind == "planned" and event.plan is not None:
             if event.frame:
                 yield from ("", f"Step {event.frame + 1}:")

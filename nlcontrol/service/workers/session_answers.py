@@ -88,6 +88,7 @@ def _understanding(session: PlanningSession, said: str | Frames) -> Understandin
         frames=read.frames,
         paraphrase=read.paraphrase,
         asides=read.asides,
+        left_out=read.left_out,
         explanation=reading_explanation(read),
     )
 

@@ -47,8 +47,8 @@ export async function saySentence(state, api, text) {
   state.set({ asking: false });
 }
 
-function understandingOf({ status, text, frames, paraphrase, error, explanation }) {
-  return { ok: !error, status, text, frames, paraphrase, error, explanation: explanation ?? [] };
+function understandingOf({ status, text, frames, paraphrase, left_out, error, explanation }) {
+  return { ok: !error, status, text, frames, paraphrase, left_out, error, explanation: explanation ?? [] };
 }
 
 async function told(state, call) {

@@ -18,11 +18,13 @@ export function understandingPanel(state, api) {
     const error = read.unfinished ? null : read.error;
     words.replaceChildren(...lightedWords(read.text, read.explanation, error));
     const same = !read.paraphrase || read.paraphrase.toLowerCase() === read.text.trim().toLowerCase();
-    meant.textContent = same ? "" : `understood: ${read.paraphrase}`;
+    const without = read.left_out.map((said) => `“${said}”`).join(", ");
+    meant.textContent = [same ? "" : `understood: ${read.paraphrase}`, without && `left out: ${without}`]
+      .filter(Boolean).join(" · ");
     // A short sentence stands in the field already, where that is wide.
     const isShort = read.text.length < SHORT;
     words.dataset.short = String(isShort);
-    panel.dataset.bare = String(isShort && same && !error);
+    panel.dataset.bare = String(isShort && same && !without && !error);
     problem.replaceChildren(...(error ? problemContent(state, api, read.status, error) : []));
   });
   return panel;
