@@ -73,6 +73,10 @@ class Parser:
         parser._names = KnownNames(names, self.lexicon)
         return parser
 
+    def has_effect(self, words: str) -> bool:
+        """Check for words that no reading, and no offer of one, may leave out."""
+        return self._law.has_effect(words)
+
     def knows_names_of(self, command: Command) -> bool:
         """Check for a command whose names are, as far as this parser knows, of some objects."""
         return self._names is None or self._names.are_borne(command.frames)

@@ -1,7 +1,8 @@
 """The most of a text that is read as a command, where the whole is not read.
 
 A text falls into parts at its marks and before words that join. Of those of its parts that together
-are a command the longest are taken. It is not what was said, and only good to be offered.
+are a command the longest are taken, unless what is left out forbids or restricts it. It is not what
+was said, and only good to be offered.
 """
 
 from __future__ import annotations
@@ -26,9 +27,11 @@ _MOST_TRIED = 40
 
 def understood_part(parser: Parser, text: str, before: Sequence[str]) -> Command | None:
     """The command of the most of a text that is read; None if no part of it is a command."""
-    for tried, part in enumerate(_shorter(_END.split(text))):
+    for tried, (part, left) in enumerate(_shorter(_END.split(text))):
         if tried == _MOST_TRIED:
             return None
+        if parser.has_effect(left):
+            continue
         command = parser.command_if_read(part, before)
         acts = command and any(frame.action or frame.query for frame in command.frames)
         if command and acts and parser.knows_names_of(command):
@@ -36,8 +39,8 @@ def understood_part(parser: Parser, text: str, before: Sequence[str]) -> Command
     return None
 
 
-def _shorter(parts: list[str]) -> Iterator[str]:
-    """Yield a text without some of its parts, those with the most letters first."""
+def _shorter(parts: list[str]) -> Iterator[tuple[str, str]]:
+    """Yield a text without some of its parts, those with the most letters first, and these."""
     n = len(parts)
     if n <= _MOST_PARTS:
         kept = [each for k in range(1, n) for each in combinations(range(n), k)]
@@ -45,4 +48,5 @@ def _shorter(parts: list[str]) -> Iterator[str]:
         kept = [tuple(range(i, j)) for i in range(n) for j in range(i + 1, n + 1) if j - i < n]
     kept.sort(key=lambda chosen: -sum(len(parts[i]) for i in chosen))
     for chosen in kept:
-        yield " ".join(parts[i] for i in chosen)
+        left = " , ".join(part for i, part in enumerate(parts) if i not in chosen)
+        yield " ".join(parts[i] for i in chosen), left

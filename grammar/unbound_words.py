@@ -91,8 +91,9 @@ class LawOfEffect:
                 raise self.error(said, named)
 
     def has_effect(self, text: str) -> bool:
-        """Check for a word of effect in a part of a sentence as given."""
-        return self._effect.search(self._plain(text)) is not None
+        """Check for a word of effect, other than of a reason, in a part of a sentence as given."""
+        found = (self._lexicon.effects[each] for each in self._effect.findall(self._plain(text)))
+        return any(kind != "reason" for kind in found)
 
     def stretches(self, said: Normalised, at: Span | None) -> Iterator[Span]:
         """Yield stretches with a word of effect without which a sentence may be read.

@@ -308,7 +308,7 @@ class Conversation:
         another object; then so would any remark that names none.
         """
         other = unread.is_of_other(text, named, self.context)
-        self._unread = self._unread.with_turn(text, named, self.context, offered)
+        self._unread = self._unread.with_turn(text, offered)
         self.context = unread.context_with_unread(self.context, text, named)
         self._spoken = self._spoken if self._unread.asked else ()
         if other or code == "unknown_verb" or follow_up.has_verb(text):

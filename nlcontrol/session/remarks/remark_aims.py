@@ -155,37 +155,16 @@ def frames_said(result: Result | None, first: int = 0) -> list[g.Frame]:
     return [each for each in result.frames[first:] if each not in result.aside] if result else []
 
 
-def leaves_object_open(command: g.Command) -> bool:
-    """Check for a remark that takes its object from a sentence before, whichever that is."""
+def is_remark(command: g.Command) -> bool:
+    """Check for what is said of a sentence before: "slower", "again", "no, the mug", "the mug?"."""
     remarks = (f for f in command.frames if f.dialogue not in (None, "undo", "stop", "thank"))
-    return any(f.action is None and (f.object is None or f.object.pronoun) for f in remarks)
-
-
-def goes_on(command: g.Command, named: Sequence[str]) -> bool:
-    """Check for "more", "again" and "the other way" and nothing besides; "the mug as well".
-
-    Args:
-        command: what is said.
-        named: in what was not understood; of that it would be another try.
-    """
-    first = command.frames[0]
-    if first.dialogue == "same" and first.goal.kind == "none" and first.object:
-        return not first.action and first.object.text.casefold() not in named
-    remark = first.dialogue in ("more", "repeat", "reverse", "do")
-    return remark and not first.query and not (first.action or first.object)
+    return any(not (f.action and f.object and not f.object.pronoun) for f in remarks)
 
 
 def asks_first(command: g.Command) -> bool:
     """Check for "what did you do first?"."""
     words = command.text.casefold().rstrip(" .!?").split()
     return "first" in words
-
-
-def asks_further(command: g.Command) -> bool:
-    """Check for a question that goes on with one before: "and the mug?"."""
-    first = command.frames[0]
-    asked = command.text.rstrip().endswith("?")
-    return asked and first.dialogue == "repeat" and first.query is None
 
 
 def joins_last(command: g.Command) -> bool:

@@ -7,10 +7,9 @@ that is not read as a whole its longest part that is a command is offered; "yes"
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from nlcontrol.session.remarks import follow_up_frames as follow_up
 from nlcontrol.session.remarks import remark_aims as aims
 from nlcontrol.session.remarks import spoken_objects as spoken
 
@@ -28,42 +27,26 @@ class UnreadTurns:
     """Turns that were not understood since one was.
 
     Attributes:
+        some: whether there are any.
         asked: whether the last was a question.
-        of_other: whether one was about another object than those spoken of.
-        had_verb: whether one may have been a command.
-        names: objects that the last named.
         offered: the part of the last that is a command.
     """
 
+    some: bool = False
     asked: bool = False
-    of_other: bool = False
-    had_verb: bool = False
-    names: tuple[str, ...] = field(default=())
     offered: Command | None = None
 
     def may_be_meant(self, command: Command) -> bool:
-        """Check for a remark that may be about one of these turns."""
-        asks_on = self.asked and aims.asks_further(command)
-        leans = aims.leaves_object_open(command) or aims.corrects_object(command)
-        goes_on = self.had_verb and aims.goes_on(command, self.names)
-        return asks_on or goes_on or (self.of_other and leans)
+        """Check for a remark, which may be about one of these turns: "slower", "and the mug?"."""
+        return self.some and aims.is_remark(command)
 
     def accepted_command(self, command: Command) -> Command | None:
         """The part that was offered, if a remark accepts it; else None."""
         return self.offered if aims.only_agrees(command) else None
 
-    def with_turn(
-        self, text: str, named: list[str], context: Context, offered: Command | None
-    ) -> UnreadTurns:
-        """These turns, and one more, which names some objects."""
-        asked = spoken.asks(text)
-        return UnreadTurns(
-            asked=asked,
-            of_other=self.of_other or is_of_other(text, named, context),
-            had_verb=self.had_verb or (follow_up.has_verb(text) and not asked),
-            names=tuple(named),
-            offered=offered,
-        )
+    def with_turn(self, text: str, offered: Command | None) -> UnreadTurns:
+        """These turns, and one more."""
+        return UnreadTurns(some=True, asked=spoken.asks(text), offered=offered)
 
 
 def is_of_other(text: str, named: list[str], context: Context) -> bool:

@@ -23,6 +23,15 @@ def test_the_longest_part_that_is_a_command_is_read(text: str, means: str) -> No
     assert command.paraphrase == means
 
 
+@pytest.mark.parametrize(
+    "text",
+    ["push the mug left, unless the whatsit frobs", "if the whatsit frobs, lift the mug",
+     "lift the mug, but ask the whatsit first", "tomorrow we zorp, lift the mug"],
+)  # fmt: skip
+def test_what_restricts_a_command_is_never_left_out_of_an_offer(text: str) -> None:
+    assert understood_part(KNOWN, text, ()) is None
+
+
 @pytest.mark.parametrize("text", ["", "quux", "the mug, the jar, quux", "push the quux, zorp it"])
 def test_there_is_no_part_without_an_action_and_known_names(text: str) -> None:
     assert understood_part(KNOWN, text, ()) is None

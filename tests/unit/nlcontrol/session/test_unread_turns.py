@@ -32,6 +32,24 @@ def test_what_was_offered_is_forgotten_with_the_next_turn(talk: Conversation, be
     assert not any(f.action and f.object and f.object.id == "mug" for f in said.frames)
 
 
+@pytest.mark.parametrize(
+    "said", ["slower", "again", "the other way", "no, the mug", "a bit more", "mug?", "do it gently"]
+)
+def test_a_remark_on_what_was_not_read_is_asked_back(talk: Conversation, said: str) -> None:
+    assert talk.say("push the mug 5 cm to the left", plan_only=True).status == "planned"
+    assert talk.say("zorp the whatsit", plan_only=True).status == "not_understood"
+    asked = talk.say(said, plan_only=True)
+    assert asked.status == "not_understood"
+    assert talk.say("push the jar away", plan_only=True).frames[0].action == "push"
+
+
+def test_a_veto_is_never_offered_without_its_words(talk: Conversation) -> None:
+    refused = talk.say("push the mug 5 cm to the left unless it is full", plan_only=True)
+    assert refused.error is not None
+    assert refused.error.code == "unbound_words"
+    assert talk.say("yes", plan_only=True).plan is None
+
+
 @pytest.mark.parametrize("said", ["do it with one finger", "no", "and the jar?"])
 def test_only_a_bare_yes_accepts(talk: Conversation, said: str) -> None:
     talk.say(UNREAD, plan_only=True)
