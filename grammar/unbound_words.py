@@ -133,8 +133,9 @@ class LawOfEffect:
             span: where these words stand in it.
             rest: what it would say without them, if that is read.
         """
-        effect = self._effect.search(self._plain(said.original[slice(*span)]))
-        kind = self._lexicon.effects[effect[0]] if effect else ""
+        effects = self._effect.findall(self._plain(said.original[slice(*span)]))
+        kinds = [self._lexicon.effects[each] for each in effects] or [""]
+        kind = next((each for each in kinds if each != "exception"), kinds[0])  # "but ask me"
         message = _TOLD.get(kind, "would be left out, and is no courtesy")
         hint = f'{_REST[kind]}: "{rest}"' if rest and kind in _REST else _HINT
         return said.error_at(span, "unbound_words", message, hint)

@@ -76,7 +76,7 @@ class Corrections:
             if not verbs or len(after) < 2 or "VERB" not in after[0].kinds:
                 return None  # "in front of, hold on, the jar"; "the, er, bowl"
             return said.words_in((0, verbs[-1].start), (end, len(said.text)))
-        if not before or not after:
+        if not before or not after or self._may_address(said.text, before):
             return None
         denies = len(before) == 1 or said.text.startswith("not ", before[-1].start)
         if denies and "NOT" in before[-1].kinds and "THING" in after[0].kinds:
@@ -102,6 +102,11 @@ class Corrections:
             anew = [(after[0].start, after[last].end), *kept]
             return said.words_in((0, wrong.start), *anew, (max(rest[0], anew[0][1]), rest[1]))
         return None
+
+    def _may_address(self, text: str, said: Sequence[_Group]) -> bool:
+        """Check for a word alone that is none of the language, and has no article: "Karen, no"."""
+        bare = len(said) == 1 and said[0].kinds == {"THING"}
+        return bare and not self._phrases.phrases_at(text, said[0].start)
 
     def _goes_beyond(self, text: str, start: int, end: int) -> bool:
         """Check for a mark of correction that is the beginning of a phrase."""

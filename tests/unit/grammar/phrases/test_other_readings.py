@@ -13,6 +13,7 @@ KNOWN = parser_for({"tea tin", "coffee box", "jar"})
 @pytest.mark.parametrize(
     ("said", "plain"),
     [
+        ("did you measure it?", "how sure are you?"),
         ("tea tin: mass?", "how heavy is the tea tin?"),
         ("gap between the jar and the tea tin?", "how far is the jar from the tea tin?"),
         ("why won't it budge?", "why?"),

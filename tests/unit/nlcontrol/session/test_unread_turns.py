@@ -33,7 +33,8 @@ def test_what_was_offered_is_forgotten_with_the_next_turn(talk: Conversation, be
 
 
 @pytest.mark.parametrize(
-    "said", ["slower", "again", "the other way", "no, the mug", "a bit more", "mug?", "do it gently"]
+    "said",
+    ["slower", "again", "the other way", "no, the mug", "a bit more", "mug?", "do it gently"],
 )
 def test_a_remark_on_what_was_not_read_is_asked_back(talk: Conversation, said: str) -> None:
     assert talk.say("push the mug 5 cm to the left", plan_only=True).status == "planned"
