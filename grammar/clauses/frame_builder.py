@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import zip_longest
 from typing import Any, cast
 
 from grammar.clauses.action_reader import ActionReader
@@ -319,9 +320,10 @@ class _ClauseReader:
     def _require_no_condition(self) -> None:
         """Lets "when you push it" follow a restriction; else a condition belongs to a question."""
         restricted = False
-        for part in self._parts:
+        for part, after in zip_longest(self._parts, self._parts[1:]):
             restricted = restricted or isinstance(part, ph.Avoid | ph.Constraint)
-            if isinstance(part, ph.If) and not restricted:
+            told = restricted and isinstance(after, ph.Verb)
+            if isinstance(part, ph.If) and not told:
                 raise unexpected_part(part, self._sentence)
 
     # --- questions and remarks ----------------------------------------------------------------

@@ -116,6 +116,7 @@ class RemarkReader:
         if self._sentence.question and (superlative := self._superlative()):
             return [superlative]
         self._require_what_is_not_meant()
+        self._require_no_denial_behind()
         self._take_back()
         dialogue = self._dialogue()
         if dialogue is None:
@@ -144,6 +145,14 @@ class RemarkReader:
             after = self._sentence.original[part.span[1] :].strip()
             if part.thing.ref.text.casefold() == "that" and after[:1].isalpha():
                 raise unexpected_part(part, self._sentence)
+
+    def _require_no_denial_behind(self) -> None:
+        """Refuses "undo that. Oops, no", of which it is not clear what is left."""
+        said = sorted((*self._things, *self._parts, *self._remarks), key=lambda part: part.span)
+        for last in said[1:][-1:]:
+            word = self._sentence.words_as_written(last.span).casefold()
+            if isinstance(last, ph.Remark) and word in self._lexicon.terminals["NO"]:
+                raise unexpected_part(last, self._sentence)
 
     def _take_back(self) -> None:
         """Takes "back" alone for the other way, unless it corrects, or goes farther."""

@@ -104,9 +104,11 @@ class Corrections:
         return None
 
     def _may_address(self, text: str, said: Sequence[_Group]) -> bool:
-        """Check for a word alone that is none of the language, and has no article: "Karen, no"."""
-        bare = len(said) == 1 and said[0].kinds == {"THING"}
-        return bare and not self._phrases.phrases_at(text, said[0].start)
+        """Check for all that was said being no thing: "Karen, no, …", "on my signal, no, …"."""
+        if len(said) > 1:
+            return False
+        bare = said[0].kinds == {"THING"} and not self._phrases.phrases_at(text, said[0].start)
+        return bare or not (_LEAD - _ALONE).isdisjoint(said[0].kinds)
 
     def _goes_beyond(self, text: str, start: int, end: int) -> bool:
         """Check for a mark of correction that is the beginning of a phrase."""

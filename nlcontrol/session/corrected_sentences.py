@@ -80,6 +80,9 @@ IN_THE_WAY = r"(move the .+) first"
 LEFT_OUT = r"leave (?:out .+|that out)"
 """Suggestions to leave out the words that the error is about."""
 
+WHOLE = r'[^"“]+: "(.+)"'
+"""Suggestions of a whole sentence: 'this would do: "push the mug away"'."""
+
 OTHER_WAY = r"(?:say |(?:tilt|topple) it to )?another (?:direction|side)"
 """Suggestions of no direction in particular."""
 
@@ -362,9 +365,11 @@ def _from_words(
         left_out = re.fullmatch(LEFT_OUT, suggestion)
         if is_read and not left_out:
             continue
+        whole = re.fullmatch(WHOLE, suggestion)
         instead = "" if left_out else _meant_words(suggestion)
+        said = whole[1] if whole else f"{text[:start]}{instead}{text[end:]}"
         with suppress(ControlError):
-            yield suggestion, parse(f"{text[:start]}{instead}{text[end:]}").frames
+            yield suggestion, parse(said).frames
 
 
 def _meant_words(suggestion: str) -> str:

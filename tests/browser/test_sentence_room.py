@@ -127,3 +127,14 @@ def test_a_link_fills_in_and_plans_and_moves_nothing(
     found.wait(f"globalThis.page?.state.get('session')?.session_id === '{session['session_id']}'")
     assert found.complaints == []
     found.page.close()
+
+
+def test_what_courtesy_leaves_out_is_shown_beside_what_is_understood(opened: OpenPage) -> None:
+    type_text(opened, "please push the mug 5 cm to the left, thanks")
+    opened.wait(f"({STATE}('understanding')?.left_out ?? []).length === 2")
+    shown = opened.page.inner_text("#understood")
+    assert "please" in shown
+    assert "left out: “please”, “thanks”" in shown
+    type_text(opened, "push the mug 5 cm to the left")
+    opened.wait(f"{STATE}('understanding')?.left_out?.length === 0")
+    assert "left out" not in opened.page.inner_text("#understood")

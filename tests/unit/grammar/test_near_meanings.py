@@ -17,7 +17,7 @@ from grammar import ParseError, parse
         ("no rush, but push the tin away", "push the tin away"),
         ("push the tin away. No hurry.", "push the tin away"),
         ("push the tin away with no hurry", "slowly push the tin away"),
-        ("push the tin left, then stop", "push the tin to the left"),
+        ("push the tin left, then stop", "push the tin to the left, then stop"),
         ("then stop", "stop"),
         ("why not push the tin away?", "push the tin away"),
         ("why not?", "why?"),

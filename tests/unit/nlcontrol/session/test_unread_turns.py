@@ -44,6 +44,12 @@ def test_a_remark_on_what_was_not_read_is_asked_back(talk: Conversation, said: s
     assert talk.say("push the jar away", plan_only=True).frames[0].action == "push"
 
 
+def test_what_is_to_be_said_later_is_one_sentence(talk: Conversation) -> None:
+    refused = talk.say("once it is dry, push the mug 5 cm to the left", plan_only=True)
+    assert refused.error is not None
+    assert refused.error.say == ("push the mug to the left by 5 cm",)
+
+
 def test_a_veto_is_never_offered_without_its_words(talk: Conversation) -> None:
     refused = talk.say("push the mug 5 cm to the left unless it is full", plan_only=True)
     assert refused.error is not None
