@@ -7,15 +7,22 @@ import signal
 from pathlib import Path
 
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
+from hypothesis.internal.conjecture import providers
+from hypothesis.internal.constants_ast import Constants
 
 from objectmodels.registry.user_folder import FOLDER_VARIABLE
 
-# How long an example takes says more about the machine than about the code. The gate draws the
-# same examples each time, so that it judges a change alone; all others draw new ones.
-settings.register_profile("untimed", deadline=None)
-settings.register_profile("gate", deadline=None, derandomize=True)
-settings.load_profile(os.environ.get("NLCONTROL_EXAMPLES", "untimed"))
+# How long an example takes says more about the machine than about the code. By default the same
+# examples are drawn everywhere, so that a run judges a change alone; `.ci/long` draws new ones.
+_UNTIMED = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile("same", _UNTIMED, derandomize=True)
+settings.register_profile("new", _UNTIMED, print_blob=True)
+settings.load_profile(os.environ.get("NLCONTROL_EXAMPLES", "same"))
+if settings().derandomize:
+    # Else Hypothesis draws constants of the modules that happen to be loaded, which depend on the
+    # tests before, and on whether a folder above the checkout is called "tests".
+    providers._get_local_constants = Constants
 
 
 @pytest.fixture(scope="session", autouse=True)

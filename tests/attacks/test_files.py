@@ -54,13 +54,9 @@ LINES = ["{", "}", "[" * 5000, "9" * 5000, "null", "NaN", "1e999", "\n", "\x00",
 
 
 def attacks(share: float) -> Callable[[Any], Any]:
-    """A share of the cases of a run, always the same ones."""
+    """A share of the cases of a run."""
     return settings(
-        max_examples=max(10, round(share * ATTACKS)),
-        derandomize=True,
-        database=None,
-        deadline=None,
-        suppress_health_check=list(HealthCheck),
+        max_examples=max(10, round(share * ATTACKS)), suppress_health_check=list(HealthCheck)
     )
 
 

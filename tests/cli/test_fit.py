@@ -242,8 +242,7 @@ _ROW = st.one_of(
 
 @settings(
     max_examples=examples(60),
-    deadline=None,
-    suppress_health_check=[HealthCheck.function_scoped_fixture],
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 @given(rows=st.lists(_ROW, min_size=1, max_size=8))
 def test_garbage_ends_in_an_error_that_is_known(

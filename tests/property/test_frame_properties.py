@@ -10,7 +10,7 @@ from contextlib import suppress
 from random import Random
 from typing import Any
 
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from grammar import parse
@@ -71,7 +71,7 @@ def drawn_document(rng: Random) -> Any:
     return json.loads(parse(text).model_dump_json())
 
 
-@settings(max_examples=examples(160), deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=examples(160), deadline=None)
 @given(SEEDS)
 def test_what_a_sentence_gave_is_taken_back(seed: int) -> None:
     command = parse(Sampler(Random(seed)).draw_sentence().text)
@@ -81,7 +81,7 @@ def test_what_a_sentence_gave_is_taken_back(seed: int) -> None:
     assert bare.text == bare.paraphrase == command.paraphrase
 
 
-@settings(max_examples=examples(400), deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=examples(400), deadline=None)
 @given(SEEDS, st.integers(1, 3))
 def test_any_document_is_taken_or_refused_with_its_place(seed: int, times: int) -> None:
     rng = Random(seed)

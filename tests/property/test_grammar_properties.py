@@ -8,7 +8,7 @@ from itertools import groupby
 from random import Random
 from typing import Any
 
-from hypothesis import HealthCheck, example, given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from grammar import Command, Frame, ParseError, paraphrase, parse
@@ -54,9 +54,7 @@ NAMES = st.one_of(
 # Drawn randomness shrinks to simple frames, but favours few of them; seeds spread over all.
 SEEDS = st.integers(0, 2**32)
 SAMPLERS = st.one_of(st.randoms(use_true_random=False), SEEDS.map(Random)).map(Sampler)
-SAMPLED = settings(
-    max_examples=examples(250), deadline=None, suppress_health_check=[HealthCheck.too_slow]
-)
+SAMPLED = settings(max_examples=examples(250), deadline=None)
 
 
 def meaning(frames: Sequence[Frame]) -> list[Any]:

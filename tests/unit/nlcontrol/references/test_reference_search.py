@@ -355,7 +355,8 @@ def _read(text: str, asked: g.ObjectRef) -> g.ObjectRef:
 @example((_box("box a", 0.5, 0.2), _box("box b", 0.5, -0.2)), _ref("red one", "red"))
 # Few tables have objects that cannot be told apart, which is no reason to give up.
 @settings(
-    max_examples=examples(300), deadline=None, suppress_health_check=[HealthCheck.filter_too_much]
+    max_examples=examples(300),
+    suppress_health_check=[HealthCheck.filter_too_much, HealthCheck.too_slow],
 )
 def test_what_an_ambiguity_offers_leads_to_each_object(
     table: tuple[SeenObject, ...], asked: g.ObjectRef
