@@ -44,6 +44,12 @@ _COUNT = click.IntRange(1, 1000)
 @click.option("--planners", type=_COUNT, help="Processes that plan without a session, at most.")
 @click.option("--queue", type=click.IntRange(0, 10_000), help="Runs that may wait.")
 @click.option(
+    "--time-limit",
+    type=click.FloatRange(0.0, min_open=True),
+    metavar="SECONDS",
+    help="Give up a plan or an answer that takes longer (wall clock); 60 by default.",
+)
+@click.option(
     "--store",
     type=click.Path(file_okay=False, path_type=Path),
     help="Folder of the runs; your own of the service by default.",
@@ -72,6 +78,7 @@ def command(
     sessions: int | None,
     planners: int | None,
     queue: int | None,
+    time_limit: float | None,
     store: Path | None,
     keep: int | None,
     token_file: Path | None,
@@ -96,6 +103,7 @@ def command(
         "sessions": sessions,
         "planners": planners,
         "queue": queue,
+        "request_time": time_limit,
         "store": store or default_folder(),
         "keep_bytes": None if keep is None else keep * 10**6,
         "scenes": scenes or None,
