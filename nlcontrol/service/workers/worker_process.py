@@ -18,6 +18,7 @@ import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, InvalidStateError
 from contextlib import contextmanager, suppress
+from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from threading import Timer
@@ -207,6 +208,7 @@ def daemon_timer(delay: float, action: Callable[..., object], *arguments: object
 def _surroundings() -> Iterator[None]:
     """Context in which a process starts: its libraries take one thread each, it hears no signal."""
     with _STARTING:
+        resource_tracker.ensure_running()  # which may let its starter hear signals again
         before = {name: os.environ.get(name) for name in _LONE_THREAD}
         os.environ.update(dict.fromkeys(_LONE_THREAD, "1"))
         heard = signal.pthread_sigmask(signal.SIG_BLOCK, DEAF_TO)
