@@ -39,8 +39,8 @@ COMMANDS: tuple[tuple[float, tuple[str, ...]], ...] = (
 WRITTEN = {"run.html", "box.yaml", "map.json", "map.touches.jsonl"}
 """Files that the commands may leave, each of them whole."""
 
-PATIENCE = 120.0
-"""Longest time that a command may take to end [s]."""
+PATIENCE = 600.0
+"""Longest time that a command, or a process that it leaves, may take to end [s]."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class Ending:
         document: that it printed; None if there was none.
         error: what it wrote on standard error.
         wall_time: from the last signal to the end [s].
-        orphans: processes of its session that were left a little later.
+        orphans: processes of its session that do not end.
     """
 
     exit_code: int
@@ -75,6 +75,7 @@ def interrupted(
     *,
     folder: Path | None = None,
     after: str = "",
+    at_once: bool = False,
 ) -> Ending:
     """A command of the program that gets signals.
 
@@ -84,6 +85,7 @@ def interrupted(
         delay: until the first one, from when the program takes signals [s].
         folder: in which it runs.
         after: words on standard error that must have come before the delay begins.
+        at_once: the signals, none of them twice, come while the program is halted.
     """
     process = subprocess.Popen(
         [sys.executable, "-m", "nlcontrol", *arguments],
@@ -101,11 +103,13 @@ def interrupted(
             told += line
         time.sleep(delay)
         sent = time.monotonic()
+        if at_once:
+            numbers = (signal.SIGSTOP, *numbers, signal.SIGCONT)
         for number in numbers:
             if process.poll() is None:
                 process.send_signal(number)
                 sent = time.monotonic()
-                time.sleep(0.1)
+                time.sleep(0.0 if at_once else 0.1)
         out, error = process.communicate(timeout=PATIENCE)
     finally:
         process.kill()
@@ -131,17 +135,17 @@ def _wait_until_taken(process: subprocess.Popen[str]) -> None:
 
 
 def _left_in_session(session: int) -> tuple[str, ...]:
-    """Processes of a session that do not end within seconds."""
-    for _ in range(50):
+    """Processes of a session that do not end."""
+    end = time.monotonic() + PATIENCE
+    while True:
         left = tuple(
             entry.name
             for entry in Path("/proc").iterdir()
             if entry.name.isdigit() and _session_of(entry.name) == session
         )
-        if not left:
-            return ()
+        if not left or time.monotonic() > end:
+            return left
         time.sleep(0.1)
-    return left
 
 
 def _session_of(process: str) -> int | None:

@@ -10,11 +10,19 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
+from nlcontrol.service.service_settings import ServiceSettings
 from nlcontrol.service.store.store_folder import STORE_VARIABLE
 from tests.fakes.counted_executor import FOLDER_VARIABLE, first_poses, write_poses
+from tests.patience import PATIENCE
 
 ROOT = Path(__file__).parents[1]
+
+
+def patient_settings(**given: Any) -> ServiceSettings:
+    """Settings of a service that gives up nothing because the machine is busy."""
+    return ServiceSettings(**{"request_time": PATIENCE, "stop_time": PATIENCE, **given})
 
 
 @dataclass(frozen=True)
@@ -41,7 +49,17 @@ def serving(*options: str, environment: Mapping[str, str] | None = None) -> Iter
         log = Path(folder, "log")
         with log.open("w") as errors:
             process = subprocess.Popen(
-                [sys.executable, "-m", "nlcontrol", "serve", "--port", "0", *options],
+                [
+                    sys.executable,
+                    "-m",
+                    "nlcontrol",
+                    "serve",
+                    "--port",
+                    "0",
+                    "--time-limit",
+                    str(PATIENCE),
+                    *options,
+                ],
                 stdout=subprocess.PIPE,
                 stderr=errors,
                 text=True,
@@ -58,7 +76,7 @@ def serving(*options: str, environment: Mapping[str, str] | None = None) -> Iter
         finally:
             process.terminate()
             try:
-                process.wait(30)
+                process.wait(PATIENCE)
             finally:
                 process.kill()
                 process.communicate()

@@ -22,6 +22,7 @@ from nlcontrol.cli.command_line import cli
 from nlcontrol.errors import CODES, FAMILIES
 from tests.attacks.bad_files import ODD_NAMES, ROOT
 from tests.attacks.test_files import attacks
+from tests.patience import PATIENCE
 
 PARAMETERS = {
     "sentence": ["push the ice tea box away", "how heavy is the mug?", "fnord", "push it " * 80],
@@ -117,7 +118,7 @@ def test_commands_as_processes(line: list[str], tmp_path_factory: pytest.TempPat
         cwd=folder_with_examples(tmp_path_factory),
         capture_output=True,
         stdin=subprocess.DEVNULL,
-        timeout=120,  # for a loaded machine; most take one second
+        timeout=PATIENCE,
         check=False,
     )
     require_documented_end(line, ended.returncode, ended.stdout.decode(), ended.stderr.decode())

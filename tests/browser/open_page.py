@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from tests.patience import PATIENCE, wait_until
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
 AXE = Path(__file__).parent / "vendor" / "axe.min.js"
-PATIENCE = 120.0
-"""Longest time to wait for something, on a machine that has other things to do [s]."""
-
 FEW_FRAMES = """
 const soon = globalThis.requestAnimationFrame.bind(globalThis);
 globalThis.requestAnimationFrame = (draw) => setTimeout(() => soon(draw), 300);
@@ -44,6 +42,7 @@ class OpenPage:
         With few frames the processor is left to the simulation that the page shows.
         """
         page = browser.new_page(**options)
+        page.set_default_timeout(1000.0 * PATIENCE)
         if few_frames:
             page.add_init_script(FEW_FRAMES)
         found = cls(page)
@@ -66,13 +65,10 @@ class OpenPage:
         """The value of an expression in the page."""
         return self.page.evaluate(expression)
 
-    def wait(self, expression: str, patience: float = PATIENCE) -> None:
-        """Waits until an expression is true, for so long at most [s]."""
+    def wait(self, expression: str) -> None:
+        """Waits until an expression is true."""
         # The page's policy forbids what `wait_for_function` does.
-        ends = time.monotonic() + patience
-        while not self.ask(expression):
-            assert time.monotonic() < ends, (expression, self.complaints)
-            time.sleep(0.05)
+        wait_until(lambda: self.ask(expression), f"{expression}, {self.complaints}")
 
     def violations(self) -> list[tuple[str, list[Any]]]:
         """Rules that the page breaks, and where; all rules of axe count, its best practices too."""

@@ -16,6 +16,7 @@ import httpx
 import pytest
 
 from tests.browser.open_page import OpenPage
+from tests.patience import PATIENCE
 from tests.service_process import ServerProcess, serving
 
 if TYPE_CHECKING:
@@ -159,7 +160,7 @@ def test_a_page_of_another_origin_can_neither_read_nor_move(
     browser: Browser, server: ServerProcess, tmp_path: Path
 ) -> None:
     (tmp_path / "index.html").write_text(OTHER_PAGE.replace("URL", server.url))
-    before = httpx.get(f"{server.url}/v1/sessions").json()["sessions"]
+    before = httpx.get(f"{server.url}/v1/sessions", timeout=PATIENCE).json()["sessions"]
     with other_origin(tmp_path) as address:
         page = browser.new_page()
         page.goto(address)
@@ -172,7 +173,7 @@ def test_a_page_of_another_origin_can_neither_read_nor_move(
         assert set(tried.values()) == {"refused"}
         page.context.close()
     known = {each["session_id"] for each in before}
-    now = httpx.get(f"{server.url}/v1/sessions").json()["sessions"]
+    now = httpx.get(f"{server.url}/v1/sessions", timeout=PATIENCE).json()["sessions"]
     # A window that was opened has its own session, as every page of the service has.
     assert len([each for each in now if each["session_id"] not in known]) <= 1
     assert all(each["state"] == "idle" for each in now if each["session_id"] not in known)

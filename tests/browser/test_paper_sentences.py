@@ -34,7 +34,7 @@ def opened(browser: Browser, server: ServerProcess) -> OpenPage:
 def test_a_sentence_comes_to_its_verdict(opened: OpenPage, sentence: str) -> None:
     opened.say(sentence)
     # A pour is simulated no faster than the clock, beside a view that is drawn in software.
-    opened.wait(f"page.state.get('result')?.text === {sentence!r}", patience=400.0)
+    opened.wait(f"page.state.get('result')?.text === {sentence!r}")
     opened.wait("document.querySelectorAll('#run li').length > 0")
     checks = opened.ask("page.state.get('result').checks")
     marks = opened.ask("[...document.querySelectorAll('#run li')].map((e) => e.dataset.ok)")

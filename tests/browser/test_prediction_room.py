@@ -8,6 +8,7 @@ import httpx
 import pytest
 
 from tests.browser.open_page import OpenPage
+from tests.patience import PATIENCE
 from tests.service_process import ServerProcess
 
 if TYPE_CHECKING:
@@ -55,7 +56,7 @@ def test_a_plan_is_drawn_before_anything_moves(opened: OpenPage, server: ServerP
     moved = end - opened.ask(f"page.view.viewer.bodies[{box}].position.x")
     # The camera, by which it was planned, sees a millimetre; the view shows where it is.
     assert moved == pytest.approx(0.05, abs=0.003)
-    assert httpx.get(f"{server.url}/v1/runs", timeout=30.0).json()["runs"] == []
+    assert httpx.get(f"{server.url}/v1/runs", timeout=PATIENCE).json()["runs"] == []
 
 
 def test_it_can_be_approved_without_scrolling(opened: OpenPage) -> None:
@@ -108,9 +109,9 @@ def test_what_is_approved_is_carried_out_once(opened: OpenPage, server: ServerPr
     opened.page.click("#do-it")
     opened.wait("page.state.get('run') !== null")
     assert not opened.page.is_visible("#do-it")
-    (run,) = httpx.get(f"{server.url}/v1/runs", timeout=30.0).json()["runs"]
+    (run,) = httpx.get(f"{server.url}/v1/runs", timeout=PATIENCE).json()["runs"]
     assert (run["plan_id"], run["kind"]) == (plan_id, "execute")
-    httpx.post(f"{server.url}/v1/runs/{run['run_id']}/stop", timeout=30.0)
+    httpx.post(f"{server.url}/v1/runs/{run['run_id']}/stop", timeout=PATIENCE)
     assert opened.complaints == []
 
 

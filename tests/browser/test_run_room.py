@@ -8,6 +8,7 @@ import httpx
 import pytest
 
 from tests.browser.open_page import OpenPage
+from tests.patience import PATIENCE
 from tests.service_process import ServerProcess
 
 if TYPE_CHECKING:
@@ -115,15 +116,17 @@ def test_the_history_has_what_was_done(opened: OpenPage, server: ServerProcess) 
     assert opened.violations() == []
     last = opened.page.locator(".runs li").last
     bundle = last.get_by_text("Bundle").get_attribute("href")
-    assert httpx.get(f"{server.url}{bundle}", timeout=60.0).content.startswith(b"PK")
+    assert httpx.get(f"{server.url}{bundle}", timeout=PATIENCE).content.startswith(b"PK")
     last.locator(".run").click()
     opened.wait("document.querySelector('#run .badge').textContent === 'done'")
     opened.wait("!document.querySelector('#controls').hidden")
     first = opened.page.locator(".runs li").first
     first.locator(".drop").click()
-    assert len(httpx.get(f"{server.url}/v1/runs").json()["runs"]) == 2, "it asks first"
+    assert len(httpx.get(f"{server.url}/v1/runs", timeout=PATIENCE).json()["runs"]) == 2, (
+        "it asks first"
+    )
     first.locator(".drop").click()
     opened.wait("document.querySelectorAll('.runs li').length === 1")
-    assert len(httpx.get(f"{server.url}/v1/runs").json()["runs"]) == 1
+    assert len(httpx.get(f"{server.url}/v1/runs", timeout=PATIENCE).json()["runs"]) == 1
     # A look comes too late where the next sentence is said at once; the browser remarks that.
     assert [each for each in opened.complaints if "409" not in each] == []

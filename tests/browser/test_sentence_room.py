@@ -10,6 +10,7 @@ import httpx
 import pytest
 
 from tests.browser.open_page import OpenPage
+from tests.patience import PATIENCE
 from tests.service_process import ServerProcess
 
 if TYPE_CHECKING:
@@ -117,7 +118,9 @@ def test_a_link_fills_in_and_plans_and_moves_nothing(
     assert found.page.input_value("#seed") == "7"
     session = found.ask(f"{STATE}('session')")
     assert (session["spec"]["scene"], session["spec"]["seed"]) == ("workbench", 7)
-    runs = httpx.get(f"{server.url}/v1/runs", params={"session": session["session_id"]}).json()
+    runs = httpx.get(
+        f"{server.url}/v1/runs", params={"session": session["session_id"]}, timeout=PATIENCE
+    ).json()
     assert runs["runs"] == []
     found.page.context.grant_permissions(["clipboard-read", "clipboard-write"])
     found.page.click("#share")

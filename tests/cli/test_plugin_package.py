@@ -16,6 +16,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.patience import PATIENCE
+
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples"
 
@@ -50,7 +52,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     command = [sys.executable, "-m", "pip", "install", "-q", "--no-index", "--no-deps"]
     command += ["--no-build-isolation", "--target", str(target)]
     command += [str(copies / "cartons"), str(copies / "workshop")]
-    subprocess.run(command, check=True, capture_output=True, timeout=120)
+    subprocess.run(command, check=True, capture_output=True, timeout=PATIENCE)
     return target
 
 
@@ -58,7 +60,7 @@ def nlcontrol(site: Path, *args: str) -> subprocess.CompletedProcess[str]:
     paths = [str(site), str(ROOT), os.environ.get("PYTHONPATH", "")]
     return subprocess.run(
         [sys.executable, "-m", "nlcontrol", *args],
-        capture_output=True, text=True, encoding="utf-8", timeout=300, check=False,
+        capture_output=True, text=True, encoding="utf-8", timeout=PATIENCE, check=False,
         env={**os.environ, "PYTHONPATH": os.pathsep.join(path for path in paths if path)},
     )  # fmt: skip
 

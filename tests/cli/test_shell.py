@@ -24,6 +24,7 @@ from nlcontrol import Conversation
 from nlcontrol.cli.commands.shell_command import command
 from nlcontrol.cli.console import prompt_lines as lines
 from nlcontrol.results.result import Result as Answer
+from tests.patience import PATIENCE, wait_until
 
 NAMES = ("ice tea box", "cereal box", "coffee box")
 
@@ -198,14 +199,18 @@ class Terminal:
             time.sleep(0.01)
         return before
 
+    def waits_for_a_key(self) -> bool:
+        """Check whether the shell sleeps."""
+        told = Path(f"/proc/{self.process.pid}/stat").read_text()
+        return told.rpartition(")")[2].split()[0] == "S"
+
     def type(self, text: str) -> None:
         os.write(self.master, text.encode())
 
-    def until(self, text: str, seconds: float = 60.0) -> str:
+    def until(self, text: str) -> str:
         """What is shown until a text is."""
-        end = time.monotonic() + seconds
         while text not in self.shown:
-            ready, _, _ = select.select([self.master], [], [], max(0.0, end - time.monotonic()))
+            ready, _, _ = select.select([self.master], [], [], PATIENCE)
             assert ready, f"{text!r} is not shown, but {self.shown!r}"
             self.shown += os.read(self.master, 4096).decode()
         before, _, self.shown = self.shown.partition(text)
@@ -230,14 +235,14 @@ def test_a_terminal_completes_keeps_and_leaves_quietly(terminal: Terminal, state
     terminal.type("push the")
     terminal.until("push the")
     # Python's readline misses a signal between a key and its wait for the next; nobody is so fast.
-    time.sleep(0.5)
+    wait_until(terminal.waits_for_a_key)
     terminal.type("\x03")  # control-C: the line is dropped, the shell stays
     terminal.prompt()
     terminal.type("frobnicate\r")
     terminal.until("unknown_verb")
     terminal.prompt()
     terminal.type("\x04")
-    assert terminal.process.wait(30) == 0
+    assert terminal.process.wait(PATIENCE) == 0
     assert [line.rstrip() for line in state.read_text().splitlines()] == [
         "push the ice tea box away",
         "frobnicate",
@@ -251,5 +256,5 @@ def test_earlier_lines_are_found_again(state: Path, terminal: Terminal) -> None:
     terminal.type("\x10\r")  # control-P: the line before
     assert "push the ice tea box away" in terminal.prompt()
     terminal.type("bye\r")
-    assert terminal.process.wait(30) == 0
+    assert terminal.process.wait(PATIENCE) == 0
     assert state.read_text().splitlines() == ["help", "bye"]

@@ -6,12 +6,15 @@ import asyncio
 import signal
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from benchmarks.interruptions import cases, interrupted, run
+from benchmarks.interruptions import Ending, cases, interrupted, run
 from nlcontrol.cli.console import robot_stop
+from nlcontrol.errors import OK
 from nlcontrol.interruption import EXIT_CODES, Interrupted, Signals, Terminated
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
@@ -20,10 +23,19 @@ PUSH = "push the ice tea box away"
 MAP = ("map", "ice tea box", "--face", "front", "--experiment", "--workers", "2", "--spacing", "40")
 
 
+def ended(arguments: Sequence[str], *others: Any, **options: Any) -> Ending:
+    """The ending of a command; another try where it was done before the signal came."""
+    for _ in range(10):
+        ending = interrupted(arguments, *others, **options)
+        if ending.exit_code != OK:
+            break
+    return ending
+
+
 @pytest.mark.parametrize("number", EXIT_CODES)
 @pytest.mark.parametrize("delay", [0.0, 0.3])
 def test_a_command_that_moves_nothing_ends_at_once(number: signal.Signals, delay: float) -> None:
-    ending = interrupted(["plan", PUSH, "--json"], [number], delay)
+    ending = ended(["plan", PUSH, "--json"], [number], delay)
     assert (ending.exit_code, ending.code) == (EXIT_CODES[number], "interrupted")
     assert "Traceback" not in ending.error
 
@@ -32,7 +44,7 @@ def test_a_command_that_moves_nothing_ends_at_once(number: signal.Signals, delay
 def test_a_push_lets_go_first(tmp_path: Path) -> None:
     number = signal.SIGTERM
     say = ["say", PUSH, "--json", "--replay", "run.html"]
-    ending = interrupted(say, [number], 0.3, folder=tmp_path, after="touch:")
+    ending = ended(say, [number], 0.3, folder=tmp_path, after="touch:")
     assert (ending.exit_code, ending.code) == (EXIT_CODES[number], "interrupted")
     assert ending.document is not None
     assert ending.document["status"] == "cancelled"
@@ -45,7 +57,8 @@ def test_a_push_lets_go_first(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_the_second_signal_ends_it_at_once(tmp_path: Path) -> None:
     explore = ["explore", "ice tea box", "--json", "--output", "box.yaml"]
-    ending = interrupted(explore, [signal.SIGINT] * 2, 0.3, folder=tmp_path, after="touch:")
+    both = [signal.SIGINT, signal.SIGTERM]
+    ending = ended(explore, both, 0.3, folder=tmp_path, after="touch:", at_once=True)
     assert (ending.exit_code, ending.code) == (130, "interrupted")
     assert "settle" not in ending.error
     assert list(tmp_path.iterdir()) == []
@@ -54,7 +67,7 @@ def test_the_second_signal_ends_it_at_once(tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
 def test_no_worker_outlives_its_parent(number: signal.Signals, tmp_path: Path) -> None:
-    ending = interrupted([*MAP, "--json"], [number], 0.1, folder=tmp_path, after=" of ")
+    ending = ended([*MAP, "--json"], [number], 0.1, folder=tmp_path, after=" of ")
     assert ending.exit_code in (EXIT_CODES[signal.SIGINT], -signal.SIGKILL)
     assert (ending.orphans, list(tmp_path.iterdir())) == ((), [])
 
@@ -131,7 +144,7 @@ def test_what_a_library_made_of_a_signal_does_not_count(
 @pytest.mark.slow
 def test_a_stopped_exploration_tells_what_it_has_found(tmp_path: Path) -> None:
     explore = ["explore", "ice tea box", "--parameters", "mass", "--json", "--output", "box.yaml"]
-    ending = interrupted(explore, [signal.SIGINT], 0.0, folder=tmp_path, after="believed")
+    ending = ended(explore, [signal.SIGINT], 0.0, folder=tmp_path, after="believed")
     assert (ending.exit_code, ending.code) == (130, "interrupted")
     document = ending.document or {}
     assert (document["ok"], document["saved"]) == (False, None)

@@ -21,6 +21,7 @@ import pytest
 
 from nlcontrol.cli import run
 from nlcontrol.errors import CODES, known_error
+from tests.patience import PATIENCE
 from tests.service_process import serving
 
 ROOT = Path(__file__).parents[2]
@@ -132,7 +133,7 @@ def test_what_a_shell_sends_ends_in_its_error(tmp_path: Path) -> None:
                 cwd=tmp_path,
                 capture_output=True,
                 text=True,
-                timeout=60,
+                timeout=PATIENCE,
                 check=False,
             )
             document = json.loads(done.stdout)

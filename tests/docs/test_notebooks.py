@@ -8,6 +8,8 @@ from typing import Any
 
 import pytest
 
+from tests.patience import PATIENCE
+
 nbformat = pytest.importorskip("nbformat", reason="the extra dev has it")
 nbclient = pytest.importorskip("nbclient", reason="the extra dev has it")
 
@@ -19,7 +21,10 @@ def run_book(path: Path) -> list[Any]:
     """The outputs of all cells of a notebook."""
     book = nbformat.read(path, as_version=4)
     nbclient.NotebookClient(
-        book, timeout=120, kernel_name="python3", resources={"metadata": {"path": str(FOLDER)}}
+        book,
+        timeout=int(PATIENCE),
+        kernel_name="python3",
+        resources={"metadata": {"path": str(FOLDER)}},
     ).execute()
     return [output for cell in book.cells for output in cell.get("outputs", ())]
 

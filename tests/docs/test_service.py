@@ -15,6 +15,7 @@ from nlcontrol.service.http.http_settings import HttpSettings
 from nlcontrol.service.http.service_app import routes_app
 from nlcontrol.service.service_settings import ServiceSettings
 from tests.docs.guide_blocks import code_blocks
+from tests.patience import PATIENCE
 from tests.service_process import serving
 
 PAGE = (Path(__file__).parents[2] / "docs" / "service.md").read_text(encoding="utf-8")
@@ -52,7 +53,7 @@ def test_every_example_runs_and_every_route_has_one(tmp_path: Path) -> None:
                 cwd=tmp_path,
                 capture_output=True,
                 text=True,
-                timeout=60,
+                timeout=PATIENCE,
                 check=False,
             )
             assert ran.returncode in (0, OUTLASTED if " -m " in example else 0), (example, ran)
@@ -60,7 +61,7 @@ def test_every_example_runs_and_every_route_has_one(tmp_path: Path) -> None:
                 answer = json.loads(ran.stdout)
                 environment |= {key: answer[name] for key, name in IDS.items() if answer.get(name)}
         server.process.terminate()
-        server.process.wait(30)  # what an answer was is logged after it is sent
+        server.process.wait(PATIENCE)  # what an answer was is logged after it is sent
         lines = map(json.loads, server.log.read_text().splitlines())
         called = {(line["method"], line["path"]) for line in lines if "path" in line}
     for path, operations in routes_app().openapi()["paths"].items():

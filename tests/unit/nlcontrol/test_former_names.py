@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from nlcontrol import package_imports
+from tests.patience import PATIENCE
 
 ROOT = Path(__file__).parents[3]
 
@@ -103,7 +104,7 @@ def run(*arguments: str, site: Path | None = None) -> str:
     paths = os.pathsep.join(str(path) for path in (site, ROOT) if path)
     done = subprocess.run(
         [sys.executable, *arguments],
-        capture_output=True, text=True, encoding="utf-8", timeout=120, check=False,
+        capture_output=True, text=True, encoding="utf-8", timeout=PATIENCE, check=False,
         env={**os.environ, "PYTHONPATH": paths},
     )  # fmt: skip
     assert done.returncode == 0, done.stderr

@@ -30,6 +30,7 @@ from grammar.words.lexicon import (
 from grammar.words.normalisation import normalise
 from grammar.words.phrase_lexer import PhraseLexer, Token
 from grammar.words.phrase_templates import expand_template
+from tests.patience import PATIENCE
 
 LEXICON = default_lexicon()
 LEXER = PhraseLexer(LEXICON)
@@ -351,7 +352,7 @@ def test_stored_words_of_another_file_are_not_used(
 def test_first_sentence_needs_neither_yaml_nor_lark() -> None:
     said = "import sys, grammar; grammar.parse('push the box away'); print(*sys.modules)"
     done = subprocess.run(
-        [sys.executable, "-c", said], capture_output=True, text=True, timeout=60, check=True
+        [sys.executable, "-c", said], capture_output=True, text=True, timeout=PATIENCE, check=True
     )
     assert not {"yaml", "lark"} & set(done.stdout.split())
 

@@ -18,6 +18,7 @@ from mcp.client.stdio import StdioServerParameters
 
 from tests.architecture.product import ROOT
 from tests.fakes.counted_executor import FOLDER_VARIABLE, MOTIONS, first_poses, write_poses
+from tests.patience import PATIENCE
 from tests.service_process import serving_counted_robot
 from tests.unit.nlcontrol.mcp.tool_calls import content_of
 
@@ -101,7 +102,7 @@ def test_nothing_but_the_protocol_is_on_standard_output(table: Path) -> None:
         while len(answers) < 3:
             answer = json.loads(process.stdout.readline())
             answers[answer["id"]] = answer
-        rest, errors = process.communicate(timeout=30)
+        rest, errors = process.communicate(timeout=PATIENCE)
     assert process.returncode == 0
     assert rest == ""
     for noise in NOISE:
@@ -124,7 +125,7 @@ def test_sigterm_ends_it(table: Path) -> None:
         process.stdin.flush()
         assert json.loads(process.stdout.readline())["id"] == 1
         process.send_signal(signal.SIGTERM)
-        assert process.wait(timeout=20) == 143
+        assert process.wait(PATIENCE) == 143
 
 
 def test_the_tools_work_at_a_session_of_a_server(tmp_path: Path) -> None:

@@ -13,9 +13,9 @@ from nlcontrol.errors import ControlError
 from nlcontrol.service.documents import SessionSpec
 from nlcontrol.service.live_documents import PoseFrame
 from nlcontrol.service.planning_service import PlanningService
-from nlcontrol.service.service_settings import ServiceSettings
 from tests.fakes.counted_executor import FOLDER_VARIABLE, first_poses, motions_in, write_poses
-from tests.unit.nlcontrol.service.processes import wait_until
+from tests.patience import PATIENCE, wait_until
+from tests.service_process import patient_settings
 
 PUSH = "push the ice tea box 5 cm away"
 
@@ -25,7 +25,7 @@ def service(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Plannin
     monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path))
     write_poses(tmp_path, first_poses())
     robot = "tests.fakes.counted_executor:CountedExecutor"
-    with PlanningService(ServiceSettings(planners=1, executor=robot)) as service:
+    with PlanningService(patient_settings(planners=1, executor=robot)) as service:
         yield service
 
 
@@ -45,7 +45,7 @@ def test_one_session_drives_the_robot_by_plans_that_hold(
 
     plans = [json.loads(service.call_session(session_id, "plan", said=PUSH).result())]
     run = service.begin_run(session_id, plan_id=plans[0]["plan_id"])
-    ended = service.wait_for_run(run.run_id, 20.0)
+    ended = service.wait_for_run(run.run_id, PATIENCE)
     assert ended.result is not None
     assert (ended.state, ended.result.execution is not None) == ("ended", True)
     motions = motions_in(tmp_path)
@@ -78,7 +78,7 @@ def test_one_session_drives_the_robot_by_plans_that_hold(
 
 
 def test_a_robot_that_cannot_be_made_is_told_when_a_session_is_opened() -> None:
-    settings = ServiceSettings(planners=1, executor="tests.fakes.counted_executor:NoSuchClass")
+    settings = patient_settings(planners=1, executor="tests.fakes.counted_executor:NoSuchClass")
     with PlanningService(settings) as service:
         with pytest.raises(ControlError) as raised:
             service.open_session(SessionSpec())

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import signal
-import time
 from collections.abc import Iterator
 from concurrent.futures import Future
 from typing import Any
@@ -15,14 +14,15 @@ import pytest
 from nlcontrol.errors import ControlError
 from nlcontrol.service.documents import TableSpec
 from nlcontrol.service.workers.planner_pool import PlannerPool
-from tests.unit.nlcontrol.service.processes import descendants
+from tests.patience import PATIENCE
+from tests.unit.nlcontrol.service.processes import descendants, halted
 
 PUSH = "push the ice tea box 10 cm away"
 
 
 @pytest.fixture(scope="module")
 def pool() -> Iterator[PlannerPool]:
-    pool = PlannerPool(most=2, queue=2, request_time=60.0)
+    pool = PlannerPool(most=2, queue=2, request_time=PATIENCE)
     pool.start()
     yield pool
     pool.close()
@@ -94,15 +94,8 @@ def test_more_calls_than_may_wait_are_refused(pool: PlannerPool) -> None:
             open_calls.append(pool.call("plan", table, said=PUSH))
 
     plan(pool)
-    halted = pool.pids  # else a quick machine answers some in between
-    for pid in halted:
-        os.kill(pid, signal.SIGSTOP)
-    try:
-        with pytest.raises(ControlError) as raised:
-            call_on()
-    finally:
-        for pid in halted:
-            os.kill(pid, signal.SIGCONT)
+    with halted(pool.pids), pytest.raises(ControlError) as raised:
+        call_on()
     # Two wait, and either planner may work, or may just be starting.
     assert 2 <= len(open_calls) <= 4
     assert raised.value.code == "queue_full"
@@ -122,7 +115,7 @@ def test_a_call_of_a_killed_planner_is_made_again(pool: PlannerPool) -> None:
 
 
 def test_a_planner_that_is_killed_before_it_began_is_replaced() -> None:
-    pool = PlannerPool(most=1, queue=2, request_time=60.0)
+    pool = PlannerPool(most=1, queue=2, request_time=PATIENCE)
     pool.start()
     call = pool.call("parse", TableSpec(), said=PUSH)
     for pid in pool.pids:
@@ -135,12 +128,10 @@ def test_a_call_ends_with_its_time_and_a_planner_that_does_not_stop_is_ended() -
     pool = PlannerPool(most=1, queue=2, request_time=0.3)
     pool.start()
     (before,) = pool.pids
-    began = time.monotonic()
     os.kill(before, signal.SIGSTOP)  # it does nothing at all any more
     with pytest.raises(ControlError) as raised:
         pool.call("plan", TableSpec(), said=PUSH).result()
     assert raised.value.code == "time_limit"
-    assert time.monotonic() - began < 2.0
     pool.close()
     assert not descendants(os.getpid()) & {before}
 
@@ -151,6 +142,5 @@ def test_signals_of_a_terminal_do_not_end_a_planner(pool: PlannerPool) -> None:
         os.kill(pid, signal.SIGINT)
         os.kill(pid, signal.SIGTERM)
     before = set(pool.pids)
-    time.sleep(0.2)
     assert plan(pool)["result"]["status"] == "planned"
     assert set(pool.pids) == before

@@ -6,7 +6,6 @@ import asyncio
 import json
 import os
 import signal
-import time
 from collections.abc import Callable
 
 import numpy as np
@@ -16,13 +15,15 @@ from nlcontrol.errors import ControlError
 from nlcontrol.service.documents import RunInfo, SessionSpec
 from nlcontrol.service.live_documents import PoseFrame
 from nlcontrol.service.planning_service import PlanningService
-from nlcontrol.service.service_settings import ServiceSettings
 from sim.traces.trace import Trace
-from tests.unit.nlcontrol.service.processes import wait_until
+from tests.patience import PATIENCE, wait_until
+from tests.service_process import patient_settings
+from tests.unit.nlcontrol.service.processes import halted
 
 pytestmark = pytest.mark.slow
 
 PUSH = "push the ice tea box 3 cm away"
+LONG_PUSH = "push the ice tea box 25 cm away"  # which is stopped on its way
 
 
 def code_of(call: Callable[[], object]) -> str:
@@ -33,7 +34,7 @@ def code_of(call: Callable[[], object]) -> str:
 
 def traces(workers: int, seeds: tuple[int, ...]) -> dict[int, Trace]:
     """Traces of a push in sessions with these seeds, so many at once."""
-    settings = ServiceSettings(workers=workers, sessions=len(seeds), planners=1)
+    settings = patient_settings(workers=workers, sessions=len(seeds), planners=1)
     with PlanningService(settings) as service:
         opened = {seed: service.open_session(SessionSpec(seed=seed)) for seed in seeds}
         runs = {
@@ -41,7 +42,7 @@ def traces(workers: int, seeds: tuple[int, ...]) -> dict[int, Trace]:
         }
         states = [run.state for run in runs.values()]
         assert states.count("running") == workers
-        ended = {seed: service.wait_for_run(run.run_id, 200.0) for seed, run in runs.items()}
+        ended = {seed: service.wait_for_run(run.run_id, PATIENCE) for seed, run in runs.items()}
         assert all(run.state == "ended" and run.result for run in ended.values())
         return {seed: Trace.load(service.trace_file(run.run_id)) for seed, run in runs.items()}
 
@@ -57,15 +58,13 @@ def test_the_number_of_workers_changes_no_trace() -> None:
     assert not np.array_equal(alone[0].seen["mug"], alone[1].seen["mug"])
 
 
-async def frames_of(
-    service: PlanningService, session_id: str, run_id: str
-) -> list[tuple[float, PoseFrame]]:
-    """Frames that a viewer gets until a run has ended, with the time at which each came [s]."""
-    frames: list[tuple[float, PoseFrame]] = []
+async def frames_of(service: PlanningService, session_id: str, run_id: str) -> list[PoseFrame]:
+    """Frames that a viewer gets until a run has ended."""
+    frames: list[PoseFrame] = []
 
     async def look() -> None:
         async for content in service.live(session_id):
-            frames.append((time.monotonic(), PoseFrame.model_validate_json(content)))  # noqa: PERF401 - it is ended
+            frames.append(PoseFrame.model_validate_json(content))  # noqa: PERF401 - it is ended
 
     looking = asyncio.create_task(look())
     async for _ in service.events(run_id):
@@ -75,7 +74,7 @@ async def frames_of(
 
 
 def test_a_run_from_its_plan_to_its_files() -> None:
-    with PlanningService(ServiceSettings(workers=1, sessions=2, planners=1, queue=1)) as service:
+    with PlanningService(patient_settings(workers=1, sessions=2, planners=1, queue=1)) as service:
         first = service.open_session(SessionSpec(approval="plan")).session_id
         second = service.open_session(SessionSpec()).session_id
         plan_id = json.loads(service.call_session(first, "plan", said=PUSH).result())["plan_id"]
@@ -88,11 +87,12 @@ def test_a_run_from_its_plan_to_its_files() -> None:
         assert code_of(lambda: service.begin_run(first, plan_id=plan_id)) == "busy"
         assert code_of(lambda: service.call_session(first, "look").result()) == "busy"
 
-        queued = service.begin_run(second, said=PUSH)
-        assert (queued.state, queued.place) == ("queued", 1)
-        assert service.session(second).state == "running"
-        service.stop_run(queued.run_id)
-        stopped = service.wait_for_run(queued.run_id, 20.0)
+        with halted(service.session_pids()[:1]):
+            queued = service.begin_run(second, said=PUSH)
+            assert (queued.state, queued.place) == ("queued", 1)
+            assert service.session(second).state == "running"
+            service.stop_run(queued.run_id)
+            stopped = service.wait_for_run(queued.run_id, PATIENCE)
         assert stopped.result is not None
         assert (stopped.result.status, stopped.begun_at) == ("cancelled", None)
 
@@ -102,18 +102,12 @@ def test_a_run_from_its_plan_to_its_files() -> None:
         assert code_of(lambda: service.begin_run(first, plan_id=plan_id)) == "used_plan"
 
 
-def check_frames(
-    came: list[tuple[float, PoseFrame]], service: PlanningService, run: RunInfo
-) -> None:
-    """A viewer sees what the observer has recorded in real time, at most 30 times per second."""
+def check_frames(frames: list[PoseFrame], service: PlanningService, run: RunInfo) -> None:
+    """A viewer sees what the observer has recorded, at most 30 times per second of its time."""
     trace = Trace.load(service.trace_file(run.run_id))
-    frames = [frame for _, frame in came]
-    # The first frames may come together, and 0.1 s of a delay is made up for.
-    assert came[-1][0] - came[5][0] > frames[-1].time - frames[5].time - 0.3
     times = np.array([frame.time for frame in frames])
     assert np.all(np.diff(times) > 0.5 / 30.0)
-    rate = (len(times) - 1) / (times[-1] - times[0])
-    assert 10.0 <= rate <= 30.5, "fewer come where the processors are busy"
+    assert (len(times) - 1) / (times[-1] - times[0]) <= 30.5, "fewer come to who is busy"
     moved = [frame for frame in frames if trace.time[0] <= frame.time <= trace.time[-1]]
     for frame in moved[:: max(1, len(moved) // 10)]:
         sample = int(np.argmin(np.abs(trace.time - frame.time)))
@@ -124,7 +118,7 @@ def check_frames(
 
 def check_end(service: PlanningService, run: RunInfo) -> None:
     """A run that has ended has its result, numbered events and files."""
-    ended = service.wait_for_run(run.run_id, 60.0)
+    ended = service.wait_for_run(run.run_id, PATIENCE)
     assert ended.result is not None
     assert (ended.state, ended.result.status) == ("ended", "done")
     events = service.events_so_far(run.run_id)
@@ -139,20 +133,21 @@ def check_end(service: PlanningService, run: RunInfo) -> None:
 
 
 def test_runs_that_are_stopped_aborted_and_cut_off() -> None:
-    with PlanningService(ServiceSettings(workers=2, sessions=3, planners=1)) as service:
+    with PlanningService(patient_settings(workers=2, sessions=3, planners=1)) as service:
         ids = [service.open_session(SessionSpec(seed=seed)).session_id for seed in range(3)]
-        stopped, aborted = (service.begin_run(each, said=PUSH).run_id for each in ids[:2])
-        cut_off = service.begin_run(ids[2], said=PUSH).run_id
-        assert service.run(cut_off).place == 1
-        wait_until(lambda: service.run(stopped).events > 5, 60.0)
+        stopped, aborted = (service.begin_run(each, said=LONG_PUSH).run_id for each in ids[:2])
+        with halted(service.session_pids()[:2]):
+            cut_off = service.begin_run(ids[2], said=LONG_PUSH).run_id
+            assert service.run(cut_off).place == 1
+        wait_until(lambda: service.run(stopped).events > 5)
         service.stop_run(stopped)
-        wait_until(lambda: service.run(aborted).events > 5, 60.0)
+        wait_until(lambda: service.run(aborted).events > 5)
         service.abort_run(aborted)
-        wait_until(lambda: service.run(cut_off).state == "running", 60.0)
-        wait_until(lambda: service.run(cut_off).events > 5, 60.0)
+        wait_until(lambda: service.run(cut_off).state == "running")
+        wait_until(lambda: service.run(cut_off).events > 5)
         os.kill(service.session_pids()[2], signal.SIGKILL)
 
-        ended = [service.wait_for_run(each, 60.0) for each in (stopped, aborted, cut_off)]
+        ended = [service.wait_for_run(each, PATIENCE) for each in (stopped, aborted, cut_off)]
         assert [run.state for run in ended] == ["ended", "aborted", "cut_off"]
         assert ended[0].result is not None
         assert ended[0].result.status == "cancelled"
@@ -163,21 +158,20 @@ def test_runs_that_are_stopped_aborted_and_cut_off() -> None:
 
 
 def test_a_closed_session_lets_its_run_come_to_rest() -> None:
-    with PlanningService(ServiceSettings(workers=1, planners=1)) as service:
+    with PlanningService(patient_settings(workers=1, planners=1)) as service:
         session_id = service.open_session(SessionSpec()).session_id
-        run = service.begin_run(session_id, said=PUSH)
-        wait_until(lambda: service.run(run.run_id).events > 5, 60.0)
-        began = time.monotonic()
-        service.close_session(session_id)
-        assert time.monotonic() - began < 1.0
-        ended = service.wait_for_run(run.run_id, 60.0)
+        run = service.begin_run(session_id, said=LONG_PUSH)
+        wait_until(lambda: service.run(run.run_id).events > 5)
+        with halted(service.session_pids()):  # it cannot come to rest, so nobody waits for that
+            service.close_session(session_id)
+        ended = service.wait_for_run(run.run_id, PATIENCE)
         assert ended.result is not None
         assert ended.result.status == "cancelled"
-        wait_until(lambda: not service.sessions(), 20.0)
+        wait_until(lambda: not service.sessions())
 
 
 def test_who_hears_of_the_end_may_begin_the_next_run_at_once() -> None:
-    with PlanningService(ServiceSettings(workers=1, planners=1)) as service:
+    with PlanningService(patient_settings(workers=1, planners=1)) as service:
         session_id = service.open_session(SessionSpec()).session_id
 
         def has_told_end(run_id: str) -> bool:

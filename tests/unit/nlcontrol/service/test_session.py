@@ -18,6 +18,7 @@ from nlcontrol.service.session_protocol import PlanningSession
 from planner.types.plan import Plan
 from sim.traces.trace import Trace
 from tests.fakes.played_executor import PlayedExecutor, played
+from tests.patience import PATIENCE
 from tests.unit.nlcontrol.pushes import BOX, Happens
 
 AWAY = "push the ice tea box 5 cm away"
@@ -57,7 +58,7 @@ def planned(session: Session, said: str) -> str:
 
 def do(session: Session, said: str) -> str:
     """Paraphrase of a sentence that is planned, approved and done."""
-    result = session.execute(planned(session, said)).result(60.0)
+    result = session.execute(planned(session, said)).result(PATIENCE)
     assert result.status == "done", result.report()
     return result.paraphrase or ""
 
@@ -81,7 +82,7 @@ def test_what_was_approved_is_done(session: Session, robot: PlayedExecutor) -> N
     assert robot.executed == []
     told: list[Event] = []
     run = session.execute(offer.plan_id, on_event=told.append)
-    result = run.result(60.0)
+    result = run.result(PATIENCE)
     assert robot.executed[0] == offer.result.plan
     assert (result.status, result.plan, result.planned) == ("done", offer.result.plan, 1)
     numbered = list(run.events())
@@ -106,14 +107,14 @@ def test_the_run_plans_anew_after_the_approved_push(
     session: Session, robot: PlayedExecutor, goes: Callable[..., Happens]
 ) -> None:
     robot.happens = [goes(share=0.5), goes()]
-    result = session.execute(planned(session, AWAY)).result(60.0)
+    result = session.execute(planned(session, AWAY)).result(PATIENCE)
     assert (result.status, len(robot.executed)) == ("done", 2)
     assert robot.moved == pytest.approx((0.05, 0.0), abs=1e-3)
 
 
 def test_a_plan_is_carried_out_once_and_only_where_it_was_made(session: Session) -> None:
     plan_id = planned(session, AWAY)
-    session.execute(plan_id).result(60.0)
+    session.execute(plan_id).result(PATIENCE)
     assert error_of(lambda: session.execute(plan_id)).code == "used_plan"
     assert error_of(lambda: session.execute("plan-0000000000000000")).code == "unknown_plan"
     with Session("kitchen") as other:
@@ -124,7 +125,7 @@ def test_a_plan_is_carried_out_once_and_only_where_it_was_made(session: Session)
 def test_a_plan_expires(session: Session, clock: Clock, monkeypatch: pytest.MonkeyPatch) -> None:
     early, late = planned(session, AWAY), planned(session, AWAY)
     clock.time += LIFE - 1.0
-    session.execute(early).result(60.0)
+    session.execute(early).result(PATIENCE)
     clock.time += 1.0
     assert error_of(lambda: session.execute(late)).code == "expired_plan"
     assert error_of(lambda: session.execute(late)).status.http == 410
@@ -135,7 +136,7 @@ def test_a_plan_expires(session: Session, clock: Clock, monkeypatch: pytest.Monk
     oldest = planned(session, AWAY)
     kept = [planned(session, AWAY) for _ in range(2)]
     assert error_of(lambda: session.execute(oldest)).code == "expired_plan"
-    assert session.execute(kept[0]).result(60.0).status == "done"
+    assert session.execute(kept[0]).result(PATIENCE).status == "done"
 
 
 @pytest.mark.parametrize("name", [BOX, "mug"])
@@ -153,7 +154,7 @@ def test_a_plan_is_stale_once_anything_moved(
     assert f"the {name} turned 5.0°" in info.message
     assert robot.executed == []
     # The suggestion works: what is planned now goes by what the refusal saw.
-    assert session.execute(planned(session, AWAY)).result(60.0).status == "done"
+    assert session.execute(planned(session, AWAY)).result(PATIENCE).status == "done"
 
 
 def test_noise_of_the_camera_changes_nothing_of_a_plan(
@@ -164,7 +165,7 @@ def test_noise_of_the_camera_changes_nothing_of_a_plan(
     robot.poses[BOX] = replace(there, y=there.y + 0.002, yaw=there.yaw + math.radians(1.0))
     session.look()
     assert session.plan(AWAY).result.plan != offer.result.plan
-    assert session.execute(offer.plan_id or "").result(60.0).status == "done"
+    assert session.execute(offer.plan_id or "").result(PATIENCE).status == "done"
     assert robot.executed[0] == offer.result.plan
 
 
@@ -210,7 +211,7 @@ def test_frames_are_planned_as_sentences_are(session: Session, robot: PlayedExec
     frames = session.parse(AWAY)
     offer = session.plan(frames)
     assert offer.plan_id is not None
-    assert session.execute(offer.plan_id).result(60.0).status == "done"
+    assert session.execute(offer.plan_id).result(PATIENCE).status == "done"
     assert robot.executed == [offer.result.plan]
 
 
@@ -224,7 +225,7 @@ def test_what_is_there_already_is_watched(session: Session, robot: PlayedExecuto
         raise ZeroDivisionError
 
     robot.watch = watch  # type: ignore[method-assign]
-    assert session.execute(plan_id).result(60.0).status == "failed"
+    assert session.execute(plan_id).result(PATIENCE).status == "failed"
     assert (watched, robot.executed) == ([BOX], [])
 
 
@@ -249,13 +250,13 @@ def test_one_thing_at_a_time(
 
     def waits(plan: Plan) -> Trace:
         begun.set()
-        assert let_go.wait(60.0)
+        assert let_go.wait(PATIENCE)
         return goes()(plan)
 
     robot.happens = [waits, goes()]
     waiting = planned(session, AWAY)
     run = session.say(AWAY)
-    assert begun.wait(60.0)
+    assert begun.wait(PATIENCE)
     try:
         with pytest.raises(TimeoutError):
             run.result(0.01)
@@ -273,7 +274,7 @@ def test_one_thing_at_a_time(
         assert run.info().state == "running"
     finally:
         let_go.set()
-    assert run.result(60.0).status == "done"
+    assert run.result(PATIENCE).status == "done"
 
 
 def test_a_stop_cancels_the_run(
@@ -284,7 +285,7 @@ def test_a_stop_cancels_the_run(
         return goes()(plan)
 
     robot.happens = [stops]
-    result = session.say(AWAY).result(60.0)
+    result = session.say(AWAY).result(PATIENCE)
     assert (result.status, len(robot.executed)) == ("cancelled", 1)
 
 
@@ -316,7 +317,7 @@ def test_what_callbacks_raise_is_told(session: Session) -> None:
         raise ZeroDivisionError
 
     run = session.execute(planned(session, AWAY), on_event=fails)
-    assert error_of(lambda: run.result(60.0)).code == "internal"
+    assert error_of(lambda: run.result(PATIENCE)).code == "internal"
     assert run.info().state == "defect"
 
 

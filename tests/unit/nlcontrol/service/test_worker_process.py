@@ -15,7 +15,8 @@ import pytest
 from nlcontrol.service.workers.planner_host import warm_up
 from nlcontrol.service.workers.worker_host import Tell
 from nlcontrol.service.workers.worker_process import WorkerProcess
-from tests.unit.nlcontrol.service.processes import parent, wait_until
+from tests.patience import PATIENCE, wait_until
+from tests.unit.nlcontrol.service.processes import parent
 
 
 class Reporter:
@@ -33,11 +34,11 @@ class Reporter:
 def asked(method: str) -> dict[str, Any]:
     worker = WorkerProcess(Reporter)
     try:
-        answer: dict[str, Any] = json.loads(worker.call(method).result(60))
+        answer: dict[str, Any] = json.loads(worker.call(method).result(PATIENCE))
         return answer
     finally:
         worker.kill()
-        assert worker.wait(10)
+        assert worker.wait(PATIENCE)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere workers are not forked")
@@ -66,6 +67,6 @@ def test_another_process_is_forked_from_if_the_first_has_ended() -> None:
     os.kill(forked_from, 9)
     wait_until(partial(lambda pid: parent(pid) is None, forked_from))
     assert asked("warmth") == {"warm_ups": 1}
-    assert json.loads(worker.call("warmth").result(10)) == {"warm_ups": 1}  # it goes on
+    assert json.loads(worker.call("warmth").result(PATIENCE)) == {"warm_ups": 1}  # it goes on
     worker.kill()
-    assert worker.wait(10)
+    assert worker.wait(PATIENCE)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import time
-
 import pytest
 
 from objectmodels.errors import ModelError
 from objectmodels.files.yaml_documents import parse_yaml
+from tests.patience import hang_ended
 
 BOMB = "a: &a [x, x, x, x, x, x, x, x, x]\n" + "".join(
     f"{b}: &{b} [{', '.join([f'*{a}'] * 9)}]\n" for a, b in zip("abcdefgh", "bcdefghi", strict=True)
@@ -26,14 +25,12 @@ TAGS = ["!!int abc", "!!float abc", "!!bool maybe", "!!timestamp x", "!!timestam
     ids=lambda text: ascii(text[:20]),
 )  # fmt: skip
 def test_refused(text: str) -> None:
-    begun = time.process_time()
-    with pytest.raises(ModelError) as raised:
+    with pytest.raises(ModelError) as raised, hang_ended():  # the bomb would take for ever
         parse_yaml(text)
     assert raised.value.code == "bad_yaml"
     assert raised.value.suggestions
     assert raised.value.message.isprintable()
     assert len(raised.value.message) < 300
-    assert time.process_time() - begun < 5.0  # the bomb took minutes; nothing here a second
 
 
 def test_aliases_are_read_as_long_as_they_are_few() -> None:

@@ -11,6 +11,7 @@ import pytest
 
 from objectmodels import BoxModel, ModelError, Registry
 from objectmodels.registry.user_models import remove_model, rename_model, store_model
+from tests.patience import PATIENCE
 
 
 def box(name: str, *, mass: float = 1.0) -> BoxModel:
@@ -96,7 +97,7 @@ def test_of_several_writers_none_loses_a_model(objects_folder: Path) -> None:
     for process in processes:
         process.start()
     for process in processes:
-        process.join(60.0)
+        process.join(PATIENCE)
     assert [process.exitcode for process in processes] == [0] * 6
     registry = Registry.default()
     assert registry.problems == ()

@@ -17,6 +17,7 @@ from nlcontrol.service.client import remote_run, service_connection
 from nlcontrol.service.documents import NumberedEvent
 from nlcontrol.service.session_protocol import PlanningSession, Run
 from nlcontrol.session.events import Event
+from tests.patience import PATIENCE
 
 URL = "http://127.0.0.1:8000"
 SESSION = {
@@ -226,7 +227,7 @@ def test_a_callback_is_told_every_event_before_the_result_comes() -> None:
     run = client(wire).say(
         "push the mug", on_event=lambda e: heard.append((e.text, threading.current_thread()))
     )
-    assert run.result(5.0).status == "done"
+    assert run.result(PATIENCE).status == "done"
     assert [text for text, _ in heard] == ["1", "2", "3"]
     assert all(thread is not threading.current_thread() for _, thread in heard)
 
@@ -238,7 +239,7 @@ def test_a_callback_that_fails_stops_the_run_and_its_failure_is_raised() -> None
     wire = Wire(say=[RUN], events=[Stream(1, 2, 3)], r1=[ENDED], stop=[{}])
     run = client(wire).say("push the mug", on_event=fail)
     with pytest.raises(ZeroDivisionError, match="1"):
-        run.result(5.0)
+        run.result(PATIENCE)
     assert len(wire.sent("stop")) == 1
 
 
@@ -248,7 +249,7 @@ def test_a_result_is_waited_for_so_long_and_no_longer() -> None:
     with pytest.raises(TimeoutError):
         run.result(0.1)
     wire.answers["r1"] = [RUN, ENDED]
-    assert run.result(5.0).ok
+    assert run.result(PATIENCE).ok
 
 
 def test_a_run_that_was_cut_off_raises_what_the_service_says() -> None:

@@ -11,6 +11,7 @@ from nlcontrol import Client, ControlError
 from nlcontrol.service.session import Session
 from nlcontrol.service.session_protocol import PlanningSession
 from tests.fakes.counted_executor import motions_in
+from tests.patience import PATIENCE
 from tests.service_process import ServerProcess, serving_counted_robot
 
 PUSH = "push the mug 3 cm to the left"
@@ -52,7 +53,7 @@ def run(robot: PlanningSession) -> list[Any]:
     assert offer.plan_id is not None
     heard: list[str] = []
     begun = robot.execute(offer.plan_id, on_event=lambda event: heard.append(event.kind))
-    result = begun.result(120.0)
+    result = begun.result(PATIENCE)
     trace = begun.trace()
     assert trace is not None
     kinds = [told.event.kind for told in begun.events()]
@@ -65,7 +66,7 @@ def run(robot: PlanningSession) -> list[Any]:
 def test_questions_and_refusals_are_the_same(server: ServerProcess) -> None:
     with Session("kitchen") as robot:
         here = conversation(robot)
-    with Client(server.url, scene="kitchen") as robot:
+    with Client(server.url, scene="kitchen", timeout=PATIENCE) as robot:
         there = conversation(robot)
     assert len(here) == len(there)
     for mine, other in zip(here, there, strict=True):
@@ -76,7 +77,7 @@ def test_questions_and_refusals_are_the_same(server: ServerProcess) -> None:
 def test_a_push_is_the_same(server: ServerProcess) -> None:
     with Session("kitchen", seed=3) as robot:
         here = run(robot)
-    with Client(server.url, scene="kitchen", seed=3) as robot:
+    with Client(server.url, scene="kitchen", seed=3, timeout=PATIENCE) as robot:
         there = run(robot)
     assert here[0].pop("files", None) == there[0].pop("files", None)
     for mine, other in zip(here, there, strict=True):
@@ -85,7 +86,10 @@ def test_a_push_is_the_same(server: ServerProcess) -> None:
 
 def test_a_question_may_move_there_too(tmp_path: Path) -> None:
     asked = "how slippery is the mug?"
-    with serving_counted_robot(tmp_path, "--planners", "1") as server, Client(server.url) as robot:
+    with (
+        serving_counted_robot(tmp_path, "--planners", "1") as server,
+        Client(server.url, timeout=PATIENCE) as robot,
+    ):
         assert robot.ask(PUSH, motion="simulate").status == "planned"
         before = robot.ask(asked)
         assert (before.status, motions_in(tmp_path)) == ("answered", 0)

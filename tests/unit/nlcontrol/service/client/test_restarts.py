@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 
 import pytest
 
 from nlcontrol import Client, ControlError
+from tests.patience import PATIENCE
 from tests.service_process import serving
 
 
@@ -15,7 +15,7 @@ from tests.service_process import serving
 def test_a_run_that_was_cut_off_is_told_so(tmp_path: Path) -> None:
     store = ("--store", str(tmp_path / "store"), "--planners", "1")
     with serving(*store) as server:
-        robot = Client(server.url)
+        robot = Client(server.url, timeout=PATIENCE)
         run = robot.say("push the mug 10 cm to the left")
         assert next(run.events()).event.kind == "understood"
         server.process.kill()
@@ -25,17 +25,15 @@ def test_a_run_that_was_cut_off_is_told_so(tmp_path: Path) -> None:
         assert raised.value.code == "no_service"
     with serving(*store, "--port", server.url.rpartition(":")[2]):
         with pytest.raises(ControlError) as raised:
-            run.result(30.0)
+            run.result(PATIENCE)
         assert raised.value.code == "cut_off"
         assert raised.value.info.suggestions
         info = run.info()
         assert info.state == "cut_off"
-        begun = time.monotonic()
         assert [told.number for told in run.events()] == list(range(1, info.events + 1))
-        assert time.monotonic() - begun < 10.0
         with pytest.raises(ControlError) as raised:
             robot.look()
         assert raised.value.code == "unknown_session"
         robot.close()
-        with Client(server.url) as robot:
+        with Client(server.url, timeout=PATIENCE) as robot:
             assert robot.plan("push the mug 3 cm to the left").plan_id

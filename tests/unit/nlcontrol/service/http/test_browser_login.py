@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import re
 import stat
-import time
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
+from functools import partial
 
 import httpx
 import pytest
 
 from nlcontrol.service.http.guard.browser_login import BrowserLogin
+from tests.patience import PATIENCE, wait_until
 from tests.service_process import serving
 
 TOKEN = "a token of some length"
-PATIENCE = 20.0  # until a script that was begun has written, on a busy machine [s]
+get = partial(httpx.get, timeout=PATIENCE)
+post = partial(httpx.post, timeout=PATIENCE)
 
 
 @dataclass(frozen=True)
@@ -37,20 +38,13 @@ def locked(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Locked]:
     with serving("--open", environment=environment) as server:
         assert server.process.stdout is not None
         printed = server.process.stdout.readline().split()[-1]
-        _wait_for(opened)
+        wait_until(opened.exists, "the link in the browser")
         assert opened.read_text() == printed
         yield Locked(server.url, printed)
 
 
-def _wait_for(path: Path) -> None:
-    ends = time.monotonic() + PATIENCE
-    while not path.exists():
-        assert time.monotonic() < ends, f"{path} was never written"
-        time.sleep(0.05)
-
-
 def log_in(url: str, secret: str, **headers: str) -> httpx.Response:
-    return httpx.post(f"{url}/v1/login", json={"secret": secret}, headers=headers)
+    return post(f"{url}/v1/login", json={"secret": secret}, headers=headers)
 
 
 def cookie_of(answer: httpx.Response) -> str:
@@ -74,29 +68,29 @@ def test_the_link_logs_in_once_and_the_token_always(locked: Locked) -> None:
 def test_the_cookie_opens_what_the_token_opens(locked: Locked) -> None:
     cookie = cookie_of(log_in(locked.url, TOKEN))
     health = f"{locked.url}/v1/health"
-    assert httpx.get(health).status_code == 401
-    assert httpx.get(health, headers={"Cookie": cookie}).status_code == 200
-    assert httpx.get(health, headers={"Cookie": f"other=1; {cookie}"}).status_code == 200
+    assert get(health).status_code == 401
+    assert get(health, headers={"Cookie": cookie}).status_code == 200
+    assert get(health, headers={"Cookie": f"other=1; {cookie}"}).status_code == 200
     name, _, value = cookie.partition("=")
     for wrong in (name, f"{name}=", f"{name}={value[:-1]}", f"x{cookie}", f"{name}={TOKEN}"):
-        assert httpx.get(health, headers={"Cookie": wrong}).status_code == 401
+        assert get(health, headers={"Cookie": wrong}).status_code == 401
 
 
 def test_pages_of_others_gain_nothing_by_the_cookie(locked: Locked) -> None:
     cookie = {"Cookie": cookie_of(log_in(locked.url, TOKEN))}
     for headers in ({"Origin": "http://evil.example"}, {"Sec-Fetch-Site": "cross-site"}):
-        refused = httpx.get(f"{locked.url}/v1/health", headers=cookie | headers)
+        refused = get(f"{locked.url}/v1/health", headers=cookie | headers)
         assert (refused.status_code, refused.json()["code"]) == (403, "wrong_origin")
-        posted = httpx.post(f"{locked.url}/v1/sessions", json={}, headers=cookie | headers)
+        posted = post(f"{locked.url}/v1/sessions", json={}, headers=cookie | headers)
         assert posted.status_code == 403
         assert log_in(locked.url, TOKEN, **headers).status_code == 403
-    renamed = httpx.get(f"{locked.url}/v1/health", headers=cookie | {"Host": "evil.example"})
+    renamed = get(f"{locked.url}/v1/health", headers=cookie | {"Host": "evil.example"})
     assert renamed.status_code == 421
 
 
 def test_the_page_itself_needs_no_token_and_a_link_elsewhere_may_open_it(locked: Locked) -> None:
     link = {"Sec-Fetch-Site": "cross-site", "Sec-Fetch-Mode": "navigate"}
-    opened = httpx.get(locked.url, headers=link | {"Sec-Fetch-Dest": "document"})
+    opened = get(locked.url, headers=link | {"Sec-Fetch-Dest": "document"})
     assert opened.status_code == 200
     assert re.search("frame-ancestors 'none'", opened.headers["content-security-policy"])
     for headers in (
@@ -104,8 +98,8 @@ def test_the_page_itself_needs_no_token_and_a_link_elsewhere_may_open_it(locked:
         link | {"Sec-Fetch-Dest": "document", "Origin": "http://evil.example"},
         {"Sec-Fetch-Site": "cross-site", "Sec-Fetch-Mode": "no-cors", "Sec-Fetch-Dest": "script"},
     ):
-        assert httpx.get(locked.url, headers=headers).status_code == 403
-    elsewhere = httpx.get(f"{locked.url}/v1/runs", headers=link | {"Sec-Fetch-Dest": "document"})
+        assert get(locked.url, headers=headers).status_code == 403
+    elsewhere = get(f"{locked.url}/v1/runs", headers=link | {"Sec-Fetch-Dest": "document"})
     assert elsewhere.status_code == 403
 
 

@@ -4,35 +4,19 @@ from __future__ import annotations
 
 import json
 import socket
-import time
-from collections.abc import Iterator
 from contextlib import ExitStack
 from typing import Any
 from urllib.parse import urlsplit
 
 import httpx
-import pytest
 
 from nlcontrol.service.documents import RunInfo
 from nlcontrol.service.http.http_settings import HttpSettings
+from tests.patience import PATIENCE, wait_until
 from tests.service_process import ServerProcess
 from tests.unit.nlcontrol.service.http.test_request_guard import code
 
 SAID = {"text": "push the ice tea box 2 cm away"}
-
-
-@pytest.fixture
-def session(robot_http: httpx.Client) -> Iterator[str]:
-    """Path of a session; there can be one at a time."""
-    opened = robot_http.post("/v1/sessions", json={"approval": "none"})
-    assert opened.status_code == 201, opened.text
-    path = f"/v1/sessions/{opened.json()['session_id']}"
-    yield path
-    assert robot_http.delete(path).status_code == 204
-    deadline = time.monotonic() + 20.0
-    while robot_http.get("/v1/sessions").json()["sessions"]:
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
 
 
 def executed(client: httpx.Client, session: str, **headers: str) -> RunInfo:
@@ -40,13 +24,9 @@ def executed(client: httpx.Client, session: str, **headers: str) -> RunInfo:
     offer = client.post(f"{session}/plans", json=SAID).json()
     begun = client.post(f"{session}/runs", json={"plan_id": offer["plan_id"]}, headers=headers)
     assert begun.status_code == 202, begun.text
-    run = RunInfo.model_validate_json(begun.content)
-    deadline = time.monotonic() + 30.0
-    while run.state in ("queued", "running"):
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
-        run = RunInfo.model_validate_json(client.get(f"/v1/runs/{run.run_id}").content)
-    return run
+    path = f"/v1/runs/{begun.json()['run_id']}"
+    wait_until(lambda: client.get(path).json()["state"] not in ("queued", "running"))
+    return RunInfo.model_validate_json(client.get(path).content)
 
 
 def streamed(client: httpx.Client, run: RunInfo, **options: Any) -> list[tuple[int, Any]]:
@@ -132,18 +112,17 @@ def test_listeners_are_bounded_and_those_who_vanish_make_room(
     request = f"GET {session}/live HTTP/1.1\r\nHost: localhost\r\n\r\n".encode()
     with ExitStack() as lines:
         for _ in range(HttpSettings().listeners):
-            line = socket.create_connection((address.hostname or "", address.port or 0), timeout=10)
-            lines.enter_context(line)
+            place = (address.hostname or "", address.port or 0)
+            line = lines.enter_context(socket.create_connection(place, timeout=PATIENCE))
             line.sendall(request)
             assert line.recv(100).startswith(b"HTTP/1.1 200")
         refused = robot_http.get(f"{session}/live")
         assert code(refused) == (429, "too_many_requests")
         assert int(refused.headers["retry-after"]) > 0
         assert robot_http.get("/v1/health").status_code == 200
-    deadline = time.monotonic() + 10.0
-    status = 429
-    while status == 429 and time.monotonic() < deadline:
-        time.sleep(0.1)
+
+    def is_heard() -> bool:
         with robot_http.stream("GET", f"{session}/live") as stream:
-            status = stream.status_code
-    assert status == 200
+            return stream.status_code == 200
+
+    wait_until(is_heard)

@@ -15,6 +15,7 @@ from nlcontrol.errors import ErrorInfo
 from nlcontrol.service.http.guard.request_guard import SECURITY_HEADERS, RequestGuard
 from nlcontrol.service.http.http_settings import HttpSettings
 from nlcontrol.service.http.problem_documents import Problem
+from tests.patience import PATIENCE
 from tests.service_process import ServerProcess
 
 JSON = {"Content-Type": "application/json"}
@@ -143,27 +144,30 @@ def test_two_host_headers_and_a_handshake_of_a_socket_get_nowhere(server: Server
     upgrade = "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
     upgrade += "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n"
     for extra, status in (("Host: localhost\r\n", b"400"), (upgrade, b"404")):
-        with socket.create_connection((address.hostname, address.port or 0), timeout=10) as line:
+        with socket.create_connection(
+            (address.hostname, address.port or 0), timeout=PATIENCE
+        ) as line:
             line.sendall(f"GET /v1/live HTTP/1.1\r\nHost: localhost\r\n{extra}\r\n".encode())
             assert line.recv(100).startswith(b"HTTP/1.1 " + status)
 
 
 def test_a_body_that_was_cut_off_is_not_carried_out(
-    robot_http: httpx.Client, robot_server: ServerProcess
+    robot_http: httpx.Client, robot_server: ServerProcess, session: str
 ) -> None:
-    opened = robot_http.post("/v1/sessions", json={}).json()["session_id"]
     said = {"text": "push the mug 3 cm to the left"}
-    plan_id = robot_http.post(f"/v1/sessions/{opened}/plans", json=said).json()["plan_id"]
+    plan_id = robot_http.post(f"{session}/plans", json=said).json()["plan_id"]
     body = json.dumps({"plan_id": plan_id})
     address = urlsplit(robot_server.url)
-    with socket.create_connection((address.hostname or "", address.port or 0), timeout=10) as line:
-        head = f"POST /v1/sessions/{opened}/runs HTTP/1.1\r\nHost: localhost\r\n"
+    with socket.create_connection(
+        (address.hostname or "", address.port or 0), timeout=PATIENCE
+    ) as line:
+        head = f"POST {session}/runs HTTP/1.1\r\nHost: localhost\r\n"
         head += "Content-Type: application/json\r\nContent-Length: 500\r\n\r\n"
         line.sendall((head + body).encode())
         line.shutdown(socket.SHUT_WR)
         assert line.recv(100) == b""
+    opened = session.rpartition("/")[2]
     assert robot_http.get("/v1/runs", params={"session": opened}).json()["runs"] == []
-    robot_http.delete(f"/v1/sessions/{opened}")
 
 
 def test_the_log_says_nothing_of_sentences(http: httpx.Client, server: ServerProcess) -> None:
