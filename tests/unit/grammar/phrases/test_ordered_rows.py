@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from time import process_time
-
 import pytest
 
 from grammar.parser import parser_for
 from grammar.phrases.ordered_rows import row_in_order
+from tests.patience import hang_ended
 
 PARSER = parser_for(["coffee box", "cereal box", "mug", "ice tea cup", "tea tin"])
 
@@ -34,6 +33,5 @@ def test_without_an_order_there_is_none(text: str) -> None:
 
 @pytest.mark.parametrize("repeated", ["a , ", "the mug and ", "left , and then "])
 def test_no_repetition_takes_long(repeated: str) -> None:
-    started = process_time()
-    row_in_order((repeated * 300)[:1000] + "left")
-    assert process_time() - started < 0.2
+    with hang_ended():
+        row_in_order((repeated * 300)[:1000] + "left")

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from time import process_time
-
 import pytest
 
 from grammar.errors import ParseError
 from grammar.parser import default_parser, parser_for
+from tests.patience import hang_ended
 
 PARSER = parser_for(["coffee box", "cereal box", "mug", "ice tea cup"])
 
@@ -64,10 +63,8 @@ def test_a_place_that_may_tell_things_apart_moves_none(text: str) -> None:
 
 
 def test_many_names_are_read_in_one_way() -> None:
-    started = process_time()
-    with pytest.raises(ParseError):
-        PARSER.parse("the mug and " * 30 + "x")
-    assert process_time() - started < 0.5
+    with hang_ended(), pytest.raises(ParseError):
+        PARSER.parse("the mug and " * 40 + "x")
 
 
 @pytest.mark.parametrize(
