@@ -5,12 +5,13 @@ The words are chosen so that reading them gives the same frames again, up to spa
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from functools import partial
 from itertools import groupby
 
 from grammar.frames import command as g
 from grammar.paraphrasing.clause_wording import Phrasing
-from grammar.paraphrasing.object_wording import Choice, no_words
+from grammar.paraphrasing.object_wording import Choice, is_said_twice, no_words
 from grammar.words.lexicon import Lexicon, default_lexicon
 
 _LIMITS = ("no_topple", "no_tilt", "no_turn", "no_slide")
@@ -24,6 +25,12 @@ _MUTUAL = ("in_row", "together", "stacked", "place_of")
 
 _STANDING = {"upright": "upright", "topple": "lying", "open": "open", "close": "closed"}
 """What is asked to be so already → how it is called."""
+
+_JOINED = ("PARTICLE", "REGION", "UPON", "DIRECTION", "RELATION")
+"""Terminals whose phrases may begin with another one: "down at the bottom", "further away from"."""
+
+_LONGEST_JOINED, _MOST_RANKS = 8, 8
+"""Words of the longest of them, and phrases of one meaning of which each is tried."""
 
 _EVERY = "…"  # for their names
 
@@ -48,7 +55,58 @@ def paraphrase(
         ValueError: if the language has no words for it.
     """
     frames = (said,) if isinstance(said, g.Frame) else said
-    speaker = _Speaker(default_lexicon() if lexicon is None else lexicon, choose)
+    lexicon = default_lexicon() if lexicon is None else lexicon
+    words = _words_for(frames, lexicon, choose)
+    if choose is None and is_misread(words, frames, lexicon):
+        others = _others_once(frames, lexicon)
+        return next((each for each in others if not is_misread(each, frames, lexicon)), words)
+    return words
+
+
+def is_misread(text: str, frames: Sequence[g.Frame], lexicon: Lexicon) -> bool:
+    """Check for words of frames that met by chance, and mean something else together.
+
+    Words said twice are read as stammered, "from the left that is left of" as a correction, "set it
+    down" with "at the bottom" as "set it" with "down at the bottom", and "further" with "away from
+    it" as "further away from it", which is the same as "away from it".
+    """
+    words = text.casefold().replace(" that is ", " ").replace(",", " ,").split()
+    if is_said_twice(words):
+        return True
+    firsts = {f.goal.words.particle for f in frames}
+    if any(f.dialogue for f in frames):
+        firsts |= {phrase.split()[-1] for phrase in lexicon.terminals["MORE"]}
+    return any(
+        " ".join(words[i:end]) in lexicon.terminals[terminal]
+        for i, word in enumerate(words)
+        if word in firsts
+        for end in range(i + 2, min(i + _LONGEST_JOINED, len(words)) + 1)
+        for terminal in _JOINED
+    )
+
+
+def _others_once(frames: Sequence[g.Frame], lexicon: Lexicon) -> Iterator[str]:
+    """The same in other words: each phrase in turn is another one that means the same."""
+    asked: list[Sequence[str]] = []
+
+    def choose_first(phrases: Sequence[str]) -> str:
+        asked.append(phrases)
+        return phrases[0]
+
+    _words_for(frames, lexicon, choose_first)
+    for rank in range(1, _MOST_RANKS):
+        for place, phrases in enumerate(asked):
+            if rank < len(phrases):
+                chosen = iter([*(each[0] for each in asked[:place]), phrases[rank]])
+                yield _words_for(frames, lexicon, partial(_chosen, chosen))
+
+
+def _chosen(chosen: Iterator[str], phrases: Sequence[str]) -> str:
+    return next(chosen, phrases[0])
+
+
+def _words_for(frames: Sequence[g.Frame], lexicon: Lexicon, choose: Choice | None) -> str:
+    speaker = _Speaker(lexicon, choose)
     clauses: list[str] = []
     for shared, group in groupby(frames, speaker.shared_words):
         if shared is None:

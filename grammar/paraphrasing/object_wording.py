@@ -131,7 +131,7 @@ class Naming:
             or words[0] in (*_NO_NAMES, *self.lexicon.hesitating_words)
             or f"the {words[0]}" in self.lexicon.terminals["YOU"]
             or self._ends_a_phrase(words)
-            or _is_said_twice(words)
+            or is_said_twice(words)
         ):
             return False
         return all(self._stays_a_name(words, i) for i in range(len(words)))
@@ -162,13 +162,15 @@ def _name_words(name: str) -> list[str]:
     return name.replace("-", " ").casefold().split()
 
 
-def _is_said_twice(words: Sequence[str]) -> bool:
+def is_said_twice(words: Sequence[str]) -> bool:
     """Check for words that are read as stammered: "aye aye"."""
-    return any(
-        words[i - n : i] == words[i : i + n]
-        for i in range(1, len(words))
-        for n in range(1, min(i, len(words) - i) + 1)
-    )
+    places: dict[str, list[int]] = {}
+    for again, word in enumerate(words):
+        before = places.setdefault(word, [])
+        if any(words[i:again] == words[again : 2 * again - i] for i in before):
+            return True
+        before.append(again)
+    return False
 
 
 def _is_joining_of(words: Sequence[str], i: int) -> bool:

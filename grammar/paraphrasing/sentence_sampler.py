@@ -17,7 +17,7 @@ from grammar.clauses.object_descriptions import SIDES_COUNTED_FROM
 from grammar.frames import command as g
 from grammar.frames.constraints import CONSTRAINTS, new_constraint
 from grammar.frames.vocabulary import Unit
-from grammar.paraphrasing.command_wording import paraphrase
+from grammar.paraphrasing.command_wording import is_misread, paraphrase
 from grammar.words.lexicon import Lexicon, default_lexicon
 
 T = TypeVar("T")
@@ -68,16 +68,23 @@ class Sampler:
 
     def draw_sentence(self) -> Sample:
         """A sentence and its frames."""
-        frames = tuple(self.draw_frame() for _ in range(1 if self._rng.random() < 0.8 else 2))
-        if len(frames) > 1 and any(f.query or f.dialogue for f in frames):
-            frames = frames[:1]
         vague = [f" {phrase}" for phrase in self._lexicon.vague if " " in phrase]
-        while any(phrase in (text := self._text_of(frames)) for phrase in vague):
-            continue  # "too" and "far" met by chance
-        return Sample(text, frames)
+        while True:
+            frames = self._draw_frames()
+            text = paraphrase(frames, self._lexicon, self._rng.choice)
+            # "Too" and "far" may have met by chance, or "left" and "left".
+            met = any(phrase in text for phrase in vague)
+            if not (met or is_misread(text, frames, self._lexicon)):
+                return Sample(text, frames)
 
-    def _text_of(self, frames: Sequence[g.Frame]) -> str:
-        return paraphrase(frames, self._lexicon, self._rng.choice)
+    def _draw_frames(self) -> tuple[g.Frame, ...]:
+        """One frame, or two commands."""
+        first = self.draw_frame()
+        second = self.draw_frame() if self._rng.random() < 0.2 else first
+        # Of "take the lid off it, then put it on the mug" the lid is put there.
+        lid = isinstance(first.goal, g.Open | g.Close) and first.goal.part
+        alone = second is first or lid or any(f.query or f.dialogue for f in (first, second))
+        return (first,) if alone else (first, second)
 
     def draw_frame(self) -> g.Frame:
         """A frame that does not contradict itself."""
