@@ -50,6 +50,8 @@ async def open_session(spec: SessionBody, request: Request, service: Service) ->
     if request.app.state.http_settings.approve:
         spec = spec.model_copy(update={"approval": "plan"})
     info = await run_in_threadpool(service.open_session, spec)
+    if await request.is_disconnected():  # nobody knows its name, and it would keep others out
+        await run_in_threadpool(service.close_session, info.session_id)
     return document_response(info, 201)
 
 
