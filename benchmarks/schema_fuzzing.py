@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from benchmarks.service_attacks.attacked_server import TOKEN, attacked_server
+from tests.patience import PATIENCE
 
 CHECKS = (
     "not_a_server_error",
@@ -31,7 +32,7 @@ ENDLESS = "session_live"
 MORE = 1.5
 """Requests of an operation beside an even share: those without parameters take but a few."""
 
-ANSWER_TIME = 90.0
+ANSWER_TIME = PATIENCE + 30.0
 """Longest time for an answer, more than the service takes itself [s]."""
 
 

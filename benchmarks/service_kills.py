@@ -47,7 +47,7 @@ SERVE = (sys.executable, "-m", "nlcontrol", "serve", "--port", "0", "--workers",
 LONGEST = 12.0
 """Time after which something has been killed [s]; a push takes some 6 s."""
 
-PATIENCE = 60.0
+PATIENCE = 600.0
 """Time in which whatever should happen has happened [s]."""
 
 
@@ -98,7 +98,10 @@ def _wait_until(holds: Any, what: str) -> None:
 def say_sentences(url: str, seed: int, told: Told, ended: threading.Event) -> None:
     """Says sentences in a session of its own, until the service or the session is lost."""
     rng = random.Random(seed)
-    with contextlib.suppress(httpx.TransportError), httpx.Client(base_url=url, timeout=30) as http:
+    with (
+        contextlib.suppress(httpx.TransportError),
+        httpx.Client(base_url=url, timeout=PATIENCE) as http,
+    ):
         opened = http.post("/v1/sessions", json={"seed": seed})
         if opened.status_code == 410:  # its process was killed as it was opened
             return

@@ -17,6 +17,7 @@ from tests.fakes.counted_executor import (
     motions_in,
     write_poses,
 )
+from tests.patience import PATIENCE
 from tests.service_process import serving
 
 EXECUTOR = "tests.fakes.counted_executor:CountedExecutor"
@@ -58,7 +59,7 @@ class AttackedServer:
 
     def raw_answer(self, content: bytes, *, read: bool = True) -> bytes:
         """The answer to bytes that need not be HTTP; b"" if there is none or nobody reads it."""
-        with socket.create_connection(("127.0.0.1", self.port), timeout=30.0) as line:
+        with socket.create_connection(("127.0.0.1", self.port), timeout=PATIENCE) as line:
             try:
                 line.sendall(content)
                 if not read:
@@ -87,7 +88,7 @@ def attacked_server(folder: Path) -> Iterator[AttackedServer]:
         httpx.Client(
             base_url=process.url,
             headers={"Authorization": f"Bearer {TOKEN}"},
-            timeout=120.0,
+            timeout=PATIENCE,
             trust_env=False,
             limits=httpx.Limits(keepalive_expiry=2.0),
         ) as http,

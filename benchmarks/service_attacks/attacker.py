@@ -13,6 +13,7 @@ import httpx
 
 from benchmarks.service_attacks.attack_tally import Tally
 from benchmarks.service_attacks.attacked_server import AttackedServer
+from tests.patience import PATIENCE
 
 SENTENCES = (
     "push the ice tea box 5 cm away",
@@ -20,7 +21,6 @@ SENTENCES = (
     "push the ice tea box 4 cm to the right",
     "push the cereal box 3 cm away",
 )
-RUN_TIME = 60.0
 
 
 class Attacker:
@@ -146,7 +146,7 @@ class Attacker:
 
     def wait(self) -> None:
         """Waits until nothing is carried out in the session."""
-        deadline = time.monotonic() + RUN_TIME
+        deadline = time.monotonic() + PATIENCE
         while self.call("GET", f"/v1/sessions/{self.session}")["state"] == "running":
             if time.monotonic() > deadline:
                 raise RuntimeError("a run does not end")

@@ -13,6 +13,7 @@ from benchmarks.service_attacks.attacked_server import TOKEN
 from benchmarks.service_attacks.attacker import SENTENCES, Attacker
 from benchmarks.service_attacks.hostile_values import PATHS, bad_body, near, odd_text, odd_value
 from benchmarks.service_attacks.plan_attacks import RUNS
+from tests.patience import PATIENCE
 
 FLOOD = 300
 """Requests of a flood, more than the service takes at once."""
@@ -310,6 +311,7 @@ def try_many_listeners(a: Attacker) -> None:
     with httpx.Client(
         base_url=a.server.url,
         headers=a.server.http.headers,
+        timeout=PATIENCE,
         limits=httpx.Limits(max_connections=None),
         trust_env=False,
     ) as http:
