@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
+from functools import cache
 
 from grammar.clauses.object_descriptions import SIDES_COUNTED_FROM, side_of_table_in
 from grammar.frames import command as g
 from grammar.words.lexicon import Lexicon
+from grammar.words.phrase_templates import expand_template
 
 Choice = Callable[[Sequence[str]], str]
 """Picks one of several phrases that mean the same."""
@@ -132,6 +134,7 @@ class Naming:
             or f"the {words[0]}" in self.lexicon.terminals["YOU"]
             or self._ends_a_phrase(words)
             or is_said_twice(words)
+            or self._holds_filler(words)
         ):
             return False
         return all(self._stays_a_name(words, i) for i in range(len(words)))
@@ -141,6 +144,12 @@ class Naming:
         ends = (i for i in range(1, len(words) + 1)
                 if " ".join(words[:i]) in self.lexicon.definite_endings)  # fmt: skip
         return any(i == len(words) or words[i - 1] not in self.lexicon.adjectives for i in ends)
+
+    def _holds_filler(self, words: Sequence[str]) -> bool:
+        """Check for a name of which a part would be left out: "lol", "really big box"."""
+        fillers = _fillers(tuple(self.lexicon.asides["fillers"]))
+        ends = range(1, len(words) + 1)
+        return any(" ".join(words[i:end]) in fillers for end in ends for i in range(end))
 
     def _stays_a_name(self, words: Sequence[str], i: int) -> bool:
         word, lexicon = words[i], self.lexicon
@@ -156,6 +165,12 @@ class Naming:
             return True
         known = word in lexicon.reserved_words or word in lexicon.first_words
         return not (word[0].isdigit() or known)
+
+
+@cache
+def _fillers(templates: tuple[str, ...]) -> frozenset[str]:
+    """Words that are left out wherever they stand."""
+    return frozenset(p for each in templates for p in expand_template(each) if "," not in p)
 
 
 def _name_words(name: str) -> list[str]:

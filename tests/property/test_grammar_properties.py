@@ -47,7 +47,7 @@ _ONLY_SILENT = re.compile(rf"(?:(?:{'|'.join(map(re.escape, _SAID))})(?: |$))*")
 # Names that need quotation marks, or whose words mean something elsewhere.
 NAMES = st.one_of(
     st.sampled_from(["Ice-Tea box", "hard drive", "box 2", "the odd one", "dog's bowl", "away"]),
-    st.sampled_from(["robot", "rest", "front", "table leg", "top edge"]),
+    st.sampled_from(["robot", "rest", "front", "table leg", "top edge", "ahh", "simply box"]),
     st.sampled_from(["7up can", "it", "tea, green", "café", "left", "can", "box without lid"]),
     st.from_regex(r"[a-z]{1,8}( [a-z]{1,8}){0,2}", fullmatch=True),
 )
