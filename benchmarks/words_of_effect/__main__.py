@@ -32,7 +32,7 @@ from grammar.paraphrasing.sentence_sampler import random_sentences
 from grammar.parser import Parser, default_parser, parser_for
 
 FOLDER = Path(__file__).parent
-CLAUSES = ("developing", "judging")
+CLAUSES = ("developing", "opened", "judging")
 SILENT = frozenset({"stop", "thank"})
 """Remarks upon which nothing moves."""
 
