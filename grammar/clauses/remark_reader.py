@@ -237,7 +237,7 @@ class RemarkReader:
                 "incomplete",
                 "the sentence does not say what was meant",
                 self._remarks[0].span,
-                ('say, for example, "no, the coffee box" or "no, to the left"',),
+                ('say, for example, "no, the coffee box"', 'or "no, to the left"'),
             )
         turns = any(isinstance(part, ph.Angle | ph.Sense) for part in content)
         clause = Clause(rest, Verb("turn" if turns else "push", ""), self._sentence)

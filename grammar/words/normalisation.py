@@ -96,7 +96,7 @@ class Normalised:
         return replace(self, text=text, columns=tuple(columns))
 
     def left_out(self) -> tuple[Span, ...]:
-        """Where words stand that are neither in `text` nor taken back, in the sentence as given."""
+        """The places of words that are neither in `text` nor taken back, as they were given."""
         apart = {c for span in (*self.columns, *self.taken_back) for c in range(*span)}
         aside = {c for span in self.asides for c in range(*span)}
         unsaid = aside - {c for span in self.taken_back for c in range(*span)}

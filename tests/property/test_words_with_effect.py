@@ -7,7 +7,7 @@ is understood without them, and phrases that say again what the sentence, or its
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 from itertools import chain
@@ -126,9 +126,13 @@ def _as_it_is_read(command: Command) -> Normalised:
     for said in chain([sentence], default_parser()._other_readings(sentence, whole, None)):
         with suppress(UnexpectedTokenError):
             _PARSER.parse(said.text)
-            if said.asides == command.asides:
+            if all(_lies_in(span, command.asides) for span in said.asides):
                 return said
     raise AssertionError(command.text)
+
+
+def _lies_in(span: tuple[int, int], spans: Iterable[tuple[int, int]]) -> bool:
+    return any(start <= span[0] and span[1] <= end for start, end in spans)
 
 
 def _columns_of_joined(command: Command) -> set[int]:

@@ -38,7 +38,7 @@ def _sentences() -> set[str]:
         for dialogue in yaml.safe_load(path.read_text("utf-8")):
             turns: list[Any] = dialogue["turns"] if isinstance(dialogue, dict) else dialogue
             said |= {turn["say"] for turn in turns}
-    for folder in ("grammar", "nlcontrol/session"):
+    for folder in ("grammar", "nlcontrol/session", "nlcontrol/reports"):
         for path in (TESTS / "unit" / folder).rglob("test_*.py"):
             said |= set(_strings(path.read_text("utf-8")))
     return said

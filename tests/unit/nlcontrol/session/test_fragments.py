@@ -26,8 +26,6 @@ RIGHT = {"direction": "right"}
         ("Now the coffee box, but the other way.", "coffee box", {**RIGHT, "distance": 0.06}),
         ("Same distance for the coffee box, opposite direction.", "coffee box", RIGHT),
         ("It should be 5 cm.", "mug", {**LEFT, "distance": 0.05}),
-        ("Less, please. Only 4 cm.", "mug", {**LEFT, "distance": 0.04}),
-        ("On reflection, 12.", "mug", {**LEFT, "distance": 0.12}),
         ("Make the coffee box do that too.", "coffee box", {**LEFT, "distance": 0.06}),
         ("Same for the coffee box, only to the right.", "coffee box", {**RIGHT, "distance": 0.06}),
         ("Repeat with 40 mm.", "mug", {**LEFT, "distance": 0.04}),
