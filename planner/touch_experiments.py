@@ -172,7 +172,7 @@ def _tilt_experiment(
 ) -> Experiment | None:
     model = seen.model
     point, normal = face.points_at(0.0, height)
-    if float(model.likelihood([point], [-normal]).topple[0]) < _MAY_TILT:
+    if float(model.likelihood([point], [-normal], exact=False).topple[0]) < _MAY_TILT:
         return None
     fall = model.angle_of_no_return(-normal, sigmas=_SIGMAS)
     angle = float(min(TILT, TILT_SHARE * fall))
@@ -192,7 +192,7 @@ def _still_slides(model: ObjectModel, face: Face, lateral: float, low: float) ->
     """The greatest height, up to the middle of a face, at which the object surely slides [m]."""
     heights = np.linspace(low, max(low, 0.5 * face.top), _HEIGHTS)
     points, normals = face.points_at(np.full(_HEIGHTS, lateral), heights)
-    sure = model.likelihood(points, -normals).slide > _SURE
+    sure = model.likelihood(points, -normals, exact=False).slide > _SURE
     sure[0] = True
     return float(heights[np.flatnonzero(np.logical_and.accumulate(sure))[-1]])
 

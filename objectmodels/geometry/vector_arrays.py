@@ -114,7 +114,7 @@ def require_finite(*arrays: Array) -> None:
 
 def require_amount(value: float, name: str, hint: str) -> None:
     """Refuses what is no number from 0 on; `hint` says what would be one."""
-    if not 0.0 <= value < np.inf:
+    if np.ndim(value) or not 0.0 <= value < np.inf:
         raise ModelError(
             "bad_value", f"found {name} {value}, expected a number from 0 on", suggestions=(hint,)
         )

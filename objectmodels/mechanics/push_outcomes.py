@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array, Base
 from objectmodels.html_table import html_table
 from objectmodels.mechanics.closed_form import Figures, blocks, slide_and_topple_forces
@@ -272,9 +273,14 @@ def size_and_direction(f: Array) -> tuple[Array, Array]:
     size, u = np.empty(len(f)), np.empty(f.shape, order="F")
     for b in blocks(len(f)):
         x, y, z = f[b].T
-        size[b] = np.sqrt(x * x + y * y + z * z)
+        with np.errstate(over="ignore"):
+            size[b] = np.sqrt(x * x + y * y + z * z)
         shorter = 1.0 / np.maximum(size[b], np.finfo(float).tiny)
         u[b, 0], u[b, 1], u[b, 2] = x * shorter, y * shorter, z * shorter
+    if np.isinf(size).any():
+        raise ModelError(
+            "bad_array", "a force is too large to have a size", suggestions=("give it in newtons",)
+        )
     return size, u
 
 

@@ -301,7 +301,7 @@ class ObjectModel(Parameters, ABC):
 
     def likelihood(
         self, points: ArrayLike, directions: ArrayLike, *,
-        force: float | None = None, exact: bool = False,
+        force: float | None = None, exact: bool = True,
     ) -> Likelihood:  # fmt: skip
         """Probability of each outcome under the parameters' uncertainty.
 
@@ -309,7 +309,7 @@ class ObjectModel(Parameters, ABC):
             points: contact points p_BC, shape (n, 3) [m].
             directions: unit directions of the force in B, shape (n, 3).
             force: size of the push [N]; if not given, the class at the onset is meant.
-            exact: take the exact tier, as in `thresholds`.
+            exact: take the exact tier; the closed form, for searches, overstates toppling.
 
         Raises:
             ModelError: `bad_array`, `bad_value`, `off_object`.

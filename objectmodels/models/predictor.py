@@ -41,7 +41,7 @@ class Predictor(Protocol):
 
     def likelihood(
         self, points: ArrayLike, directions: ArrayLike, *,
-        force: float | None = None, exact: bool = False,
+        force: float | None = None, exact: bool = True,
     ) -> Likelihood:  # fmt: skip
         """Probabilities of the outcomes: its own uncertainty, by which it is judged."""
 

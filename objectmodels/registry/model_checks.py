@@ -84,7 +84,7 @@ def _require_frames(model: ObjectModel) -> None:
 def _require_finite(model: ObjectModel) -> None:
     """Predictions are numbers, one for each push."""
     p, u = _level_pushes(model)
-    thresholds, chances = model.thresholds(p, u), model.likelihood(p, u)
+    thresholds, chances = model.thresholds(p, u), model.likelihood(p, u, exact=False)
     predicted = {
         "the sliding force": thresholds.slide,
         "the toppling force": thresholds.topple,
@@ -104,7 +104,7 @@ def _require_finite(model: ObjectModel) -> None:
 def _require_bounds(model: ObjectModel) -> None:
     """Predictions keep the laws that hold for every rigid object on a table."""
     p, u = _level_pushes(model)
-    thresholds, chances = model.thresholds(p, u), model.likelihood(p, u)
+    thresholds, chances = model.thresholds(p, u), model.likelihood(p, u, exact=False)
     most = model.friction * model.weight * (1.0 + _ROUNDING)
     if (thresholds.slide > most).any():
         raise _out_of_bounds("a level push slides it only beyond μ m g", "check mass and friction")

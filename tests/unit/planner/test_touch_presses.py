@@ -53,7 +53,7 @@ def test_an_off_centre_slide_is_low_at_one_end_and_high_at_the_other(
         assert low.push.p_BC[2] == pytest.approx(reach.limits.lowest_height)
         assert low.push.p_BC[2] < high.push.p_BC[2] <= 0.13
         inward = seen.pose.R_WB.T @ np.array(high.push.direction_W)
-        assert seen.model.likelihood([high.push.p_BC], [inward]).slide[0] > 0.98
+        assert seen.model.likelihood([high.push.p_BC], [inward], exact=False).slide[0] > 0.98
 
 
 def test_it_stays_low_where_nothing_surely_slides(reach: RuledReach) -> None:

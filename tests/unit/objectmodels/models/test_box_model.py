@@ -178,6 +178,17 @@ def test_golden_strokes_tilt_to_the_angle_of_no_return() -> None:
             tea.stroke_tilt([1, 0, 0], height, travel)
 
 
+@pytest.mark.parametrize("method", ["predict", "sudden"])
+@pytest.mark.parametrize("pushes", [1, 2])
+def test_a_force_beyond_all_numbers_is_refused(method: str, pushes: int) -> None:
+    """The square of 1e300 overflows; a force of nothing was told to be what moves nothing."""
+    box = BoxModel(name="crate", size=(0.10, 0.10, 0.20), mass=1.0, friction=0.4)
+    with pytest.raises(ModelError) as refused:
+        getattr(box, method)([[-0.05, 0.0, 0.1]] * pushes, [[1e300, 0.0, 0.0]] * pushes)
+    assert refused.value.code == "bad_array"
+    assert box.predict([[-0.05, 0.0, 0.1]], [[1e150, 0.0, 0.0]]).outcome.item() == "slide"
+
+
 @pytest.mark.parametrize("method", ["thresholds", "predict", "likelihood", "sudden"])
 def test_a_point_in_millimetres_is_refused(method: str) -> None:
     box = BoxModel(name="crate", size=(0.10, 0.10, 0.20), mass=1.0, friction=0.4)
