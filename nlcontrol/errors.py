@@ -321,6 +321,17 @@ def known_errors_raised() -> Iterator[None]:
 
 
 @contextmanager
+def defects_raised() -> Iterator[None]:
+    """Turns whatever goes wrong into a `ControlError`; what nobody has foreseen into `internal`."""
+    try:
+        yield
+    except ControlError:
+        raise
+    except Exception as raised:
+        raise ControlError(exception_info(raised)) from raised
+
+
+@contextmanager
 def executor_failures_raised() -> Iterator[None]:
     """Turns what an executor should not raise into `executor_failed`."""
     from sim.supervision import Stopped

@@ -84,7 +84,8 @@ def run_row(order: Order | RowResult) -> RowResult:
         result = controller.say(order.row.said, plan_only=not order.row.execute)
     except Exception as raised:  # one row that breaks must not end a batch of thousands
         info = exception_info(raised)
-        status = "bad_row" if isinstance(raised, ControlError) else "crashed"
+        foreseen = isinstance(raised, ControlError) and raised.code != "internal"
+        status = "bad_row" if foreseen else "crashed"
         return RowResult(ok=False, status=status, error=info, **told)
     executions = [step.execution for step in result.steps if step.execution]
     return RowResult(

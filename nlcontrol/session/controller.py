@@ -313,8 +313,7 @@ class Controller:
         """Does what a sentence says, and tells what came of it.
 
         A question is answered from what is believed, and moves nothing unless `motion` says so.
-        Nothing is remembered from one sentence to the next; see
-        `nlcontrol.session.conversation.Conversation` for that.
+        Nothing is remembered from one sentence to the next; a `Conversation` remembers.
 
         Args:
             text: an English sentence; frames are taken too, see `do`.
@@ -327,10 +326,11 @@ class Controller:
             force_rate: events of kind `force` per second of the robot's time [Hz].
 
         Raises:
+            ControlError: `internal`, a defect of nlcontrol.
             Exception: what a callback has raised, once the robot is at rest.
 
         Returns:
-            A result in every case: what is not understood or refused is a result too.
+            A result in every other case: what is not understood or refused is a result too.
         """
         from nlcontrol.session.conversation import Conversation
 

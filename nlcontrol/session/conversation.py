@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Literal, TypedDict
 
 from grammar.frames import command as g
 from grammar.part_reader import understood_part
-from nlcontrol.errors import ControlError
+from nlcontrol.errors import ControlError, defects_raised
 from nlcontrol.questions.answer import Answer
 from nlcontrol.references.reference_resolution import Context
 from nlcontrol.reports.certainty import certainty_answer
@@ -181,7 +181,7 @@ class Conversation:
     def _supervised(self, deed: Deed, supervisor: Supervisor, do: Callable[[], Result]) -> Result:
         """The result of something that is done, which is noted."""
         journal = self.controller.journal
-        with journal.deed(deed, self.controller.models):
+        with journal.deed(deed, self.controller.models), defects_raised():
             result = result_with_corrections(do(), self.controller, supervisor.stop)
         if supervisor.stop.requested:
             journal.interrupt()

@@ -279,6 +279,11 @@ class Lifted:
         """
         return _hold_probability(self, squeeze)
 
+    def friction_needed(self) -> float:
+        """Coefficient at the fingers below which no squeeze holds it, as it is believed to be."""
+        loads = self.loads(np.array([self.model.mass]), np.array([self.model.com]))
+        return float(loads.critical_friction(STRONGEST).max())
+
     def loads(self, mass: Array, com: Array) -> GraspLoads:
         """Weights of n cases through the m directions, a load each, n m in all.
 

@@ -140,6 +140,8 @@ def stable_grasps(problem: GraspProblem, bearings: Sequence[GraspLoad]) -> list[
     if not (spare >= 1.0).any():
         best = int(spare.argmax())
         needed = float(wanted[best])
+        if math.isinf(needed):
+            raise _nothing_holds(problem, known.friction_needed(bearings))
         if known.probability(bearings[best], needed) < d.probability:
             needed = _free_squeeze(problem, bearings) or needed
         raise _too_heavy(problem, bearings[best].candidate, needed)
@@ -243,6 +245,13 @@ def _free_squeeze(problem: GraspProblem, bearings: Sequence[GraspLoad]) -> float
     return None
 
 
+def _nothing_holds(problem: GraspProblem, needed: float) -> NoPlanError:
+    """Dead end since it slips out of every grasp, however hard it is squeezed."""
+    numbers = {"needed_friction": needed, "friction": friction(problem.target.model)}
+    doing, name = problem.goal.doing, problem.target.name
+    return no_plan("no_squeeze_holds", numbers, doing=doing, object=name)
+
+
 def _too_heavy(problem: GraspProblem, candidate: Candidate, wanted: float) -> NoPlanError:
     """Dead end since it takes more squeeze than there is."""
     model, has, force = problem.target.model, candidate.grip.strongest, problem.force
@@ -289,6 +298,11 @@ class _GraspBeliefs:
         needed, worst = least_squeezes(list(distinct.values()))
         at = [where[self._key_and_object(bearing)[0]] for bearing in bearings]
         return needed[at], worst[at]
+
+    def friction_needed(self, bearings: Sequence[GraspLoad]) -> float:
+        """Least coefficient at the fingers with which any squeeze holds in one of the grasps."""
+        needed = (self._key_and_object(each)[1].friction_needed() for each in bearings)
+        return min(needed)
 
     def probability(self, bearing: GraspLoad, squeeze: float) -> float:
         """Probability that a squeeze holds."""

@@ -42,6 +42,11 @@ _GRASPS = {
     "squeeze_not_there": impossible(
         _SQUEEZE + "the fingers have {strongest:N} at {width:mm}", ("push it instead",)
     ),
+    "no_squeeze_holds": impossible(
+        "no squeeze holds the {object}: {doing} it takes a friction of {needed_friction:share} and "
+        "more at the fingers, and μ is {friction:share}",
+        ("push it",),
+    ),
     "may_slip": too_uncertain(
         "squeezed with {squeeze:N} the {object} holds with a probability of {probability:chance}, "
         "and {asked_probability:share} is asked",

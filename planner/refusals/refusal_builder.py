@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import string
 from collections.abc import Callable, Iterator, Mapping
+from math import isfinite
 from typing import Any
 
 from planner.refusals.refusal_marks import height_marks
@@ -53,6 +54,8 @@ class _Formatter(string.Formatter):
         """One number or word of a sentence."""
         if format_spec:
             assert isinstance(value, float | int), f"{value!r} is no number"
+            if not isfinite(value):
+                return "more than any" if value > 0.0 else "an unknown amount"
             return QUANTITIES[format_spec](value)
         return str(value)
 
@@ -83,18 +86,25 @@ def refusal(
         marks: of numbers that the other words do not place.
         words: other words and numbers of the sentence.
     """
-    said, numbers = SENTENCES[code], numbers or {}
-    values = {**numbers, **words}
+    said, values = SENTENCES[code], {**(numbers or {}), **words}
+    numbers = {name: each for name, each in (numbers or {}).items() if isfinite(each)}
     return Refusal(
         code=code,
         reason=reason or said.reason,
         message=filled_in(said.text, values),
-        numbers=dict(numbers),
+        numbers=numbers,
         capability=said.capability and filled_in(said.capability, values),
         spans=spans,
-        suggestions=instead or tuple(filled_in(one, values) for one in said.instead),
+        suggestions=instead or _suggestions(said.instead, values),
         marks=(*marks, *_marks(said.reason, numbers, values)),
     )
+
+
+def _suggestions(instead: tuple[str, ...], values: Mapping[str, object]) -> tuple[str, ...]:
+    """Phrases of what would be possible; what takes an amount that nobody has is not."""
+    endless = {n for n, each in values.items() if isinstance(each, float) and not isfinite(each)}
+    parsed = ((one, {name for _, name, _, _ in _Formatter().parse(one)}) for one in instead)
+    return tuple(filled_in(one, values) for one, names in parsed if not names & endless)
 
 
 def _marks(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 import string
 from pathlib import Path
@@ -45,6 +46,19 @@ def test_the_file_has_every_sentence() -> None:
 @pytest.mark.parametrize("code", SENTENCES)
 def test_each_sentence_is_in_its_words(code: str) -> None:
     assert _said(code) == GOLDEN[code]
+
+
+@pytest.mark.parametrize("number", [math.inf, -math.inf, math.nan])
+@pytest.mark.parametrize("code", SENTENCES)
+def test_what_is_no_finite_number_is_in_no_refusal(code: str, number: float) -> None:
+    one = SENTENCES[code]
+    values = _values(one.text, *one.instead, one.capability or "")
+    odd = {name: number for name, value in values.items() if value == NUMBER}
+    heights = {"critical_height": number, "lowest_height": 0.1}
+    found = refusal(code, {**odd, **heights}, **{**values, **odd})  # type: ignore[arg-type]
+    assert found.numbers == {"lowest_height": 0.1}
+    told = " ".join((found.message, *found.suggestions))
+    assert not re.search(r"\b(inf|nan)\b", told)
 
 
 @pytest.mark.parametrize("code", SENTENCES)
