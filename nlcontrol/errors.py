@@ -153,6 +153,7 @@ CODES: dict[str, Status] = {
     # During the execution, and after it.
     "interrupted": Status(EXIT_CODES[signal.SIGINT], 499),
     "executor_failed": Status(INTERNAL, 500),
+    "simulation_broke": Status(INTERNAL, 500),
     "clause_not_held": Status(NOT_HELD, 200),
     "internal": Status(INTERNAL, 500),
 }

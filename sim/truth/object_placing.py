@@ -9,8 +9,6 @@ from contextlib import suppress
 
 from objectmodels import ObjectModel
 from objectmodels.errors import printable
-from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.support_points import hull_polygon
 from planner.geometry.footprints import gap, room_to_edge
 from sim.errors import SceneError
 from sim.truth.scene_file import Pose, Scene, SceneObject
@@ -29,7 +27,7 @@ def scene_with_object(scene: Scene, model: ObjectModel, pose: Pose) -> Scene:
     """
     truth = whole_truth(model)
     item = SceneObject(name=model.name, model=model.name, pose=pose, truth=truth)
-    covered = _covered(item)
+    covered = item.covered
     if room_to_edge(covered, scene.table.extent) < 0.0:
         extent = scene.table.extent
         bounds = f"x from {extent.x_min:g} to {extent.x_max:g}, y from {extent.y_min:g} to "
@@ -39,7 +37,7 @@ def scene_with_object(scene: Scene, model: ObjectModel, pose: Pose) -> Scene:
         if other.name.casefold() == model.name.casefold():
             hint = "say its name alone: it stands there already"
             raise _no_place(model, "there is an object of that name in the scene", hint)
-        if (apart := gap(covered, _covered(other))) <= 0.0:
+        if (apart := gap(covered, other.covered)) <= 0.0:
             hint = f"put it {max(1.0, -1e2 * apart):.0f} cm or more away from there"
             raise _no_place(model, f"the {other.name} stands there", hint)
     return scene.model_copy(update={"objects": (*scene.objects, item)})
@@ -53,12 +51,6 @@ def free_place(scene: Scene, model: ObjectModel) -> Pose | None:
             scene_with_object(scene, model, place)
             return place
     return None
-
-
-def _covered(item: SceneObject) -> Array:
-    """Corners of what an object covers of the table in W, shape (k, 2) [m]."""
-    corners = item.truth.corners @ item.pose.R_WB.T + item.p_WB
-    return hull_polygon(corners[:, :2]).vertices
 
 
 def _no_place(model: ObjectModel, why: str, hint: str) -> SceneError:

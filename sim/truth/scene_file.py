@@ -11,6 +11,7 @@ Frames: W is the world, z up, table plane z = 0; B is an object's frame at the c
 from __future__ import annotations
 
 import difflib
+import itertools
 from importlib import resources
 from pathlib import Path
 from typing import Annotated, Literal, TypeVar
@@ -23,6 +24,8 @@ from objectmodels.files.file_reading import read_text
 from objectmodels.files.validation_faults import first_fault
 from objectmodels.files.value_types import Angle, Coordinate, Deviation, length_of, range_of
 from objectmodels.files.yaml_documents import parse_yaml
+from objectmodels.geometry.support_points import hull_polygon
+from planner.geometry.footprints import gap
 from planner.types.default_kinds import DefaultsError
 from planner.types.defaults import DEFAULTS, Defaults, with_settings
 from sim.cell.cell_description import (
@@ -42,6 +45,9 @@ from sim.truth.scene_completion import (
     document_beside,
     extended_document,
 )
+
+TOUCHING = 0.001
+"""Depth up to which two things that are in each other only touch: files are rounded [m]."""
 
 
 class Pose(Part):
@@ -85,6 +91,39 @@ class SceneObject(CellObject):
         """Place of B's origin in W at the start, as high as it must be to stand there, (3,) [m]."""
         lowest = float((self.truth.corners @ self.pose.R_WB[2]).min())
         return np.array([self.pose.x_m, self.pose.y_m, self.pose.z_m - lowest])
+
+    @property
+    def corners_W(self) -> Array:
+        """Corners of its hull in W, shape (k, 3) [m]."""
+        return self.truth.corners @ self.pose.R_WB.T + self.p_WB
+
+    @property
+    def covered(self) -> Array:
+        """Corners of what it covers of the table in W, shape (k, 2) [m]."""
+        return hull_polygon(self.corners_W[:, :2]).vertices
+
+    def depth_in(self, other: SceneObject) -> float:
+        """How far it is in another one, as upright as their hulls are [m]; 0 if it is not."""
+        (low, top), (other_low, other_top) = self._heights, other._heights
+        over = min(top, other_top) - max(low, other_low)
+        if over <= TOUCHING or self._stands_inside(other) or other._stands_inside(self):
+            return 0.0
+        return min(over, max(0.0, -gap(self.covered, other.covered)))
+
+    @property
+    def _heights(self) -> tuple[float, float]:
+        """Least and greatest height over the table [m]."""
+        z = self.corners_W[:, 2]
+        return float(z.min()), float(z.max())
+
+    def _stands_inside(self, box: SceneObject) -> bool:
+        """Return True if it stands between the walls of an open box, over its floor."""
+        inside = box.truth.inside
+        if inside is None:
+            return False
+        in_B = (self.corners_W - box.p_WB) @ box.pose.R_WB
+        walls = 0.5 * np.array(inside.size) + TOUCHING
+        return bool((np.abs(in_B[:, :2]) <= walls).all() and in_B[:, 2].min() > inside.floor - TOUCHING)
 
 
 class FrictionVariation(Part):
@@ -165,6 +204,16 @@ class Scene(CellParts):
         twice = sorted({n for n in names if names.count(n) > 1})
         if twice:
             raise ValueError(f"object names must be unique, found twice: {', '.join(twice)}")
+        return self
+
+    @model_validator(mode="after")
+    def _apart(self) -> Scene:
+        for one, other in itertools.combinations(self.objects, 2):
+            depth = one.depth_in(other)
+            if depth > TOUCHING:
+                raise ValueError(
+                    f"the {one.name} and the {other.name} stand {1e3 * depth:.0f} mm in each other"
+                )
         return self
 
     def object(self, name: str) -> SceneObject:

@@ -101,6 +101,14 @@ class ContactWatch:
                 self._by_robot[name] = time
         return anew
 
+    def in_robot(self, context: Context) -> Iterator[tuple[str, float]]:
+        """Names of the objects that are in the robot, and how deep [m]."""
+        for overlap in self._shapes.Eval(context).ComputePointPairPenetration():
+            pair = {self._bodies[overlap.id_A], self._bodies[overlap.id_B]} - {_TABLE}
+            owners = {self._owner[name] for name in pair if name in self._owner}
+            if len(pair) == 2 and len(owners) == 1 and not pair <= self._owner.keys():
+                yield *owners, overlap.depth
+
     def _standing(self) -> Iterator[tuple[str, str]]:
         """Pairs of bodies whose contact is nothing to tell: what belongs together, or stands."""
         for name, owner in self._owner.items():

@@ -16,11 +16,12 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from sim.arms.arm_kinematics import ArmKinematics
+from sim.errors import SimError
 from sim.hands.hand_model import Hand
 from sim.rotations import Array
 from sim.standard_robot import ARM, HAND
 from sim.truth.object_truth import Truth
-from sim.truth.scene_file import Scene, sample_world
+from sim.truth.scene_file import TOUCHING, Scene, sample_world
 from sim.worlds.drake.body_contacts import ContactWatch
 from sim.worlds.drake.camera_port import camera_port
 from sim.worlds.drake.drake_plant import Standing, add_plant
@@ -35,6 +36,8 @@ if TYPE_CHECKING:
     from pydrake.multibody.plant import MultibodyPlant
     from pydrake.multibody.tree import ModelInstanceIndex, RevoluteJoint
     from pydrake.systems.framework import Context, DiagramBuilder, OutputPort
+
+_SUNK = 0.005  # depth in the table that no standing object has, however it is pressed [m]
 
 
 class Change(Protocol):
@@ -129,8 +132,19 @@ class DrakeWorld:
                 joint.set_angle(self._context, angle)
         self._command(self._q_arm, self._q_hand)
         self.simulator.Initialize()
+        self._require_free_robot()
         self._observe()
         self._prepare()
+
+    def _require_free_robot(self) -> None:
+        """Refuses a scene in which something stands in the robot: it would be pressed away.
+
+        Raises:
+            SimError: `simulation_broke`.
+        """
+        for name, depth in self._watch.in_robot(self._context):
+            if depth > TOUCHING:
+                raise _broken(f"the {name} stands {1e3 * depth:.0f} mm in the robot as that waits")
 
     def record(self) -> WorldRecord:
         """Begins a record of what happens from now on; see `ObserverPort`."""
@@ -148,7 +162,10 @@ class DrakeWorld:
         self._command(q_arm, q_hand)
         self._steps += 1
         self._prepare()
-        self.simulator.AdvanceTo(self.time, interruptible=False)
+        try:
+            self.simulator.AdvanceTo(self.time, interruptible=False)
+        except RuntimeError as raised:
+            raise _broken("the engine found no motion that obeys its laws") from raised
         self.clock.wait(self._period)
         impulse = self._efforts()
         self._mean_torques, self._impulse = (impulse - self._impulse) / self._period, impulse
@@ -193,6 +210,9 @@ class DrakeWorld:
             X_WB = self._plant.EvalBodyPoseInWorld(self._context, body)
             p_WB = X_WB.translation()
             poses[name] = np.concatenate([X_WB.rotation().ToQuaternion().wxyz(), p_WB])
+            # However it lies, the middle of its base is on the table or over it.
+            if p_WB[2] < -_SUNK and self._is_over_table(p_WB):
+                raise _broken(f"the {name} is {-1e3 * p_WB[2]:.0f} mm deep in the table")
             self._poses[name] = (X_WB.rotation().matrix(), p_WB)
         joints = self._plant.GetPositions(self._context)[self._places]
         lids = self._lids.lid_openings()
@@ -212,6 +232,18 @@ class DrakeWorld:
         for record in self._records:
             record.samples.append(self.sample)
             record.contacts += self._watch.begun
+
+    def _is_over_table(self, p_WB: Array) -> bool:
+        """Return True if a point, shape (3,) [m], is over the table top, or under it."""
+        top = self.scene.table.extent
+        inside = top.x_min <= p_WB[0] <= top.x_max and top.y_min <= p_WB[1] <= top.y_max
+        return bool(inside)
+
+
+def _broken(what: str) -> SimError:
+    """The simulation shows nothing any more that could happen."""
+    hints = ("let nothing stand in anything else, nor where the robot waits (robot.home_deg)",)
+    return SimError("simulation_broke", f"the simulation broke down: {what}", hints)
 
 
 def integrated_torques(

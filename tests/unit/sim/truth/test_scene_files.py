@@ -82,6 +82,46 @@ def test_two_objects_of_one_name() -> None:
         parse_scene(twice)
 
 
+POST = """  - name: post
+    model: coffee box
+    pose: {x_m: X, y_m: 0.02, z_m: Z}
+    truth: {size_m: [0.09, 0.09, 0.2], mass_kg: 1.0, friction_table: 0.35, friction_finger: 0.6}
+"""
+
+
+def with_post(x: float, z: float = 0.0) -> str:
+    return SCENE + POST.replace("X", str(x)).replace("Z", str(z))
+
+
+@pytest.mark.parametrize(
+    ("x", "z", "depth"),
+    [(0.53, 0.0, 65), (0.5, 0.0, 75), (0.5, 0.17, 30), (0.594, 0.0, 1)],
+)
+def test_what_stands_in_each_other_is_refused_with_the_depth(
+    x: float, z: float, depth: int
+) -> None:
+    with pytest.raises(SceneError, match=rf"crate and the post stand {depth} mm in each other"):
+        parse_scene(with_post(x, z))
+
+
+@pytest.mark.parametrize(("x", "z"), [(0.595, 0.0), (0.5945, 0.0), (0.5, 0.2), (0.7, 0.0)])
+def test_what_touches_or_stands_on_another_is_taken(x: float, z: float) -> None:
+    """Up to a millimetre, to which people measure, things touch."""
+    assert parse_scene(with_post(x, z)).names == ("crate", "post")
+
+
+def test_what_stands_in_an_open_box_is_taken_but_not_in_its_wall() -> None:
+    size = "size_m: [0.1, 0.1, 0.2]"
+    box = SCENE.replace(
+        size, "size_m: [0.3, 0.3, 0.1], inside: {size_m: [0.28, 0.28], floor_m: 0.01}"
+    )
+    inside = box + POST.replace("X", "0.55").replace("Z", "0.01")
+    assert parse_scene(inside).names == ("crate", "post")
+    for wrong in (inside.replace("0.55", "0.61"), inside.replace("z_m: 0.01", "z_m: 0.0")):
+        with pytest.raises(SceneError, match="in each other"):
+            parse_scene(wrong)
+
+
 @pytest.mark.parametrize("text", ["", "- 1\n- 2", "{", "objects: 3", "\x00"])
 def test_no_scene_at_all(text: str) -> None:
     with pytest.raises(SceneError):
