@@ -21,6 +21,7 @@ from planner.geometry.directions import bisector, unit
 from planner.geometry.footprints import footprint, gap, kept_gap, room_to_edge
 from planner.problem.frame_interpretation import interpret_frame
 from planner.problem.place_regions import object_at
+from planner.problem.planning_problem import places_told_by
 from planner.pushing.push_paths import Obstructions, PathSegment
 from planner.types.defaults import Defaults
 from planner.types.marks import ObstacleMark
@@ -79,16 +80,9 @@ def may_be_cleared(name: str, frames: Sequence[g.Frame], state: WorldState) -> b
         spared = [c.object for c in frame.constraints if isinstance(c, g.NoTouch) and not own]
         if any(other is None or other.id == name for other in spared):
             return False
-        if name in _places_told_by(frame.goal):
+        if name in places_told_by(frame.goal):
             return False
     return True
-
-
-def _places_told_by(goal: g.Goal) -> set[str | None]:
-    """Names of the objects that tell where something goes."""
-    said = [getattr(goal, field, None) for field in ("toward", "away_from", "into", "reference")]
-    refs = [ref for value in said for ref in (value if isinstance(value, tuple) else (value,))]
-    return {ref.id for ref in refs if isinstance(ref, g.ObjectRef)}
 
 
 def clearing_frames(

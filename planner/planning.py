@@ -34,6 +34,7 @@ from planner.problem.search_budget import SearchBudget
 from planner.pushing.strategies import plan_pushes
 from planner.refusals.refusal_builder import no_plan
 from planner.refusals.search_account import with_account
+from planner.true_reasons import REASON_WORK, true_refusal
 from planner.types.defaults import DEFAULTS, Defaults
 from planner.types.plan import Plan, PlanningResult, Reached
 from planner.types.refusal import Alternatives, NoPlanError
@@ -65,12 +66,13 @@ def plan(
         failed: pushes of this frame that went wrong, whose contacts are not tried again; and what
             the whole hand failed at, which is not tried a third time.
         notify: called with a sentence before a search that takes long.
-        budget: of work; one of `defaults.most_work` if not given.
+        budget: of work, in a search for something else; if not given it is `defaults.most_work`,
+            and a refusal names the obstacle without which there is a plan.
 
     Returns:
         A plan; that nothing is left to be done; or the reason why there is no plan.
     """
-    budget = SearchBudget(defaults.most_work) if budget is None else budget
+    told, budget = budget is None, budget or SearchBudget(defaults.most_work)
     upright = isinstance(frame.goal, g.Upright)
     only_pushes = robot.limits.grasp_widths is None or previous is not None
 
@@ -99,7 +101,18 @@ def plan(
             return by_pushes()
         return _plan_handled(frame, state, defaults, by_hand, by_pushes)
     except NoPlanError as error:
-        return with_account(error.refusal, budget.answers.values(), budget.done)
+        refusal = with_account(error.refusal, budget.answers.values(), budget.done)
+    # In a search it does not matter which of the reasons is the one.
+    if not told or frame.object is None:
+        return refusal
+
+    def plan_from(other: WorldState) -> PlanningResult:
+        less = SearchBudget(int(REASON_WORK * defaults.most_work))
+        return plan(
+            frame, other, robot, defaults=defaults, previous=previous, failed=failed, budget=less
+        )
+
+    return true_refusal(refusal, frame, state, plan_from)
 
 
 def _plan_handled(

@@ -94,7 +94,8 @@ def first_reachable_plan(problem: GraspProblem, action: PlanTask, ways: Sequence
         asked = problem.effort.probability
         numbers = {"probability": unlikely.probability, "asked_probability": asked}
         raise no_plan("unlikely_grasp", numbers, doing=doing, object=name)
-    raise no_grasp_reached(doing, name, answers, held=problem.state.held is not None)
+    held = problem.state.held is not None
+    raise no_grasp_reached(doing, name, answers, problem.spared, held=held)
 
 
 def _robots_answer(problem: GraspProblem, made: Plan) -> ReachAnswer:

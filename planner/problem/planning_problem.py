@@ -267,6 +267,11 @@ class PlanningProblem(Generic[GoalT]):
         """Everything else on the table, by name."""
         return {name: seen for name, seen in self.state.objects.items() if name != self.target.name}
 
+    @property
+    def spared(self) -> frozenset[str]:
+        """Names of the objects by which the frame tells a place: they are never in the way."""
+        return places_told_by(self.frame.goal)
+
     def clearance(self, other: SeenObject) -> float:
         """Distance that is usually kept from another object [m]."""
         return self.defaults.clearance_fragile if other.fragile else self.defaults.clearance
@@ -284,6 +289,13 @@ class PlanningProblem(Generic[GoalT]):
 
 PushProblem = PlanningProblem[PushGoal]
 GraspProblem = PlanningProblem[GraspGoal]
+
+
+def places_told_by(goal: g.Goal) -> frozenset[str]:
+    """Names of the objects that tell where something goes."""
+    said = [getattr(goal, field, None) for field in ("toward", "away_from", "into", "reference")]
+    refs = [ref for value in said for ref in (value if isinstance(value, tuple) else (value,))]
+    return frozenset(ref.id for ref in refs if isinstance(ref, g.ObjectRef) and ref.id)
 
 
 def is_handled(frame: g.Frame) -> bool:

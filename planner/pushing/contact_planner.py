@@ -124,7 +124,7 @@ def _best_candidate(
                 )
     target, force = problem.target, problem.force
     if queries.denied:
-        raise no_push_reached(target.name, queries.denied)
+        raise no_push_reached(target.name, queries.denied, problem.spared)
     if least < force.min:
         numbers = {"needed_force": least, "min_force": force.min}
         raise no_plan("too_light", numbers, spans=force.spans, object=target.name)

@@ -69,7 +69,7 @@ def drag_to(problem: PushProblem, aim: Aim, search: ReachSearch) -> PushCandidat
     notes = tuple(_overhang_note(problem, push, over) for over in hanging)
     answer = search.reach(push, problem.state)
     if not answer.ok:
-        raise no_push_reached(target.name, [answer])
+        raise no_push_reached(target.name, [answer], problem.spared)
     return PushCandidate(push, ("drag",), considered=1, satisfying=1, notes=notes)
 
 

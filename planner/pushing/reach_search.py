@@ -39,7 +39,7 @@ class ReachSearch:
             NoPlanError: the budget is used up.
         """
         if len(self._answers) == self._problem.effort.questions:
-            raise search_given_up(self._problem.target.name, self._answers)
+            raise search_given_up(self._problem.target.name, self._answers, self._problem.spared)
         answer = self._failed_before(push) or self._robots_answer(push, state)
         self._answers.append(answer)
         return answer

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING, Any
 
 from planner.refusals.refusal_builder import no_plan
@@ -12,27 +12,31 @@ if TYPE_CHECKING:
     from planner.types.robot import ReachAnswer
 
 
-def no_push_reached(name: str, answers: Sequence[ReachAnswer]) -> NoPlanError:
+def no_push_reached(
+    name: str, answers: Sequence[ReachAnswer], spared: Collection[str]
+) -> NoPlanError:
     """Dead end since contacts exist on an object, but the hand gets to none of them."""
-    last, words = _obstacle(answers, object=name)
+    last, words = _obstacle(answers, spared, object=name)
     numbers = {"ways": float(len(answers)), **last.numbers}
     return no_plan("pushes_blocked" if words["blocker"] else "no_push_reached", numbers, **words)
 
 
-def search_given_up(name: str, answers: Sequence[ReachAnswer]) -> NoPlanError:
+def search_given_up(
+    name: str, answers: Sequence[ReachAnswer], spared: Collection[str]
+) -> NoPlanError:
     """Dead end since the search ended before the hand could make a whole way."""
     failed = [answer for answer in answers if not answer.ok]
-    _, words = _obstacle(failed, object=name)
+    _, words = _obstacle(failed, spared, object=name)
     numbers = {"looks": float(len(answers)), "out_of_reach": float(len(failed))}
     code = "search_blocked" if words["blocker"] else "search_given_up"
     return NoPlanError(no_plan(code, numbers, **words).refusal, ends_search=True)
 
 
 def no_grasp_reached(
-    doing: str, name: str, answers: Sequence[ReachAnswer], *, held: bool
+    doing: str, name: str, answers: Sequence[ReachAnswer], spared: Collection[str], *, held: bool
 ) -> NoPlanError:
     """Dead end since there are ways with a whole hand, but it cannot make them."""
-    last, words = _obstacle(answers, object=name, doing=doing)
+    last, words = _obstacle(answers, spared, object=name, doing=doing)
     code = "grasps_blocked" if words["blocker"] else "no_grasp_reached"
     if held:
         code = "blocked_in_hand" if words["blocker"] else "no_reach_in_hand"
@@ -46,9 +50,15 @@ def no_grasp_reached(
     )
 
 
-def _obstacle(answers: Sequence[ReachAnswer], **words: Any) -> tuple[ReachAnswer, dict[str, Any]]:
-    """The first answer that names an obstacle, else the first; and the words of a refusal."""
-    blocked = (each for each in answers if each.reason == "obstacle" and each.blocker)
-    found = next(blocked, None)
-    last = found or answers[0]
+def _obstacle(
+    answers: Sequence[ReachAnswer], spared: Collection[str], **words: Any
+) -> tuple[ReachAnswer, dict[str, Any]]:
+    """The first answer that names an obstacle, else the nearest miss; and the words of a refusal.
+
+    What is spared stays where it is, since the sentence tells a place by it.
+    """
+    met = [each for each in answers if each.reason == "obstacle" and each.blocker]
+    found = next((each for each in met if each.blocker not in spared), None)
+    nearest = min(answers, key=lambda each: each.numbers.get("lacks", 0.0))
+    last = found or next(iter(met), nearest)
     return last, {**words, "last": last.message, "blocker": found and found.blocker}

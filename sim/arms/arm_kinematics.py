@@ -96,5 +96,11 @@ class ArmKinematics(Protocol):
             margin: room that the joints are to keep to their limits [rad].
         """
 
+    def range_excess(self, p_AW: Array, margin: float) -> Array:
+        """How far wrist centres (..., 3) are out of that range, 0 of those in it, shape (...) [m].
+
+        Margin as of `is_in_range`.
+        """
+
     def spheres(self, q: Array) -> Array:
         """Spheres that cover what moves of the arm, in A, shape (..., k, 4): centre, radius [m]."""

@@ -140,12 +140,13 @@ class GraspMotionSearch:
     def best_motion(self) -> GraspMotion | ReachAnswer:
         """The best way, or why there is none, by the first way of the open hand off the object."""
         # Most that is out of reach is so where it is taken.
-        if not (
-            self._is_in_range(*self._handled.start_pose)
-            and self._is_in_range(self._carried.R_WB, self._carried.p_WB)
-        ):
+        lacks = self._range_excess(*self._handled.start_pose) or self._range_excess(
+            self._carried.R_WB, self._carried.p_WB
+        )
+        if lacks > 0.0:
             self.work += _BEGUN
-            return _OUT_OF_REACH
+            message = f"{_OUT_OF_REACH.message}: it lacks {1e3 * lacks:.0f} mm"
+            return replace(_OUT_OF_REACH, message=message, numbers={"lacks": lacks})
         first: ReachAnswer | None = None
         for off in withdrawal_vectors(self._handled.grasp, self._handled.held):
             self.work += _BEGUN
@@ -159,12 +160,12 @@ class GraspMotionSearch:
         assert first is not None, "there is a way off everything"
         return first
 
-    def _is_in_range(self, R_WB: Array, p_WB: Array) -> bool:
-        """True if the arm's wrist may get at all to where it holds the object, at all its poses."""
+    def _range_excess(self, R_WB: Array, p_WB: Array) -> float:
+        """How far the wrist cannot get to where it holds the object, at worst; 0 if it may [m]."""
         R_BP, p_BP = self._handled.palm_at(self._bare_grip.middle)
         p_WW = p_WB + R_WB @ (p_BP + R_BP @ self._mount.p_PW)
         p_AW = (p_WW - self._mount.p_WA) @ self._mount.R_WA
-        return bool(self._mount.arm.is_in_range(p_AW, LIMIT_MARGIN).all())
+        return float(self._mount.arm.range_excess(p_AW, LIMIT_MARGIN).max(initial=0.0))
 
     def _withdraw_by(self, off: Array) -> None:
         """Takes the open hand to and off the object by a vector in W, shape (3,) [m]."""

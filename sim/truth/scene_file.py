@@ -123,7 +123,9 @@ class SceneObject(CellObject):
             return False
         in_B = (self.corners_W - box.p_WB) @ box.pose.R_WB
         walls = 0.5 * np.array(inside.size) + TOUCHING
-        return bool((np.abs(in_B[:, :2]) <= walls).all() and in_B[:, 2].min() > inside.floor - TOUCHING)
+        return bool(
+            (np.abs(in_B[:, :2]) <= walls).all() and in_B[:, 2].min() > inside.floor - TOUCHING
+        )
 
 
 class FrictionVariation(Part):

@@ -128,6 +128,12 @@ class LwrKinematics:
         nearest = shoulder_to_wrist(LIMITS[3] - margin)
         return np.asarray((distance > nearest) & (distance < shoulder_to_wrist(0.0)))
 
+    def range_excess(self, p_AW: Array, margin: float) -> Array:
+        """How far wrist centres are out of the reach of the elbow [m]."""
+        distance = np.linalg.norm(p_AW - np.array([0.0, 0.0, SHOULDER]), axis=-1)
+        nearest, farthest = shoulder_to_wrist(LIMITS[3] - margin), shoulder_to_wrist(0.0)
+        return np.asarray(np.maximum(0.0, np.maximum(nearest - distance, distance - farthest)))
+
     def spheres(self, q: Array) -> Array:
         """Spheres from the elbow to the wrist.
 

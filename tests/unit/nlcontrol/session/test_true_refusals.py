@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from nlcontrol import ControlError, Controller
+from planner.clearing import obstacles
+from planner.problem.place_regions import object_at
+from planner.types.plan import Plan
+from planner.types.refusal import Refusal
 
 CAN = """format: cylinder/1
 name: slick can
@@ -56,3 +62,59 @@ def test_a_defect_is_an_error_with_a_code() -> None:
         controller.say("push the mug away")
     assert raised.value.code == "internal"
     assert isinstance(raised.value.__cause__, ZeroDivisionError)
+
+
+HEAD = """version: 1
+name: few
+robot: {home_deg: [41.0, -95.0, 75.0, -87.0, 110.0, -90.0, 42.0]}
+objects:
+"""
+Places = dict[str, tuple[float, float]]
+
+
+def refused_plan(said: str, places: Places, tmp_path: Path) -> tuple[Controller, Refusal]:
+    """The refusal of a sentence about known objects at some places."""
+    objects = (
+        f"- {{name: {n}, model: {n}, pose: {{x_m: {x}, y_m: {y}}}}}\n"
+        for n, (x, y) in places.items()
+    )
+    (tmp_path / "few.yaml").write_text(HEAD + "".join(objects))
+    controller = Controller(tmp_path / "few.yaml")
+    (frame,) = controller.resolve(controller.parse(said)).frames
+    made = controller.plan(frame)
+    assert isinstance(made, Refusal)
+    return controller, made
+
+
+BOX_ON_CAN: Places = {"cereal box": (0.5, -0.1), "soup can": (0.6, 0.15)}
+
+
+@pytest.mark.parametrize(
+    ("said", "places", "target"),
+    [
+        ("put the cereal box on the soup can", BOX_ON_CAN, "soup can"),
+        ("put the cereal box on the soup can", BOX_ON_CAN | {"mug": (0.5, 0.4)}, "soup can"),
+        ("put the tea tin into the bin", {"tea tin": (0.45, -0.05), "storage bin": (0.55, 0.3)},
+         "storage bin"),
+    ],
+)  # fmt: skip
+def test_a_target_is_never_in_the_way(
+    said: str, places: Places, target: str, tmp_path: Path
+) -> None:
+    _, made = refused_plan(said, places, tmp_path)
+    assert (made.code, made.reason) == ("no_grasp_reached", "out_of_reach")
+    assert obstacles(made) == ()
+    assert not any(target in each for each in made.suggestions)
+
+
+def test_out_of_reach_says_by_how_much(tmp_path: Path) -> None:
+    controller, made = refused_plan("lift the mug", {"mug": (1.1, 0.6)}, tmp_path)
+    assert made.code == "no_grasp_reached"
+    x, y = made.numbers["nearest_x"], made.numbers["nearest_y"]
+    assert math.dist((x, y), (1.1, 0.6)) == pytest.approx(made.numbers["nearer"], abs=2e-3)
+    assert 0.0 < made.numbers["nearer"] < 0.3
+    state = controller.look()
+    there = object_at(state.objects["mug"], np.array([x, y]))
+    (frame,) = controller.resolve(controller.parse("lift the mug")).frames
+    moved = replace(state, objects={"mug": there})
+    assert isinstance(controller.plan(frame, moved), Plan)

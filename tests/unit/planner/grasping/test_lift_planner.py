@@ -22,6 +22,7 @@ from planner.problem.planning_problem import (
     MotionLimits,
     PlanningProblem,
 )
+from planner.problem.search_budget import SearchBudget
 from planner.types.actions import Carry, Grasp, LiftUp, SetDown
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan, Reached
@@ -182,7 +183,7 @@ def test_what_stands_in_the_way_is_named(table: WorldState) -> None:
 def test_the_hand_looks_at_so_many_ways(table: WorldState) -> None:
     hand = RuledHand(holds=lambda _: False)
     few = replace(DEFAULTS, most_grasps=3)
-    plan(frame_of("lift the ice tea"), table, hand, defaults=few)
+    plan(frame_of("lift the ice tea"), table, hand, defaults=few, budget=SearchBudget())
     # Where its file says or anywhere, square or askew each, and where the hand makes room; what
     # one of these has in common with another is asked for once.
     assert 3 * 3 < len(hand.plans) <= 3 * 5

@@ -10,9 +10,11 @@ from planner import plan
 from planner.geometry.footprints import footprint, gap
 from planner.geometry.stacks import put_on
 from planner.predicted_states import state_after
+from planner.problem.search_budget import SearchBudget
 from planner.types.actions import Carry, LiftUp, SetDown
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Reached
+from planner.types.refusal import Refusal
 from planner.types.stack_actions import SetOn
 from planner.types.world_state import PlanarPose, WorldState
 from tests.unit.planner.conftest import frame_of, world
@@ -183,7 +185,11 @@ def test_a_full_box_takes_nothing_and_is_not_pushed(table: WorldState, hand: Rul
     full = stacked(table, "mug", "storage bin")
     straight = replace(full.objects["book"], pose=PlanarPose(0.70, -0.40))
     full = WorldState({**full.objects, "book": straight}, full.table)
-    refusal = refused("put the book into the storage bin", full, hand)
+    said = "put the book into the storage bin"
+    refusal = plan(frame_of(said), full, hand, budget=SearchBudget())
+    assert isinstance(refusal, Refusal)
     assert (refusal.code, refusal.reason) == ("box_is_full", "blocked")
+    # Without the mug the hand could not hold the book either, so the mug is not what is told.
+    assert refused(said, full, hand).code == "too_wide"
     assert refused("push the storage bin away by 5 cm", full, hand).code == "contains"
     assert refused("push the mug to the left", full, hand).code == "stands_in"

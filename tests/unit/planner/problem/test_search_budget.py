@@ -73,7 +73,7 @@ def test_a_search_that_is_out_of_work_marks_what_stopped_the_hand_most(
 
 def test_nothing_is_asked_twice_and_all_that_was_asked_is_told(kitchen: WorldState) -> None:
     robot = Laborious(work=7)
-    found = plan(frame_of(SENTENCE), kitchen, robot)
+    found = plan(frame_of(SENTENCE), kitchen, robot, budget=SearchBudget())
     assert isinstance(found, Refusal)
     assert found.reason == "out_of_reach"
     assert found.numbers["tried_ways"] == len(robot.asked)
