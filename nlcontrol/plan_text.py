@@ -178,7 +178,7 @@ def _safety(push: PushAction) -> str:
     case = f"{case if margins.sigmas else 'as it is believed to be'}, whichever way it is pressed"
     spare = quantity(margins.force, "N") if margins.force >= _LEAST_TOLD else "less than 0.1 N"
     if push.prediction.critical_height is None:
-        return f"no push on this face topples it; {spare} to spare, {case}."
+        return f"anywhere on this face it slides before it topples; {spare} to spare, {case}."
     slides = push.prediction.outcome == "slide"
     where, other = ("below", "topple") if slides else ("above", "slide")
     return (
@@ -212,7 +212,7 @@ def _other_outcome(push: PushAction) -> str:
     """Height from which it would do something else."""
     p = push.prediction
     if p.critical_height is None or p.critical_height_worst is None:
-        return "no push on this face topples it"
+        return "anywhere on that face it slides before it topples"
     verb, side = ("topple", "above") if p.outcome == "slide" else ("slide", "below")
     return (
         f"it would {verb} only when pushed {side} {quantity(p.critical_height, 'm')}, and "

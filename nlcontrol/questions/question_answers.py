@@ -14,6 +14,7 @@ import numpy as np
 from grammar.frames import command as g
 from nlcontrol.checks.frame_checks import require_checkable
 from nlcontrol.errors import ControlError, error
+from nlcontrol.questions.ability_answer import abilities_answer
 from nlcontrol.questions.answer import (
     DOES,
     Answer,
@@ -44,7 +45,6 @@ from nlcontrol.questions.push_prediction import (
 )
 from nlcontrol.questions.push_questions import figures, how_hard, most_favourable, where_answer
 from nlcontrol.questions.scene_answers import (
-    abilities_answer,
     answer_about_scene,
     destination_answer,
 )
@@ -277,7 +277,7 @@ _AROUND_IT = {"stand": "stand it up"}  # outcomes whose verb stands on both side
 def _affordances(frame: g.Frame, state: WorldState, robot: Robot, defaults: Defaults) -> Answer:
     """Affordances of an object: a sentence, and the lines of `nlcontrol affordances`."""
     if frame.object is None:
-        return abilities_answer(state)
+        return abilities_answer(state, robot, defaults)
     target = target_of(frame, state)
     found = affordances(target, state, robot, defaults=defaults)
     can = [each for each in found if each.can]

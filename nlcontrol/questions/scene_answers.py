@@ -71,23 +71,6 @@ def neighbours_answer(place: g.Place, state: WorldState) -> Answer:
     return Answer(query="seen", text=text, objects=tuple(there), numbers=numbers, yes=bool(there))
 
 
-def abilities_answer(state: WorldState) -> Answer:
-    """What can be asked of the robot, and with what; what becomes of each thing is asked of it."""
-    names = enumeration([f"the {name}" for name in state.objects]) or "nothing"
-    text = (
-        "I can push, pull, slide, turn, tilt and topple things, lift them and set them down, put "
-        "them beside others, pour, open and close lids, measure weight and friction by touch, and "
-        "say beforehand what would happen; I cannot hand things over, stack them or use a second "
-        f"hand. Before me I have {names}."
-    )
-    return Answer(
-        query="affordances",
-        text=text,
-        suggestions=("ask “what can you do with the box?” of a thing",),
-        numbers={"objects": float(len(state.objects))},
-    )
-
-
 def comparison_answer(frame: g.Frame, state: WorldState) -> Answer:
     """Which of two objects is believed to have more of something; of one, how much it has."""
     one, goal = target_of(frame, state), frame.goal

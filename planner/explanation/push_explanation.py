@@ -271,7 +271,7 @@ def _margin_text(plan: Plan) -> str:
     if plan.push.press:
         return f"{plan.push.margins.force:.1f} N before the fingertip slips"
     if plan.push.prediction.critical_height is None:
-        return "no push on this face tips it"
+        return "it slides before it tips, anywhere on this face"
     return f"{si_text(plan.push.margins.height, 'm')} below where it may tip"
 
 
