@@ -29,6 +29,7 @@ import numpy as np
 
 from benchmarks.record import Kept, carried_out
 from nlcontrol import Controller, Registry
+from nlcontrol.errors import ErrorInfo
 from objectmodels import BoxModel, CylinderModel, ObjectModel, PrismModel
 from objectmodels.models.object_parts import Cavity
 from planner.types.marks import ObstacleMark
@@ -147,7 +148,7 @@ def run(seed: int) -> Row:
     marks = result.steps[-1].marks if result.steps and result.error else ()
     blockers = tuple(dict.fromkeys(m.object for m in marks if isinstance(m, ObstacleMark)))
     if blockers and result.error is not None and result.error.code == "blocked":
-        faults += _not_in_the_way(scene, registry, said, blockers, numbers)
+        faults += _not_in_the_way(scene, registry, said, blockers, result.error)
     else:
         blockers = ()
     return Row(
@@ -162,9 +163,17 @@ def run(seed: int) -> Row:
 
 
 def _not_in_the_way(
-    scene: Scene, registry: Registry, said: str, names: tuple[str, ...], numbers: dict[str, float]
+    scene: Scene, registry: Registry, said: str, names: tuple[str, ...], error: ErrorInfo
 ) -> Iterator[str]:
     """A fault, if there is neither a plan nor more room without what is named."""
+    numbers = error.numbers
+    if "free" in numbers and any("up to" in each for each in error.suggestions):
+        names = tuple(name for name in names if f"the {name}" not in said)
+    if not names:
+        return
+    if told := [name for name in names if f"the {name}" in said]:
+        yield f"{told} in the way, which the sentence is about"
+        return
     rest = tuple(item for item in scene.objects if item.name not in names)
     controller = Controller(scene.model_copy(update={"objects": rest}), registry=registry)
     frame, *_ = controller.resolve(controller.parse(said)).frames

@@ -209,6 +209,10 @@ class ControlError(Exception):
         super().__init__(info.message)
         self.info = info
 
+    def __reduce__(self) -> tuple[type[ControlError], tuple[ErrorInfo]]:
+        """So that it comes home from another process."""
+        return type(self), (self.info,)
+
     @property
     def code(self) -> str:
         """Stable name of the kind of error."""

@@ -33,9 +33,7 @@ REASON_WORK = 0.25
 MOST_GONE = 3
 """Obstacles that are taken away together."""
 
-_FACTS = frozenset(
-    {"carries", "stands_on", "contains", "stands_in", "in_the_way_so_far", "leans_on"}
-)
+_FACTS = frozenset({"carries", "stands_on", "contains", "stands_in", "in_the_way_so_far"})
 """Codes of refusals whose obstacle is a fact about a stack, or leaves room that is measured."""
 _BEYOND = frozenset({"no_push_reached", "no_grasp_reached"})
 """Codes of refusals that name nothing but the hand's reach."""
@@ -63,7 +61,13 @@ def true_refusal(
         refusal = _without_obstacles(refusal, name, state, spared, plan_from)
     if refusal.code in _BEYOND and not obstacles(refusal):
         return _with_distance(refusal, name, state, spared, plan_from)
-    return _sparing(refusal, spared)
+    if refusal.reason == "blocked" and (kept := [n for n in obstacles(refusal) if n in spared]):
+        found = refusal_of(
+            "no_way_past", refusal.numbers, spans=refusal.spans, object=name, other=kept[0]
+        )
+        marks = tuple(mark for mark in refusal.marks if not isinstance(mark, ObstacleMark))
+        return found.model_copy(update={"marks": marks})
+    return refusal
 
 
 def _without_obstacles(
@@ -106,13 +110,6 @@ def _hemmed_in(refusal: Refusal, name: str) -> Refusal:
     numbers = {**refusal.numbers, "most": float(MOST_GONE)}
     found = refusal_of("hemmed_in", numbers, spans=refusal.spans, object=name)
     return found.model_copy(update={"marks": refusal.marks})
-
-
-def _sparing(refusal: Refusal, spared: Collection[str]) -> Refusal:
-    """The refusal without advice to move what must stay."""
-    advised = {f"move the {each} first" for each in spared}
-    kept = tuple(each for each in refusal.suggestions if each not in advised)
-    return refusal.model_copy(update={"suggestions": kept or ("say another place",)})
 
 
 def _with_distance(

@@ -32,6 +32,7 @@ from nlcontrol.plan_text import plan_lines
 from nlcontrol.reports.result_report import check_line
 from nlcontrol.results.result import Result, ResultStatus, Step, result_with, summary
 from nlcontrol.results.step_endings import result_with_step, stop_info, unanswered_status
+from nlcontrol.session.corrections import LEFT_SO, Corrections, spent_text
 from nlcontrol.session.events import Supervisor
 from nlcontrol.session.foresight.kept_plans import KeptPlans
 from nlcontrol.session.foresight.onward_plans import onward_plan
@@ -188,6 +189,7 @@ class FrameRun:
         self.refused: tuple[Refusal, WorldState] | None = None
         self.kept = KeptPlans()
         self._yaw: float | None = None
+        self._corrections = Corrections(controller.cell.vision, controller.defaults)
 
     def run(self, plan_only: bool, approved: Plan | Reached | None = None) -> Result:
         """The result with what came of the frame; its first plan may have been approved before."""
@@ -222,8 +224,11 @@ class FrameRun:
                 if attempt == 0 and not plan_only:
                     self.traces.append(controller.watch(self._name))
                 break
+            if attempt and not self._corrections.are_worth(made, state):
+                self.result = result_with(self.result, notes=(*self.result.notes, LEFT_SO))
+                break
             if attempt == self._budget(made):
-                self._note(stuck=_spent(made, attempt))
+                self._note(stuck=spent_text(made, attempt))
                 break
             self._note(plan=self.step.plan or made, plans=(*self.step.plans, made))
             self.supervisor.tell(
@@ -300,6 +305,7 @@ class FrameRun:
         if self._yaw is None:
             self._note(before=pose, basis=basis)
             self._yaw = pose.yaw
+            self._corrections.begin_at(pose)
         self._yaw += angle_between(pose.yaw, self._yaw)
         here = replace(basis.target, pose=replace(pose, yaw=self._yaw))
         return replace(state, objects={**state.objects, here.name: here})
@@ -382,12 +388,6 @@ class FrameRun:
                 result, self.step, "failed", not_held(missed, trace, self.step.stuck)
             )
         return result_with_step(result, self.step, "done")
-
-
-def _spent(made: Plan, times: int) -> str:
-    """Remark that a frame's budget is used up."""
-    what, several = ("push", "pushes") if made.pushes else ("try", "tries")
-    return f"this may take {times} {what if times == 1 else several} at most"
 
 
 FAILURES: frozenset[EndReason] = frozenset(

@@ -141,6 +141,10 @@ _PUSHES = {
     "off_the_table_so_far": impossible(_OFF_TABLE, ("up to {room:mm_down} would do",)),
     "in_the_way": blocked(_IN_WAY, ("move the {other} first",)),
     "in_the_way_so_far": blocked(_IN_WAY, ("up to {free:mm_down} would do",)),
+    "no_way_past": impossible(
+        "no way was found for the {object} to its place past the {other}, by which that is told",
+        (_ANOTHER_PLACE,),
+    ),
     "unlikely_pushes": too_uncertain(
         "{pushes} pushes are needed, and all of them succeed with a probability of "
         "{probability:chance}; {asked_probability:share} is asked",
