@@ -27,7 +27,7 @@ from planner.types.world_state import WorldState
 
 PlanFrom = Callable[[WorldState], PlanningResult]
 
-REASON_WORK = 0.25
+REASON_WORK = 0.15
 """Work of each plan by which a reason is tried, in that of the plan that was refused."""
 
 MOST_GONE = 3
@@ -78,6 +78,8 @@ def _without_obstacles(
     met: list[Refusal] = []
     made: PlanningResult = refusal
     while isinstance(made, Refusal):
+        if gone and made.code == "work_used_up":
+            return _hemmed_in(refusal, name)
         met.append(made)
         left = [each for each in obstacles(made) if each not in spared and each not in gone]
         if not left:
@@ -85,7 +87,9 @@ def _without_obstacles(
         if len(gone) == MOST_GONE:
             others = [each for each in state.objects if each != name and each not in spared]
             made = plan_from(_state_without(others, state))
-            return made if isinstance(made, Refusal) else _hemmed_in(refusal, name)
+            if isinstance(made, Refusal) and made.code != "work_used_up":
+                return made
+            return _hemmed_in(refusal, name)
         gone.append(left[0])
         made = plan_from(_state_without(gone, state))
     needed = [
@@ -106,9 +110,8 @@ def _without_obstacles(
 
 
 def _hemmed_in(refusal: Refusal, name: str) -> Refusal:
-    """The refusal since no few of the things about an object are what is in the way."""
-    numbers = {**refusal.numbers, "most": float(MOST_GONE)}
-    found = refusal_of("hemmed_in", numbers, spans=refusal.spans, object=name)
+    """The refusal since it was not found which of the things about an object are in the way."""
+    found = refusal_of("hemmed_in", refusal.numbers, spans=refusal.spans, object=name)
     return found.model_copy(update={"marks": refusal.marks})
 
 

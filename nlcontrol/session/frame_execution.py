@@ -32,12 +32,13 @@ from nlcontrol.plan_text import plan_lines
 from nlcontrol.reports.result_report import check_line
 from nlcontrol.results.result import Result, ResultStatus, Step, result_with, summary
 from nlcontrol.results.step_endings import result_with_step, stop_info, unanswered_status
-from nlcontrol.session.corrections import LEFT_SO, Corrections, spent_text
 from nlcontrol.session.events import Supervisor
+from nlcontrol.session.foresight.further_pushes import LEFT_SO, Corrections, spent_text
 from nlcontrol.session.foresight.kept_plans import KeptPlans
 from nlcontrol.session.foresight.onward_plans import onward_plan
 from nlcontrol.session.foresight.step_search import Ways, ways_around
 from nlcontrol.session.foresight.stranded_things import stranded_things
+from nlcontrol.session.foresight.way_back import with_way_back
 from nlcontrol.session.frame_answers import answer_to, frames_asked_at_once
 from nlcontrol.session.whereabouts import whereabouts
 from planner.explanation.push_explanation import Basis
@@ -211,7 +212,7 @@ class FrameRun:
             state, made = self._look_and_plan(previous, approved if attempt == 0 else None)
             # What was approved was looked through before it was offered.
             if attempt == 0 and approved is None and not isinstance(made, Refusal):
-                made = self._plan_with_foresight(made, state)
+                made = with_way_back(controller, self._plan_with_foresight(made, state), state)
             if isinstance(made, Refusal):
                 if attempt == 0:
                     self.refused = made, state

@@ -65,8 +65,8 @@ _GRASPS = {
     "no_grasp_reached": out_of_reach(_NO_GRASP, ("move it to another place",)),
     "grasps_blocked": blocked(_NO_GRASP, ("move the {blocker} first",)),
     "hemmed_in": blocked(
-        "the hand does not get to the {object} for all that stands about it; no {most:count} of "
-        "these alone would leave it a way",
+        "the hand does not get to the {object} for all that stands about it; which of that would "
+        "have to go was not found",
         ("make room around the {object}",),
     ),
     "no_reach_in_hand": out_of_reach(_NO_GRASP, (_PUT_DOWN,)),
