@@ -13,13 +13,13 @@ from planner.types.plan import Plan
 from planner.types.refusal import Refusal
 
 if TYPE_CHECKING:
-    from nlcontrol.session.controller import Controller
+    from nlcontrol.session.foresight.foreseen_steps import StepPlanner
     from planner.types.plan import PlanningResult
     from planner.types.world_state import WorldState
 
 
 def with_way_back(
-    controller: Controller, made: PlanningResult, state: WorldState
+    controller: StepPlanner, made: PlanningResult, state: WorldState
 ) -> PlanningResult:
     """The plan, with a note if there is no way back from the fall in which it ends.
 
