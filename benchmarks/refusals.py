@@ -1,9 +1,10 @@
 """Refusals of random sentences about random things, each looked through for what no refusal may be.
 
 Two to five boxes, cylinders, prisms and open boxes of random sizes and masses stand on a table, as
-slippery to the fingers as 0.02 to 0.3, some of them out of reach. A sentence is said of them and
-planned. What leaves `say` must be a result, or an error that is no defect; all its numbers finite;
-and what is named as being in the way must be in it: without that there is a plan, or more room.
+slippery to the fingers as 0.02 to 0.3, some of them out of reach; by every other seed they are of
+usual sizes and close to each other. A sentence is said of them and planned. What leaves `say` must
+be a result, or an error that is no defect; all its numbers finite; and what is named as being in
+the way must be in it: without that there is a plan, or more room.
 
     python -m benchmarks.refusals [--seed 0] [--refusals 2000] [--blocked 200] [--record FILE]
 
@@ -51,6 +52,17 @@ SAID = (
     "pour from the {a} into the {b}", "open the {a}", "stand the {a} up", "slide the {a} away",
     "can you lift the {a}?", "what can you do with the {a}?", "how hard is it to push the {a}?",
 )  # fmt: skip
+IN_THE_WAY = (
+    "push the {a} 10 cm away", "push the {a} 20 cm to the left", "push the {a} 20 cm to the right",
+    "topple the {a}", "tilt the {a} by 5 degrees", "lift the {a}", "slide the {a} away",
+    "turn the {a} by 90 degrees", "put the {a} behind the {b}", "pull the {a} 10 cm toward me",
+)  # fmt: skip
+"""What is said where things stand close to each other, by every other seed."""
+
+EXTREME = ((0.015, 0.25), (0.015, 0.25), (0.01, 0.35), (0.005, 5.0))
+USUAL = ((0.04, 0.1), (0.04, 0.1), (0.06, 0.2), (0.1, 1.0))
+"""Ranges of width, depth and height [m], and of the mass [kg]."""
+
 NAMES = ("crate", "drum", "brick", "tower", "basin")
 AT_ONCE = 100
 """Sentences between two looks at how many were refused."""
@@ -76,11 +88,10 @@ class Row(Kept[int]):
     seconds: float
 
 
-def drawn_model(rng: np.random.Generator, name: str) -> ObjectModel:
+def drawn_model(rng: np.random.Generator, name: str, *, usual: bool) -> ObjectModel:
     """A thing of a random shape, slippery to the fingers."""
-    x, y = (float(each) for each in np.exp(rng.uniform(np.log(0.015), np.log(0.25), 2)))
-    z = float(np.exp(rng.uniform(np.log(0.01), np.log(0.35))))
-    mass = float(np.exp(rng.uniform(np.log(0.005), np.log(5.0))))
+    low, high = np.log(USUAL if usual else EXTREME).T
+    x, y, z, mass = (float(each) for each in np.exp(rng.uniform(low, high)))
     friction, finger = rng.uniform(0.05, 0.7), rng.uniform(0.02, 0.3)
     shared: dict[str, Any] = {
         "name": name, "mass": mass, "mass_sd": 0.1 * mass * rng.integers(2),
@@ -102,13 +113,14 @@ def drawn_model(rng: np.random.Generator, name: str) -> ObjectModel:
     return BoxModel(size=(x, y, z), **shared)
 
 
-def drawn_scene(rng: np.random.Generator) -> tuple[Scene, Registry]:
+def drawn_scene(rng: np.random.Generator, *, crowded: bool) -> tuple[Scene, Registry]:
     """A table with some of them, close to each other or far off, and what is known of them."""
     scene, registry = parse_scene("{version: 1, name: drawn, objects: []}"), Registry()
     table = scene.table.extent
     middle, spread = rng.uniform((0.2, -0.3), (0.7, 0.3)), rng.choice([0.08, 0.12, 0.4])
-    for name in NAMES[: rng.integers(2, 6)]:
-        model = drawn_model(rng, name)
+    spread, least = (0.06, 5) if crowded else (spread, int(rng.integers(2, 6)))
+    for name in NAMES[:least]:
+        model = drawn_model(rng, name, usual=crowded)
         for _ in range(20):
             x, y = (float(each) for each in rng.normal(middle, spread))
             x = min(max(x, table.x_min + 0.15), table.x_max - 0.15)
@@ -124,9 +136,12 @@ def drawn_scene(rng: np.random.Generator) -> tuple[Scene, Registry]:
 def run(seed: int) -> Row:
     """Says one sentence to the robot of a seed, and looks through what comes of it."""
     rng, began = np.random.default_rng([seed, 43]), time.perf_counter()
-    scene, registry = drawn_scene(rng)
+    crowded = seed % 2 == 0
+    scene, registry = drawn_scene(rng, crowded=crowded)
     names = [str(each) for each in rng.permutation(scene.names)] * 3
-    said = str(rng.choice(SAID)).format(a=names[0], b=names[1], c=names[2])
+    said = str(rng.choice(IN_THE_WAY if crowded else SAID)).format(
+        a=names[0], b=names[1], c=names[2]
+    )
     controller = Controller(scene, registry=registry, seed=seed)
     try:
         result = controller.say(said, plan_only=True)
