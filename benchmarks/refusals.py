@@ -23,6 +23,7 @@ from collections import Counter
 from collections.abc import Iterator
 from concurrent.futures import Executor
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -163,7 +164,7 @@ def run(seed: int) -> Row:
     marks = result.steps[-1].marks if result.steps and result.error else ()
     blockers = tuple(dict.fromkeys(m.object for m in marks if isinstance(m, ObstacleMark)))
     if blockers and result.error is not None and result.error.code == "blocked":
-        faults += _not_in_the_way(scene, registry, said, blockers, result.error)
+        faults += _not_in_the_way(controller, said, blockers, result.error)
     else:
         blockers = ()
     return Row(
@@ -178,7 +179,7 @@ def run(seed: int) -> Row:
 
 
 def _not_in_the_way(
-    scene: Scene, registry: Registry, said: str, names: tuple[str, ...], error: ErrorInfo
+    controller: Controller, said: str, names: tuple[str, ...], error: ErrorInfo
 ) -> Iterator[str]:
     """A fault, if there is neither a plan nor more room without what is named."""
     numbers = error.numbers
@@ -189,10 +190,11 @@ def _not_in_the_way(
     if told := [name for name in names if f"the {name}" in said]:
         yield f"{told} in the way, which the sentence is about"
         return
-    rest = tuple(item for item in scene.objects if item.name not in names)
-    controller = Controller(scene.model_copy(update={"objects": rest}), registry=registry)
     frame, *_ = controller.resolve(controller.parse(said)).frames
-    made = controller.plan(frame)
+    state = controller.look()
+    # From the same look: another one's noise may decide what is close.
+    rest = {name: seen for name, seen in state.objects.items() if name not in names}
+    made = controller.plan(frame, replace(state, objects=rest))
     if isinstance(made, Refusal):
         room = made.numbers.get("free", math.inf)
         if not ("free" in numbers and room > numbers["free"]):

@@ -80,7 +80,8 @@ class PushPrediction(Document):
         slide_sd, topple_sd: standard deviations of these; null if it may never slide, topple, or if
             the friction is kinetic, whose deviation is not known.
         optimistic, pessimistic: onset if its weight is borne as well, as badly as can be; null if
-            it never moves, or if its friction radius was fitted.
+            it never moves, or if its friction radius was fitted; the second also where it may bear
+            on a single spot, on which any push would turn it.
         residual: relative violation of balance in the solution.
         probability: of each outcome under the model's uncertainty.
         suddenly: class if the force is applied at once; null without a force.
@@ -208,7 +209,8 @@ def _prediction_text(
         slide_sd=slide_sd if friction == "static" else None,
         topple_sd=topple_sd,
         optimistic=None if t.fitted else finite_or_none(t.optimistic[0]),
-        pessimistic=None if t.fitted else finite_or_none(t.pessimistic[0]),
+        # Of an even pressure it is nothing: such a base may bear on a single spot.
+        pessimistic=None if t.fitted else finite_or_none(t.pessimistic[0]) or None,
         residual=float(t.residual[0]),
         probability=probability,
         suddenly=None if force is None else str(model.sudden(p, force * u).outcome[0]),
@@ -248,13 +250,10 @@ def _sentences(found: PushPrediction) -> list[str]:
     chance = found.probability[found.outcome]
     if chance < SURE:
         lines.append(f"That is not sure: its probability is {probability_text(chance)}.")
-    if found.optimistic is not None and found.pessimistic is not None:
+    if found.optimistic is not None:
         low, high = found.pessimistic, found.optimistic
-        if low == 0.0:
-            lines.append(
-                f"Standing on a single spot it would turn under any force; however it stands, it "
-                f"moves from {high:.2f} N on."
-            )
+        if low is None:
+            lines.append(f"However it stands, it moves from {high:.2f} N on.")
         elif high > 1.005 * low:
             lines.append(
                 f"It moves between {low:.2f} N and {high:.2f} N, depending on how it stands."
