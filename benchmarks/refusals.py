@@ -162,7 +162,8 @@ def run(seed: int) -> Row:
     if not all(map(math.isfinite, numbers.values())) or re.search(r"\b(inf|nan)\b", told):
         faults.append("a number is not finite")
     marks = result.steps[-1].marks if result.steps and result.error else ()
-    blockers = tuple(dict.fromkeys(m.object for m in marks if isinstance(m, ObstacleMark)))
+    met = dict.fromkeys(mark.object for mark in marks if isinstance(mark, ObstacleMark))
+    blockers = tuple(name for name in met if f"the {name}" in told)
     if blockers and result.error is not None and result.error.code == "blocked":
         faults += _not_in_the_way(controller, said, blockers, result.error)
     else:

@@ -92,12 +92,11 @@ def _without_obstacles(
             return _hemmed_in(refusal, name)
         gone.append(left[0])
         made = plan_from(_state_without(gone, state))
-    needed = [
-        each
-        for each in gone
-        if len(gone) == 1
-        or isinstance(plan_from(_state_without([g for g in gone if g != each], state)), Refusal)
-    ]
+    needed = list(gone)
+    for each in gone[:-1]:  # without the last of them there was none
+        fewer = [other for other in needed if other != each]
+        if not isinstance(plan_from(_state_without(fewer, state)), Refusal):
+            needed = fewer
     named = met[gone.index(needed[0])]
     marks = [mark for mark in named.marks if not isinstance(mark, ObstacleMark)]
     first = f"move {' and '.join(f'the {each}' for each in needed)} first"

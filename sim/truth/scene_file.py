@@ -210,9 +210,14 @@ class Scene(CellParts):
 
     @model_validator(mode="after")
     def _apart(self) -> Scene:
-        for one, other in itertools.combinations(self.objects, 2):
-            depth = one.depth_in(other)
-            if depth > TOUCHING:
+        corners = [each.corners_W for each in self.objects]
+        boxes = [(each.min(axis=0), each.max(axis=0)) for each in corners]
+        for (one, (low, high)), (other, (lowest, highest)) in itertools.combinations(
+            zip(self.objects, boxes, strict=True), 2
+        ):
+            # Hulls take a while to load, and few things are near enough for them.
+            near = (low < highest).all() and (lowest < high).all()
+            if near and (depth := one.depth_in(other)) > TOUCHING:
                 raise ValueError(
                     f"the {one.name} and the {other.name} stand {1e3 * depth:.0f} mm in each other"
                 )
