@@ -58,6 +58,7 @@ CODES: dict[str, Status] = {
     "blocked": _NO_PLAN,
     "too_uncertain": _NO_PLAN,
     "out_of_time": _NO_PLAN,
+    "too_small": _NO_PLAN,
     "time_limit": Status(NO_PLAN, 504),
     "not_explorable": _NO_PLAN,
     "unsupported": _LACKS,
@@ -155,6 +156,7 @@ CODES: dict[str, Status] = {
     "executor_failed": Status(INTERNAL, 500),
     "simulation_broke": Status(INTERNAL, 500),
     "clause_not_held": Status(NOT_HELD, 200),
+    "not_finished": Status(NOT_HELD, 200),
     "internal": Status(INTERNAL, 500),
 }
 """Codes of the front. What the lower packages raise falls under the family it comes from."""

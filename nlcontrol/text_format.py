@@ -28,7 +28,9 @@ _SCALES: dict[str, tuple[float, str, int]] = {
 }
 
 
-REFUSALS = frozenset({"impossible", "out_of_reach", "blocked", "too_uncertain", "out_of_time"})
+REFUSALS = frozenset(
+    {"impossible", "out_of_reach", "blocked", "too_uncertain", "out_of_time", "too_small"}
+)
 """Codes of errors that are refusals of the planner."""
 
 

@@ -13,16 +13,18 @@ from collections.abc import Callable
 from grammar.frames import command as g
 from planner.types.defaults import DEFAULTS
 
-UNITS: dict[str, tuple[str, Callable[[int], float], float]] = {
-    "displace": ("distance", lambda cm: cm / 100, DEFAULTS.distance),
-    "place": ("distance", lambda cm: cm / 100, DEFAULTS.distance_lot),
-    "lift": ("height", lambda cm: cm / 100, DEFAULTS.lift_height),
-    "rotate": ("angle", math.radians, DEFAULTS.turn),
-    "tilt": ("angle", math.radians, DEFAULTS.tilt),
-    "pour": ("volume", lambda cl: cl / 100_000, DEFAULTS.pour_little),
+_POURED_TO = DEFAULTS.tolerance_share * DEFAULTS.pour_margin  # so that the margin is the least
+
+UNITS: dict[str, tuple[str, Callable[[int], float], float, float]] = {
+    "displace": ("distance", lambda cm: cm / 100, DEFAULTS.distance, DEFAULTS.aim_position),
+    "place": ("distance", lambda cm: cm / 100, DEFAULTS.distance_lot, DEFAULTS.aim_position),
+    "lift": ("height", lambda cm: cm / 100, DEFAULTS.lift_height, DEFAULTS.aim_position),
+    "rotate": ("angle", math.radians, DEFAULTS.turn, DEFAULTS.aim_angle),
+    "tilt": ("angle", math.radians, DEFAULTS.tilt, DEFAULTS.aim_angle),
+    "pour": ("volume", lambda cl: cl / 100_000, DEFAULTS.pour_little, _POURED_TO),
 }
 """Field of a goal that says how much, by its kind, how many of the units in which people say that
-are how much, and a usual amount [SI]."""
+are how much, a usual amount, and to what the robot does it [SI]."""
 
 BRACKETS = 2
 """Times that the bracket is halved by its ratio: between n and 2 n, to a fifth of the most."""
@@ -37,7 +39,7 @@ def frame_with_less(frame: g.Frame, is_planned: Callable[[g.Frame], bool]) -> g.
     """
     if frame.goal.kind not in UNITS:
         return None
-    name, amount, usual = UNITS[frame.goal.kind]
+    name, amount, usual, aim = UNITS[frame.goal.kind]
     asked = getattr(frame.goal, name)
     if not isinstance(asked, float):
         return None
@@ -49,14 +51,16 @@ def frame_with_less(frame: g.Frame, is_planned: Callable[[g.Frame], bool]) -> g.
 
     most = math.ceil(asked / amount(1) - 1e-9)
     least = min(round(usual / amount(1)), most // 2)
-    if least == 0:
+    # Less cannot be told from nothing, and is refused.
+    first = math.ceil(DEFAULTS.least_amount(aim) / amount(1) - 1e-9)
+    if least < first:
         return None
     if is_planned(with_amount(least)):
         while 2 * least < most and is_planned(with_amount(2 * least)):
             least *= 2
         most = min(most, 2 * least)
-    elif least > 1 and is_planned(with_amount(1)):
-        least, most = 1, least
+    elif least > first and is_planned(with_amount(first)):
+        least, most = first, least
     else:
         return None
     for _ in range(BRACKETS):

@@ -28,6 +28,7 @@ from planner.problem.frame_interpretation import (
     require_other_objects,
     require_resting,
 )
+from planner.problem.least_amounts import require_tellable
 from planner.problem.place_regions import region
 from planner.problem.planning_problem import GraspProblem, is_handled, is_off_the_table
 from planner.problem.search_budget import SearchBudget
@@ -95,6 +96,8 @@ def plan(
 
     try:
         require_other_objects(frame)
+        if previous is None and not failed:
+            require_tellable(frame, state, defaults)
         if upright and state.held is None and _stands(frame, state):
             return Reached()
         if only_pushes or not is_handled(frame):

@@ -238,10 +238,13 @@ def _least_gap(e: Evidence, name: str) -> float:
 
 def _force(relation: Relation) -> Callable[..., Iterator[Check]]:
     def force_check(clause: g.MaxForce | g.MinForce | g.Force, e: Evidence) -> Iterator[Check]:
-        felt, tolerance = measures.largest_push_force(e.trace), e.defaults.force_tolerance
+        felt, d = measures.largest_push_force(e.trace), e.defaults
         quantity = "largest push force felt"
         if by_hand(e):
             felt, quantity = measures.largest_squeeze(e.trace), "largest squeeze felt"
+        tolerance = d.force_tolerance
+        if relation == "about":
+            tolerance = d.tolerance_of(clause.value, tolerance)
         yield compare(clause, relation, quantity, clause.value, felt, tolerance, "N")
 
     return force_check
@@ -257,12 +260,15 @@ def _speed(
     relation: Relation, asked: Callable[[Any, Evidence], float]
 ) -> Callable[..., Iterator[Check]]:
     def speed_check(clause: Any, e: Evidence) -> Iterator[Check]:
-        speed, tolerance = measures.largest_push_speed(e.trace), e.defaults.speed_tolerance
+        speed, d = measures.largest_push_speed(e.trace), e.defaults
         quantity = "largest speed of the push"
         if by_hand(e):
             quantity = "largest speed in the hand"
             speed = measures.largest_held_speed(e.trace, e.name)
-        yield compare(clause, relation, quantity, asked(clause, e), speed, tolerance, "m/s")
+        said, tolerance = asked(clause, e), d.speed_tolerance
+        if relation != "at_most":
+            tolerance = d.tolerance_of(said, tolerance)
+        yield compare(clause, relation, quantity, said, speed, tolerance, "m/s")
 
     return speed_check
 
@@ -273,7 +279,8 @@ def _gentle(e: Evidence) -> float:
 
 def _duration(clause: g.MaxDuration | g.Duration, e: Evidence) -> Iterator[Check]:
     relation: Relation = "at_most" if isinstance(clause, g.MaxDuration) else "about"
-    tolerance = 0.0 if relation == "at_most" else e.defaults.duration_tolerance
+    most = e.defaults.duration_tolerance
+    tolerance = 0.0 if relation == "at_most" else e.defaults.tolerance_of(clause.value, most)
     took, quantity = measures.push_duration(e.trace), "time that it was pushed"
     yield compare(clause, relation, quantity, clause.value, took, tolerance, "s")
 
@@ -328,9 +335,9 @@ def _effector(clause: g.Effector, e: Evidence) -> Iterator[Check]:
         yield object_name(clause, "hand used", f"{clause.side} hand", f"{HAND_SIDE} hand")
     used = len(e.trace.tips)
     if clause.tool == "finger" and clause.count is not None:
-        yield object_name(clause, "fingers used", str(clause.count), str(used))
+        yield object_name(clause, "fingers used", str(clause.count), str(used) if used else None)
     elif clause.side is None:
-        yield object_name(clause, "touched with", clause.tool, clause.tool if used else "nothing")
+        yield object_name(clause, "touched with", clause.tool, clause.tool if used else None)
 
 
 CONSTRAINTS: dict[str, Callable[..., Iterator[Check]]] = {

@@ -30,8 +30,11 @@ if TYPE_CHECKING:
     from sim.traces.trace import Trace
 
 _OF_PUSHES = frozenset(
-    {"contact", "effector", "hard", "fast", "force", "min_force", "speed", "min_speed", "duration"}
-)
+    {
+        "contact", "effector", "hard", "gentle", "fast", "slow", "force", "min_force", "max_force",
+        "speed", "min_speed", "max_speed", "duration", "max_duration",
+    }
+)  # fmt: skip
 """Constraints on pushes, which say nothing where no push is needed."""
 
 
@@ -68,7 +71,7 @@ def check(
 
 
 def not_held(missed: Sequence[Check], trace: Trace, stuck: str | None = None) -> ErrorInfo:
-    """The error of an execution in which some checks failed.
+    """The error of an execution in which some checks failed, or that was not finished.
 
     `stuck` is the reason why no further push was made, if that is the matter.
     """
@@ -76,15 +79,15 @@ def not_held(missed: Sequence[Check], trace: Trace, stuck: str | None = None) ->
     clauses = ", ".join(
         dict.fromkeys(told.get(c.clause, c.clause.replace("_", " ")) for c in missed)
     )
-    message = f"executed, but this did not hold: {clauses}"
+    message = f"executed, but this did not hold: {clauses}" if missed else "it was not finished"
     if trace.end not in PLANNED_ENDS:
         what = "the hand stopped" if trace.end in HAND_ENDS else "the push ended early"
         message += f" ({what}: {trace.detail})"
     if stuck is not None:
         message += f" (nothing more was done: {stuck})"
-    spans = missed[0].spans
+    spans = missed[0].spans if missed else ()
     return error(
-        "clause_not_held",
+        "clause_not_held" if missed else "not_finished",
         message,
         span=spans[0] if spans else None,
         suggestions=("say it again: it is planned anew, with what was learned",),

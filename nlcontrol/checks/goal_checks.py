@@ -52,7 +52,9 @@ def _displace(goal: g.Displace, e: Evidence) -> Iterator[Check]:
     if heading is not None:
         along = float(travel @ [np.cos(heading), np.sin(heading)])
         # The heading of something that hardly moved is noise, and its distance fails anyway.
-        went = heading_of(np.array([*travel, 0.0])) if length > d.distance_tolerance else heading
+        asked, _ = goal_distance(goal, own, e.start, d, e.frame.constraints)
+        hardly = d.tolerance_of(asked, d.distance_tolerance)
+        went = heading_of(np.array([*travel, 0.0])) if length > hardly else heading
         off = abs(angle_between(went, heading))
         yield compare(
             goal, "at_most", "off the asked direction", 0.0, off, d.direction_tolerance, "rad"
@@ -60,7 +62,7 @@ def _displace(goal: g.Displace, e: Evidence) -> Iterator[Check]:
     # An event or a time says how far, if no distance does.
     said = goal.distance is not None or goal.fraction is not None or goal.amount is not None
     if said or not e.has("until", "duration"):
-        yield _distance(goal, along, e)
+        yield from _distance(goal, along, e)
     if e.frame.action == "slide":
         tilt = e.largest_tilt
         yield compare(goal, "at_most", "largest tilt while sliding", d.no_tilt, tilt, 0.0, "rad")
@@ -83,13 +85,13 @@ def _tip_check(goal: g.Displace, heading: float | None, e: Evidence) -> list[Che
     return [_towards(goal, quantity, went, heading, e.defaults)]
 
 
-def _distance(goal: g.Displace, along: float, e: Evidence) -> Check:
+def _distance(goal: g.Displace, along: float, e: Evidence) -> Iterator[Check]:
     d, own = e.defaults, e.start.objects[e.name]
     asked, _ = goal_distance(goal, own, e.start, d, e.frame.constraints)
-    tolerance = d.distance_tolerance if goal.bound == "exact" else 0.0
-    return compare(
-        goal, _relation(goal.bound), "moved in the asked direction", asked, along, tolerance, "m"
-    )
+    tolerance = d.tolerance_of(asked, d.distance_tolerance, goal.bound)
+    quantity = "moved in the asked direction"
+    yield compare(goal, _relation(goal.bound), quantity, asked, along, tolerance, "m")
+    yield from handling.done_at_all(goal, goal.bound, "moved", d.moves, along, "m")
 
 
 def _place(goal: g.Place, e: Evidence) -> Iterator[Check]:
@@ -97,7 +99,7 @@ def _place(goal: g.Place, e: Evidence) -> Iterator[Check]:
     place = region(goal, e.end, e.defaults, start)
     assert place is not None, "a place in what is no open box is refused before"
     if goal.fraction is not None:
-        place = share_of_way(place, goal.fraction, start, e.defaults.place_tolerance)
+        place = share_of_way(place, goal.fraction, start, e.defaults)
     yield from (place_check(goal, one) for one in place.measures(e.end.objects[e.name]))
     if goal.relation in ("on", "in") and isinstance(goal.reference, tuple):
         yield from handling.set_on(goal, goal.reference[0].id or "", e)
@@ -113,30 +115,32 @@ def _rotate(goal: g.Rotate, e: Evidence) -> Iterator[Check]:
         off = abs(turns_to_orientation(goal, e.end.objects[e.name], e.end)[0])
         yield compare(goal, "at_most", "off the asked heading", 0.0, off, d.turn_tolerance, "rad")
     else:
-        yield _turned(goal, e)
+        yield from _turned(goal, e)
     drift = float(np.linalg.norm(e.trace.displacement(e.name)[:2]))
     yield compare(goal, "at_most", "moved while turning", 0.0, drift, d.turn_drift, "m")
     yield from _still_stands(goal, e)
 
 
-def _turned(goal: g.Rotate, e: Evidence) -> Check:
+def _turned(goal: g.Rotate, e: Evidence) -> Iterator[Check]:
     d = e.defaults
     turned = float(measures.turn(e.trace, e.name)[-1])
     measured = {"ccw": turned, "cw": -turned, None: abs(turned)}[goal.sense]
     by_default = {None: d.turn, "little": d.turn_little, "lot": d.turn_lot}
     asked = goal.angle or by_default[goal.amount]
-    tolerance = d.turn_tolerance if goal.bound == "exact" else 0.0
-    sense = {"ccw": " to the left", "cw": " to the right", None: ""}[goal.sense]
-    return compare(goal, _relation(goal.bound), f"turned{sense}", asked, measured, tolerance, "rad")
+    tolerance = d.tolerance_of(asked, d.turn_tolerance, goal.bound)
+    quantity = "turned" + {"ccw": " to the left", "cw": " to the right", None: ""}[goal.sense]
+    yield compare(goal, _relation(goal.bound), quantity, asked, measured, tolerance, "rad")
+    yield from handling.done_at_all(goal, goal.bound, "turned", d.aim_angle, measured, "rad")
 
 
 def _tilt(goal: g.Tilt, e: Evidence) -> Iterator[Check]:
     d = e.defaults
     asked = goal.angle or tilt_goal(goal, e.model, d)[0]
-    tolerance = d.tilt_tolerance if goal.bound == "exact" else 0.0
+    tolerance = d.tolerance_of(asked, d.tilt_tolerance, goal.bound)
     tilts = e.trace.tilt(e.name)
     most = int(np.argmax(tilts))
     yield compare(goal, _relation(goal.bound), "largest tilt", asked, tilts[most], tolerance, "rad")
+    yield from handling.done_at_all(goal, goal.bound, "tilted", d.tips, tilts[most], "rad")
     if goal.direction:
         leant = measures.tilt_heading(e.trace, e.name, most)
         yield _towards(goal, "leant off the asked side", leant, HEADINGS[goal.direction], d)
@@ -152,7 +156,9 @@ def _topple(goal: g.Topple, e: Evidence) -> Iterator[Check]:
 
 
 def _none(goal: g.NoGoal, e: Evidence) -> Iterator[Check]:
-    touched = "touched" if measures.contacts(e.trace, e.name) else "never touched"
+    touched: str | None = "touched" if measures.contacts(e.trace, e.name) else "never touched"
+    if not e.trace.felt:
+        touched = None
     yield object_name(goal, "contact", "touched", touched)
     yield from _still_stands(goal, e)
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from grammar.frames import command as g
 from nlcontrol.checks import trace_measures as measures
-from nlcontrol.checks.verdicts import Check, Clause, Relation, compare, object_name
+from nlcontrol.checks.verdicts import Check, Clause, Relation, Unit, compare, object_name
 from objectmodels.containers.lid_geometry import is_off
 from objectmodels.models.object_parts import FlipLid, LiftOffLid, ScrewCap
 
@@ -24,6 +24,14 @@ if TYPE_CHECKING:
 def by_hand(e: Evidence) -> bool:
     """True if the object was in the hand."""
     return bool(measures.during(e.trace, ("grasp", "lift", "carry", "pour", "set_down")).any())
+
+
+def done_at_all(
+    clause: Clause, bound: g.Bound, done: str, least: float, measured: float, unit: Unit
+) -> Iterator[Check]:
+    """Something was done: nothing at all keeps every “at most”."""
+    if bound == "at_most":
+        yield compare(clause, "at_least", f"{done} at all", least, measured, 0.0, unit)
 
 
 def stands_on_base(clause: Clause, e: Evidence, limit: float | None = None) -> Check:
@@ -75,11 +83,12 @@ def lift_check(goal: g.Lift, e: Evidence) -> Iterator[Check]:
     asked = by_default[goal.amount] if goal.height is None else goal.height
     assert isinstance(asked, float), "lengths are in metres by now"
     relation: Relation = "about" if goal.bound == "exact" else goal.bound
-    tolerance = d.lift_tolerance if goal.bound == "exact" else 0.0
+    tolerance = d.tolerance_of(asked, d.lift_tolerance, goal.bound)
     rise, quantity = float(e.trace.displacement(e.name)[2]), "held higher at the end"
     if goal.above == "table":
         rise, quantity = float(e.trace.poses[e.name][-1, 6]), "held over the table at the end"
     yield compare(goal, relation, quantity, asked, rise, tolerance, "m")
+    yield from done_at_all(goal, goal.bound, "lifted", d.no_lift, rise, "m")
     yield stands_on_base(goal, e, d.upright)
 
 
@@ -148,7 +157,7 @@ def pour_check(goal: g.Pour, e: Evidence) -> Iterator[Check]:
         yield compare(goal, "at_least", f"arrived in the {into}", least, received, 0.0, "m³")
     else:
         asked = _asked_volume(goal, before, into, e)
-        tolerance = max(d.pour_share * asked, d.pour_margin)
+        tolerance = d.tolerance_of(asked, max(d.pour_share * asked, d.pour_margin))
         yield compare(goal, "about", f"arrived in the {into}", asked, received, tolerance, "m³")
     if not e.has("no_spill"):
         yield spill_check(goal, e)

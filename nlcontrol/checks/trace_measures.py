@@ -64,19 +64,22 @@ def stretches(trace: Trace, phases: Sequence[str]) -> list[NDArray[np.intp]]:
     return [part for part in np.split(samples, breaks) if len(part)]
 
 
-def largest_push_force(trace: Trace) -> float:
+def largest_push_force(trace: Trace) -> float | None:
     """Largest felt force of all fingers along the push while in contact, averaged [N].
+
+    None if nothing was felt: no finger has a sensor, or none pushed.
 
     Each push has the direction in which the fingertips went; one that went nowhere that of the
     trace.
     """
-    largest = 0.0
-    for i in stretches(trace, ("touch", "push")):
+    largest: float | None = None
+    for i in stretches(trace, ("touch", "push")) if trace.felt else ():
         way = midpoint(trace)[i[-1]] - midpoint(trace)[i[0]]
         length = float(np.linalg.norm(way))
         along = way / length if length > LEAST_WAY else trace.direction
         felt = np.sum([force[i] @ along for force in trace.felt.values()], axis=0)
-        largest = max(largest, float(windowed_mean(trace.time[i], felt, FORCE_WINDOW).max()))
+        peak = float(windowed_mean(trace.time[i], felt, FORCE_WINDOW).max())
+        largest = peak if largest is None else max(largest, peak)
     return largest
 
 
@@ -88,14 +91,16 @@ def midpoint(trace: Trace) -> Array:
     return mean
 
 
-def largest_push_speed(trace: Trace) -> float:
-    """Largest speed of the fingertips' midpoint while pushing [m/s]."""
+def largest_push_speed(trace: Trace) -> float | None:
+    """Largest speed of the fingertips' midpoint while pushing [m/s]; None if none is known."""
+    if not trace.tips:
+        return None
     return _largest_speed(trace, ("push",), midpoint(trace))
 
 
-def _largest_speed(trace: Trace, phases: Sequence[str], points: Array) -> float:
-    """Largest speed of a point, shape (n, 3), during some phases [m/s]."""
-    largest = 0.0
+def _largest_speed(trace: Trace, phases: Sequence[str], points: Array) -> float | None:
+    """Largest speed of a point, shape (n, 3), during some phases [m/s]; None without any."""
+    largest: float | None = None
     for i in stretches(trace, phases):
         if len(i) < 2:
             continue
@@ -103,7 +108,8 @@ def _largest_speed(trace: Trace, phases: Sequence[str], points: Array) -> float:
         a = np.maximum(time - SPEED_WINDOW / 2, time[0])
         b = np.minimum(time + SPEED_WINDOW / 2, time[-1])
         travel = [np.interp(b, time, x) - np.interp(a, time, x) for x in p.T]
-        largest = max(largest, float((np.linalg.norm(travel, axis=0) / (b - a)).max()))
+        peak = float((np.linalg.norm(travel, axis=0) / (b - a)).max())
+        largest = peak if largest is None else max(largest, peak)
     return largest
 
 
@@ -111,31 +117,38 @@ HELD = ("lift", "carry", "pour", "set_down")
 """Phases in which something is moved in the hand."""
 
 
-def largest_squeeze(trace: Trace) -> float:
-    """Largest force of the thumb on what is held, averaged [N]."""
-    thumb = trace.felt.get("thumb")
+def largest_squeeze(trace: Trace) -> float | None:
+    """Largest force of a finger on what is held, averaged [N]; None if nothing was felt.
+
+    What holds is pressed from two sides with the same force, so that the finger that stands alone
+    on its side feels all of it, whatever it is called.
+    """
     held = during(trace, ("grasp", *HELD))
-    if thumb is None or not held.any():
-        return 0.0
-    felt = np.linalg.norm(thumb, axis=1)
-    return float(windowed_mean(trace.time, felt, FORCE_WINDOW)[held].max())
+    if not trace.felt or not held.any():
+        return None
+    forces = (np.linalg.norm(force, axis=1) for force in trace.felt.values())
+    means = [windowed_mean(trace.time, felt, FORCE_WINDOW)[held] for felt in forces]
+    return float(np.max(means))
 
 
-def largest_held_speed(trace: Trace, name: str) -> float:
-    """Largest speed of what is moved in the hand [m/s]."""
+def largest_held_speed(trace: Trace, name: str) -> float | None:
+    """Largest speed of what is moved in the hand [m/s]; None if it never was in the hand."""
     return _largest_speed(trace, ("lift", "carry", "set_down"), trace.poses[name][:, 4:])
 
 
-def push_duration(trace: Trace) -> float:
-    """Time that the object is pushed, over all pushes [s]."""
+def push_duration(trace: Trace) -> float | None:
+    """Time that the object is pushed, over all pushes [s]; None if it never is."""
     pushing = during(trace, ("push",))
+    if not pushing.any():
+        return None
     together = pushing[1:] & pushing[:-1]
     return float(np.diff(trace.time)[together].sum())
 
 
-def largest_force_limit(trace: Trace) -> float:
-    """The largest force that a push was ready to press with [N]."""
-    return float(trace.force_limit[during(trace, ("push",))].max(initial=0.0))
+def largest_force_limit(trace: Trace) -> float | None:
+    """The largest force that a push was ready to press with [N]; None if there was no push."""
+    pushing = during(trace, ("push",))
+    return float(trace.force_limit[pushing].max()) if pushing.any() else None
 
 
 def rotation(pose: Array) -> Array:

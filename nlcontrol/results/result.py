@@ -44,7 +44,8 @@ class Execution(DocumentPart):
         turned: angle by which it turned about the vertical [rad], counter-clockwise; None if it
             lies at the end, where a heading says nothing.
         largest_tilt: on the way [rad].
-        largest_force: felt along the push, averaged against the sensors' noise [N].
+        largest_force: felt along the push, averaged against the sensors' noise [N]; None if nothing
+            was felt.
     """
 
     end: str
@@ -53,7 +54,7 @@ class Execution(DocumentPart):
     displacement: Vector3
     turned: float | None
     largest_tilt: float
-    largest_force: float
+    largest_force: float | None
 
 
 def summary(trace: Trace) -> Execution:

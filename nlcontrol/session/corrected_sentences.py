@@ -61,6 +61,7 @@ CHAIN = 2
 
 REMARKS: tuple[tuple[str, str], ...] = (
     (r"up to (.+) would do", r"no, \1"),
+    (r"(.+) or more would do", r"no, \1"),
     (r"(at .+ mm/s)", r"no, \1"),
     (r"allow (.+ N)", r"no, with at most \1"),
     (r"allow (.+ s)", r"no, in at most \1"),

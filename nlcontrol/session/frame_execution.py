@@ -27,6 +27,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from grammar.frames import command as g
+from nlcontrol.checks.verdicts import PLANNED_ENDS
 from nlcontrol.errors import ControlError, refusal_error
 from nlcontrol.plan_text import plan_lines
 from nlcontrol.reports.result_report import check_line
@@ -229,7 +230,8 @@ class FrameRun:
                 self.result = result_with(self.result, notes=(*self.result.notes, LEFT_SO))
                 break
             if attempt == self._budget(made):
-                self._note(stuck=spent_text(made, attempt))
+                if not self._is_quick or self.traces[-1].end not in PLANNED_ENDS:
+                    self._note(stuck=spent_text(made, attempt))
                 break
             self._note(plan=self.step.plan or made, plans=(*self.step.plans, made))
             self.supervisor.tell(
@@ -287,8 +289,11 @@ class FrameRun:
         """Pushes, or tries of a hand, that may be made; what is to be quick is not corrected."""
         if not made.pushes:
             return self.controller.defaults.most_tries
-        quick = any(isinstance(clause, g.MaxDuration) for clause in self.frame.constraints)
-        return 1 if quick else self.controller.defaults.most_pushes
+        return 1 if self._is_quick else self.controller.defaults.most_pushes
+
+    @property
+    def _is_quick(self) -> bool:
+        return any(isinstance(clause, g.MaxDuration) for clause in self.frame.constraints)
 
     @property
     def _name(self) -> str:
@@ -360,6 +365,8 @@ class FrameRun:
         if trace.end in TRIED_AGAIN:
             self.failed.append(FailedHold(made, trace.detail))
             return False
+        if trace.end not in PLANNED_ENDS:
+            self._note(stuck=trace.detail)
         return True
 
     def _keep_lesson(self, lesson: Lesson) -> None:
@@ -382,7 +389,8 @@ class FrameRun:
             self.supervisor.tell("verdict", check_line(result.text, check).strip(), check=check)
         result = result_with(result, checks=result.checks + checks)
         missed = tuple(c for c in checks if not c.ok)
-        if missed:
+        # Whatever was measured: a step that failed has not done what it was to do.
+        if missed or self.step.stuck is not None:
             from nlcontrol.checks.frame_checks import not_held
 
             return result_with_step(

@@ -20,7 +20,7 @@ from planner.problem.contact_heights import (
     require_whole_hand,
 )
 from planner.problem.planning_problem import GoalT, GraspProblem, PlanningProblem, PushProblem
-from planner.problem.tilt_goals import almost_tips, spill_tilt
+from planner.problem.tilt_goals import almost_tips, most_tilt, spill_tilt
 from planner.refusals.refusal_builder import no_plan, not_capable, unsupported_while
 from planner.types.actions import Aim
 from planner.types.refusal import NoPlanError
@@ -99,7 +99,7 @@ def _stay_on_base(problem: PushProblem, clause: g.NoTopple | g.NoTilt | g.MaxTil
         raise _contradiction("it cannot topple and stay on its base", clause.spans)
     if most is None:
         return problem
-    if most < goal.tilt - defaults.tilt_tolerance:
+    if most < goal.tilt - defaults.tolerance_of(goal.tilt, defaults.tilt_tolerance):
         asks = f"{math.degrees(goal.tilt):.0f}° are asked"
         message = f"{asks}, but {math.degrees(most):.0f}° are the most that is allowed"
         raise _contradiction(message, clause.spans)
@@ -159,7 +159,7 @@ def _keep_contents(problem: PushProblem, clause: g.NoSpill) -> PushProblem:
     most = max(spills, defaults.rest_tilt)
     if goal.outcome == "slide":
         return _with_tilt(problem, most)
-    if goal.tilt is not None and goal.tilt + defaults.tilt_tolerance <= spills:
+    if goal.tilt is not None and most_tilt(goal.tilt, defaults) <= spills:
         return _with_tilt(problem, most)
     does, numbers = "toppling tilts it further", {"spill_angle": spills}
     if goal.tilt is not None:

@@ -191,7 +191,7 @@ def _place_poses(problem: PlanningProblem[GoalT], goal: g.Place) -> GoalPoses:
         over = "pushes move objects over the table only"
         raise not_capable(_CAPABILITIES.get(goal.relation, "going there"), over, goal.spans)
     if goal.fraction is not None:
-        place = share_of_way(place, goal.fraction, target, defaults.place_tolerance)
+        place = share_of_way(place, goal.fraction, target, defaults)
     spots = place.spots(target)
     if not spots:
         raise no_plan("no_room_at_goal", spans=goal.spans, object=target.name)

@@ -117,7 +117,9 @@ def _place_clear_of(
     assert not isinstance(distance, g.RelativeLength), "lengths measured in objects are resolved"
     if isinstance(reference, tuple) and not reference:
         way = d.aside if distance is None else distance
-        return None if start is None else Aside(start, way, d.distance_tolerance)
+        return (
+            None if start is None else Aside(start, way, d.tolerance_of(way, d.distance_tolerance))
+        )
     if isinstance(reference, str) and reference in OTHER_HALF:
         return InHalf(state.table, OTHER_HALF[reference], d.edge_tolerance)
     room = d.room if distance is None else distance
@@ -342,17 +344,18 @@ class AtEdge(Region):
         return float((corner - footprint(own)).dot(u).min())
 
 
-def share_of_way(place: Region, share: float, start: SeenObject, tolerance: float) -> Region:
+def share_of_way(place: Region, share: float, start: SeenObject, d: Defaults) -> Region:
     """The place at a share of the straight way to another one ("halfway to the left edge").
 
-    The object `start` is where the way begins; the tolerance is that of its end [m].
+    The object `start` is where the way begins.
     """
     spots = place.spots(start)
     if not spots:
         return place
     here = _origin_of(start)
-    x, y = (here + share * (spots[0] - here)).tolist()
-    return Spot(x, y, tolerance)
+    way = share * (spots[0] - here)
+    x, y = (here + way).tolist()
+    return Spot(x, y, d.tolerance_of(float(np.linalg.norm(way)), d.place_tolerance))
 
 
 def object_at(seen: SeenObject, at: Array) -> SeenObject:

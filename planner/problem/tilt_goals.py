@@ -49,6 +49,11 @@ def almost_tips(model: ObjectModel, defaults: Defaults) -> float:
     return defaults.tilt_lot * least
 
 
+def most_tilt(angle: float, defaults: Defaults) -> float:
+    """The largest tilt that an asked one may become, angles in rad."""
+    return angle + defaults.tolerance_of(angle, defaults.tilt_tolerance)
+
+
 def spill_tilt(target: SeenObject, sigmas: float) -> float | None:
     """Least tilt at which an object may begin to spill [rad]; None if nothing can run out.
 
@@ -79,7 +84,7 @@ def require_free_tilt(
         NoPlanError: it may fall, or something stands where it leans to.
     """
     target = problem.target
-    most = angle + problem.defaults.tilt_tolerance
+    most = most_tilt(angle, problem.defaults)
     inward = -np.asarray(normal)
     if return_probability(target.model, inward, most) < problem.effort.probability:
         raise NoPlanError(_may_fall(problem, inward, angle))
@@ -108,7 +113,7 @@ def push_with_tilt(
     defaults: Defaults,
 ) -> Push:
     """The push, high on a face with an inward normal in B (3,), that ends on a tilt [rad]."""
-    most = angle + defaults.tilt_tolerance
+    most = most_tilt(angle, defaults)
     stroke = model.topple_stroke(inward, push.p_BC[2], most) + _SLACK
     changes = {
         "ends_on": "tilted", "tilt": angle, "stroke": stroke,
@@ -125,7 +130,7 @@ def prediction_with_return(
     defaults: Defaults,
 ) -> Prediction:
     """The prediction with the chance that the object also comes back from a tilt."""
-    back = return_probability(model, inward, angle + defaults.tilt_tolerance)
+    back = return_probability(model, inward, most_tilt(angle, defaults))
     # At least so likely, however the two hang together.
     both = max(predicted.probability + back - 1.0, 0.0)
     return predicted.model_copy(update={"probability": both})

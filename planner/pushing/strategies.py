@@ -378,7 +378,8 @@ def nearly_goal_poses(problem: PushProblem) -> Iterator[tuple[Aim, str]]:
         return
     if not _LEAST * defaults.distance_tolerance <= goal.distance < math.inf:
         return
-    spare = max(defaults.distance_tolerance - defaults.aim_position, 0.0)
+    tolerance = defaults.tolerance_of(goal.distance, defaults.distance_tolerance)
+    spare = max(tolerance - defaults.aim_position, 0.0)
     ahead, left = unit(goal.heading), unit(goal.heading + 0.5 * math.pi)
     shares = sorted(itertools.product(_SHORT, _ASIDE), key=lambda share: math.hypot(*share))
     for short, aside in ((spare * short, aside) for short, aside in shares[1:]):

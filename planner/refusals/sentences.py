@@ -13,6 +13,7 @@ from planner.refusals.refusal_sentence import (
     impossible,
     out_of_reach,
     out_of_time,
+    too_small,
     too_uncertain,
     unsupported,
 )
@@ -59,6 +60,10 @@ _PUSHES = {
     ),
     "contradiction": impossible("{message}", ("leave one of the two out",)),
     "too_fast": impossible("{speed:mm/s} are asked; {what} {most:mm/s}", ("at {most:mm/s_down}",)),
+    "too_small": too_small(
+        "{amount} cannot be told from nothing; {least} is the least that can",
+        ("{least} or more would do",),
+    ),
     "moves_itself": impossible("the {object} cannot move {way} itself", (_ANOTHER_WAY,)),
     "place_at_itself": impossible("the place of the {object} is told by itself", (_ANOTHER_PLACE,)),
     "between_one": impossible(

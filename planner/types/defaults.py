@@ -50,6 +50,7 @@ class Defaults:
         distance: of "away" and the other directions, if none is said [m].
         distance_little: of "a little" [m].
         distance_lot: of "a lot" [m].
+        tolerance_share: most of an amount that is asked that its tolerance may be.
         distance_tolerance: of a bare distance, along the direction [m].
         direction_tolerance: between the asked and the travelled direction [rad].
         rest_tilt: an object tilted by less than this stands on its base [rad].
@@ -163,6 +164,7 @@ class Defaults:
     distance: Length = 0.10
     distance_little: Length = 0.05
     distance_lot: Length = 0.20
+    tolerance_share: Share = 1.0 / 3.0
     distance_tolerance: Length = 0.01
     direction_tolerance: Angle = 10.0 * DEGREE
     rest_tilt: Angle = 2.0 * DEGREE
@@ -271,6 +273,26 @@ class Defaults:
             value = getattr(self, name)
             if not (0.0 < value <= kind.most or (kind.zero and value == 0.0)):
                 raise out_of_range(name + kind.suffix, value / kind.scale, kind)
+
+    def tolerance_of(self, amount: float, most: float, bound: str = "exact") -> float:
+        """Tolerance of an amount that is asked, in its unit; a bound has none.
+
+        It never reaches nothing at all, which is no amount.
+
+        Args:
+            amount: that is asked.
+            most: the tolerance of large amounts.
+            bound: whether `amount` is meant exactly or as a bound.
+        """
+        return min(most, self.tolerance_share * abs(amount)) if bound == "exact" else 0.0
+
+    def least_amount(self, aim: float) -> float:
+        """The least amount that is told from nothing: its tolerance is all that is aimed to.
+
+        Args:
+            aim: how near to what is asked the robot brings an object, in the unit of the amount.
+        """
+        return aim / self.tolerance_share
 
 
 @cache

@@ -16,6 +16,7 @@ RefusalReason = Literal[
     "blocked",  # pushes exist, but something stands in the way
     "too_uncertain",  # the model's uncertainty leaves the outcome open
     "out_of_time",  # it would take longer than allowed
+    "too_small",  # less than can be told from nothing
     "unsupported",  # this robot, or this version, lacks a named capability
 ]
 

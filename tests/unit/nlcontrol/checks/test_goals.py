@@ -69,7 +69,38 @@ def test_distances_as_bounds(
 ) -> None:
     goal = g.Displace(direction="away", distance=0.1, bound=bound)
     checks = check(frame_of(goal), make_trace(travel=(travelled, 0.0)), box)
-    assert one(checks, "moved").ok is ok
+    assert one(checks, "moved in").ok is ok
+
+
+@pytest.mark.parametrize(
+    ("goal", "nothing"),
+    [
+        (g.Displace(direction="away", distance=0.001), "moved in"),
+        (g.Displace(direction="away", distance=0.1, bound="at_most"), "moved at all"),
+        (g.Rotate(angle=math.radians(1.0)), "turned"),
+        (g.Rotate(angle=math.radians(0.5), sense="ccw"), "turned"),
+        (g.Rotate(angle=math.radians(30.0), bound="at_most"), "turned at all"),
+        (g.Tilt(angle=math.radians(2.0)), "largest tilt"),
+        (g.Tilt(angle=math.radians(8.0), bound="at_most"), "tilted at all"),
+        (g.Lift(height=0.015), "held higher"),
+        (g.Lift(height=0.1, bound="at_most"), "lifted at all"),
+    ],
+)
+def test_nothing_done_is_no_amount(
+    make_trace: TraceMaker, box: BoxModel, goal: g.Goal, nothing: str
+) -> None:
+    trace = make_trace(travel=(0.0, 0.0))
+    found = [c for c in check(frame_of(goal), trace, box) if c.quantity.startswith(nothing)]
+    assert [c.verdict for c in found] == ["not_held"]
+
+
+@pytest.mark.parametrize(("asked", "tolerance"), [(0.3, 0.01), (0.03, 0.01), (0.012, 0.004)])
+def test_a_tolerance_is_at_most_a_third_of_what_is_asked(
+    make_trace: TraceMaker, box: BoxModel, asked: float, tolerance: float
+) -> None:
+    goal = g.Displace(direction="away", distance=asked)
+    checks = check(frame_of(goal), make_trace(travel=(asked, 0.0)), box)
+    assert one(checks, "moved").tolerance == pytest.approx(tolerance)
 
 
 @pytest.mark.parametrize(

@@ -212,7 +212,13 @@ def test_carton_and_mug_may_touch_but_nothing_else(kitchen: Controller) -> None:
 def test_why_the_hand_stopped() -> None:
     trace = replace(hand_trace("ice tea"), end="slipped", detail="it slipped by 9 mm")
     missed = Check(
-        clause="lift", quantity="height", relation="about", expected=0.1, measured=0.0, ok=False
+        clause="lift",
+        quantity="height",
+        relation="about",
+        expected=0.1,
+        measured=0.0,
+        verdict="not_held",
+        ok=False,
     )
     told = not_held([missed], trace, "this may take 3 tries at most").message
     assert "(the hand stopped: it slipped by 9 mm)" in told

@@ -61,14 +61,27 @@ def test_forces_outside_of_contact_do_not_count(make_trace: TraceMaker) -> None:
     assert measures.largest_push_force(trace) == pytest.approx(4.0, rel=1e-9)
 
 
-def test_nothing_pushed_measures_zero(make_trace: TraceMaker) -> None:
+def test_nothing_pushed_measures_nothing(make_trace: TraceMaker) -> None:
     trace = make_trace()
     trace.phase[:] = "look"
-    assert measures.largest_push_force(trace) == 0.0
-    assert measures.largest_push_speed(trace) == 0.0
+    assert measures.largest_push_force(trace) is None
+    assert measures.largest_push_speed(trace) is None
     assert measures.contacts(trace, "ice tea box") == []
-    assert measures.push_duration(trace) == 0.0
-    assert measures.largest_force_limit(trace) == 0.0
+    assert measures.push_duration(trace) is None
+    assert measures.largest_force_limit(trace) is None
+
+
+@pytest.mark.parametrize("names", [("thumb", "fore"), ("right", "left")])
+def test_a_squeeze_is_felt_by_fingers_of_any_name(
+    make_trace: TraceMaker, names: tuple[str, ...]
+) -> None:
+    trace = make_trace()
+    trace.phase[:] = "lift"
+    force = np.tile([12.0, 0.0, 0.0], (len(trace.time), 1))
+    assert measures.largest_squeeze(
+        replace(trace, felt=dict.fromkeys(names, force))
+    ) == pytest.approx(12.0)
+    assert measures.largest_squeeze(replace(trace, felt={})) is None
 
 
 def test_first_contact_is_seen_from_the_object(make_trace: TraceMaker) -> None:

@@ -70,7 +70,7 @@ def test_what_a_result_is_made_of_shows_itself(results: dict[str, Result]) -> No
     assert page.count("<tr>") == 1 + len(plan.actions)
     assert f"<td>{plan.push.force_limit:.2f}</td>" in page
     check = Check(clause="<b>", quantity="tilt", relation="at_most", expected=0.1, measured=0.05,
-                  tolerance=0.01, unit="rad", ok=True)  # fmt: skip
+                  tolerance=0.01, unit="rad", verdict="held", ok=True)  # fmt: skip
     assert "&lt;b&gt;: held" in check._repr_html_()
 
 

@@ -92,9 +92,10 @@ def test_a_toppled_box_is_predicted_to_lie_behind_its_edge() -> None:
 def test_verdicts_have_what_was_measured_and_asked(push: Result) -> None:
     checks = (
         Check(clause="displace", spans=((5, 8),), quantity="moved", relation="about",
-              expected=0.1, measured=0.102, tolerance=0.01, unit="m", ok=True),
+              expected=0.1, measured=0.102, tolerance=0.01, unit="m", verdict="held",
+              ok=True),
         Check(clause="others", quantity="touched on the way", relation="is", expected="none",
-              measured="mug", ok=False),
+              measured="mug", verdict="not_held", ok=False),
     )  # fmt: skip
     steps = (push.steps[0].model_copy(update={"checks": checks}),)
     first, second = replay_story(_carried_out(push, steps=steps)).clauses

@@ -159,7 +159,7 @@ def test_what_is_there_already() -> None:
 def test_the_number_of_pushes_is_told() -> None:
     check = Check(
         clause="others", quantity="touched on the way", relation="is", expected="none",
-        measured="none", ok=True,
+        measured="none", verdict="held", ok=True,
     )  # fmt: skip
     step = Step(frame=0, status="done", plan=_plan(), plans=(_plan(),) * 3, checks=(check,))
     text = report(_result(status="done", steps=(step,)))
@@ -188,7 +188,7 @@ def test_every_refusal_has_a_code_and_a_title(reason: str) -> None:
 def test_a_check_in_one_line(relation: Any, tolerance: float, asked: str) -> None:
     check = Check(
         clause="displace", spans=((21, 25),), quantity="moved", relation=relation, expected=0.1,
-        measured=0.098, tolerance=tolerance, unit="m", ok=False,
+        measured=0.098, tolerance=tolerance, unit="m", verdict="not_held", ok=False,
     )  # fmt: skip
     assert check_line(SENTENCE, check) == f"  ✗ “away” moved: 98 mm (asked: {asked})"
 

@@ -291,6 +291,18 @@ def test_the_last_push_may_be_the_one_that_gets_there(
     assert (result.status, result.steps[0].stuck) == ("done", None)
 
 
+def test_what_got_stuck_is_not_done_whatever_was_measured(goes: Callable[..., Happens]) -> None:
+    controller = Controller(seed=1, defaults=replace(DEFAULTS, most_pushes=1))
+    played(controller, goes(share=0.95))
+    result = controller.say(SENTENCE)
+    # 95 mm of 100 mm, within the tolerance of 10 mm; but the robot wanted to go on.
+    assert all(check.ok for check in result.checks)
+    assert (result.status, result.exit_status) == ("failed", 5)
+    assert result.error is not None
+    assert result.error.code == "not_finished"
+    assert "this may take 1 push at most" in result.error.message
+
+
 # Of "tilted" from the start nobody can tell the onset: it teaches nothing.
 @pytest.mark.parametrize("end", ["no_touch", "guard", "too_close", "turned_off", "speed", "tilted"])
 def test_after_a_push_that_failed_another_contact_is_tried(

@@ -253,7 +253,7 @@ def test_in_something_is_no_place_yet() -> None:
 def test_halfway_to_the_edge() -> None:
     state = _three()
     tea = state.objects["ice tea box"]
-    half = share_of_way(table_region("left_edge", state.table, DEFAULTS), 0.5, tea, 0.01)
+    half = share_of_way(table_region("left_edge", state.table, DEFAULTS), 0.5, tea, DEFAULTS)
     assert half.spots(tea)[0] == pytest.approx((0.40, (0.05 + 0.705) / 2))
     assert half.holds(object_at(tea, half.spots(tea)[0]))
 
