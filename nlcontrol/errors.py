@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from grammar.frames.command import Span
     from planner.types.refusal import Refusal
 
-OK, INTERNAL, USAGE, NOT_UNDERSTOOD, NO_PLAN, NOT_HELD = range(6)
+OK, INTERNAL, USAGE, NOT_UNDERSTOOD, NO_PLAN, NOT_HELD, UNDECIDED = range(7)
 """Exit codes of the command line; a signal adds its own (`nlcontrol.interruption`)."""
 
 
@@ -157,6 +157,7 @@ CODES: dict[str, Status] = {
     "simulation_broke": Status(INTERNAL, 500),
     "clause_not_held": Status(NOT_HELD, 200),
     "not_finished": Status(NOT_HELD, 200),
+    "clause_unknown": Status(UNDECIDED, 200),
     "internal": Status(INTERNAL, 500),
 }
 """Codes of the front. What the lower packages raise falls under the family it comes from."""

@@ -28,6 +28,8 @@ class RandomStream(IntEnum):
     CONTENTS = 9
     HIDDEN = 10
     LID_NOISE = 11
+    OWN_VERDICT = 12
+    LEVEL_NOISE = 13
 
 
 def source(seed: int, stream: RandomStream) -> np.random.Generator:

@@ -25,6 +25,8 @@ from sim.traces.trace import Trace
 
 SLACK = 1.25
 """Tolerance of this judge over that of the defaults."""
+SHARE = 1.0 / 3.0
+"""Most of an amount that is asked that its tolerance may be."""
 STIRRED = 0.015
 """Motion of what was not spoken of that breaks a clause which nobody has to say [m]."""
 
@@ -145,12 +147,14 @@ def _is_met(frame: g.Frame, seen: _Truth) -> bool | None:
         case g.Rotate(angle=float(angle), sense=sense, bound=bound):
             turned = {"ccw": 1.0, "cw": -1.0, None: math.copysign(1.0, seen.turned)}[sense]
             there = float(np.linalg.norm(seen.moved[:2])) <= SLACK * 2.0 * D.turn_drift
-            return stands and there and _near(turned * seen.turned, angle, D.turn_tolerance, bound)
+            most = min(D.turn_tolerance, SHARE * angle)
+            return stands and there and _near(turned * seen.turned, angle, most, bound)
         case g.Tilt(angle=float(angle), direction=way, bound=bound):
             most = int(np.argmax(seen.tilts))
             right = way is None or _is_towards(seen.leans_to(most), way)
             tilt = float(seen.tilts[most])
-            return stands and right and _near(tilt, angle, D.tilt_tolerance, bound)
+            allowed = min(D.tilt_tolerance, SHARE * angle)
+            return stands and right and _near(tilt, angle, allowed, bound)
         case g.Topple(direction=way):
             fell = tilt_at_end >= D.toppled / SLACK
             return fell and (way is None or _is_towards(seen.leans_to(-1), way))
@@ -160,7 +164,7 @@ def _is_met(frame: g.Frame, seen: _Truth) -> bool | None:
             hangs = tilt_at_end <= SLACK * D.upright
             base = float(seen.corners(seen.name, -1)[:, 2].min())
             high = base if frame.goal.above == "table" else float(seen.moved[2])
-            return hangs and _near(high, asked, D.lift_tolerance, bound)
+            return hangs and _near(high, asked, min(D.lift_tolerance, SHARE * asked), bound)
         case g.Open():
             return _is_open(seen) and stands
     return None
@@ -189,7 +193,7 @@ def _displaced(goal: g.Displace, seen: _Truth) -> bool | None:
     moved = seen.moved[:2]
     along, aside = float(moved @ way), float(abs(moved[0] * way[1] - moved[1] * way[0]))
     straight = aside <= max(SLACK * D.distance_tolerance, 0.2 * abs(along))
-    return straight and _near(along, asked, D.distance_tolerance, goal.bound)
+    return straight and _near(along, asked, min(D.distance_tolerance, SHARE * asked), goal.bound)
 
 
 def _asked_way(goal: g.Displace, seen: _Truth) -> Array | None:

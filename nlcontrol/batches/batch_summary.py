@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import Field
 
 from nlcontrol.batches.row_result import RowOutcome
 from nlcontrol.errors import ErrorInfo, error
@@ -53,6 +54,8 @@ class BatchSummary(Document):
         statuses: number of rows by their status.
         codes: number of rows by the code of their error.
         not_held: number of rows by the clause that did not hold.
+        unknown: the same by the clause that can be neither confirmed nor denied.
+        differs: the same by the clause of which an observer has another verdict than the robot.
         seconds: time of the rows in their workers, by the clock on the wall.
         simulated: time of executions.
         error: of the first row without a result.
@@ -63,6 +66,8 @@ class BatchSummary(Document):
     statuses: dict[str, int]
     codes: dict[str, int]
     not_held: dict[str, int]
+    unknown: dict[str, int] = Field(default={})
+    differs: dict[str, int] = Field(default={})
     seconds: Spread | None
     simulated: Spread | None
     error: ErrorInfo | None = None
@@ -73,7 +78,8 @@ class Tally:
 
     def __init__(self) -> None:
         self._statuses, self._codes = Counter[str](), Counter[str]()
-        self._not_held = Counter[str]()
+        self._not_held, self._unknown = Counter[str](), Counter[str]()
+        self._differs = Counter[str]()
         self._seconds, self._simulated = array("d"), array("d")
         self._error: ErrorInfo | None = None
 
@@ -81,6 +87,8 @@ class Tally:
         """Counts one more."""
         self._statuses[outcome.status] += 1
         self._not_held.update(set(outcome.not_held))
+        self._unknown.update(set(outcome.unknown))
+        self._differs.update(set(outcome.differs))
         if outcome.error is not None:
             self._codes[outcome.error.code] += 1
         if outcome.has_result:
@@ -98,6 +106,8 @@ class Tally:
             statuses=dict(self._statuses.most_common()),
             codes=dict(self._codes.most_common()),
             not_held=dict(self._not_held.most_common()),
+            unknown=dict(self._unknown.most_common()),
+            differs=dict(self._differs.most_common()),
             seconds=Spread.of(self._seconds),
             simulated=Spread.of(self._simulated),
             error=self._error,
@@ -119,6 +129,8 @@ def summary_lines(summary: BatchSummary) -> Iterator[str]:
         ("", summary.statuses),
         ("by code", summary.codes),
         ("clauses that did not hold", summary.not_held),
+        ("clauses that cannot be told", summary.unknown),
+        ("clauses that an observer tells otherwise", summary.differs),
     ):
         if title and counts:
             yield f"{title}:"

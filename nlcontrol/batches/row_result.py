@@ -25,6 +25,8 @@ class RowOutcome(Document):
             if a defect ended it.
         error: why it is not ok.
         not_held: clauses that did not hold.
+        unknown: clauses that can be neither confirmed nor denied.
+        differs: clauses of which an observer of the simulation has another verdict than the robot.
         seconds: time that it took in its worker, by the clock on the wall [s].
         simulated: time of its executions [s].
         digest: of result and trace; equal if and only if they are equal to the digit. Null if there
@@ -40,6 +42,8 @@ class RowOutcome(Document):
     status: RowStatus
     error: ErrorInfo | None = None
     not_held: tuple[str, ...] = ()
+    unknown: tuple[str, ...] = ()
+    differs: tuple[str, ...] = ()
     seconds: float = 0.0
     simulated: float = 0.0
     digest: str | None = None

@@ -46,6 +46,9 @@ def others(e: Evidence) -> Iterator[Check]:
     names = set(e.trace.poses)
     if len(names) < 2:
         return
+    if not names.isdisjoint(e.unseen - {e.name}):
+        yield object_name(_Implied(), "touched on the way", "none", None)
+        return
     allowed = {frozenset((e.name, name)) for name in _to_be_touched(e)}
     begun = _new_contacts(e.trace)
     touched: set[str] = set()
@@ -209,7 +212,7 @@ def _no_spill(clause: g.NoSpill, e: Evidence) -> Iterator[Check]:
     # What holds nothing itself may still make others spill.
     held = contents.get(e.name, 0.0) or sum(contents.values())
     if held > 0.0:
-        share = (e.trace.spilled[-1] - e.trace.spilled[0]) / held
+        share = None if e.spilled is None else e.spilled / held
         quantity = "share of the contents that was spilled"
         yield compare(clause, "at_most", quantity, e.defaults.no_spill, share, 0.0, "")
     else:
@@ -223,7 +226,10 @@ def _no_touch(clause: g.NoTouch, e: Evidence) -> Iterator[Check]:
         what = clause.object.id or clause.object.text
         names = (what,)
     touched = [name for name in names if touched_others(e.trace, e.name, name)]
-    yield object_name(clause, f"contact with {what}", "none", ", ".join(touched) or "none")
+    found: str | None = ", ".join(touched) or "none"
+    if not touched and not (e.unsure | e.unseen).isdisjoint(names):
+        found = None
+    yield object_name(clause, f"contact with {what}", "none", found)
     if clause.clearance is not None:
         kept = min((_least_gap(e, name) for name in names), default=clause.clearance)
         tolerance = e.defaults.clear_tolerance

@@ -1,4 +1,8 @@
-"""Evidence for the checks of one frame: the trace, and what is believed of the objects' shapes.
+"""Evidence for the checks of one frame: an account of what happened, and the believed shapes.
+
+There are two sources, and the checks do not know which one speaks: an observer of a simulation, who
+recorded the truth, and the robot itself, whose account is one draw of what it perceived
+(`nlcontrol.checks.own_accounts`). What an account does not know is None, and nothing holds by it.
 
 An object that lies on another face than its model stands on is seen as it lies: its frame B is that
 of the face which was below at the start, so that its tilt counts from there.
@@ -45,6 +49,8 @@ class Evidence:
         frame: what was asked.
         defaults: what a clause means when the sentence does not say more.
         rests: how objects lay on other faces than their models stand on.
+        unsure: objects that may have been touched without being moved.
+        unseen: objects that were not seen in the end.
     """
 
     trace: Trace
@@ -54,6 +60,8 @@ class Evidence:
     frame: Frame
     defaults: Defaults
     rests: Mapping[str, Resting]
+    unsure: frozenset[str] = frozenset()
+    unseen: frozenset[str] = frozenset()
 
     @classmethod
     def of(
@@ -63,6 +71,9 @@ class Evidence:
         models: Mapping[str, ObjectModel],
         table: TableState,
         defaults: Defaults,
+        *,
+        unsure: frozenset[str] = frozenset(),
+        unseen: frozenset[str] = frozenset(),
     ) -> Evidence:
         """The evidence of a trace, with what is believed of the objects' shapes."""
         name = frame.object.id if frame.object and frame.object.id else trace.pushed
@@ -71,7 +82,7 @@ class Evidence:
             WorldState({n: _standing(n, trace.poses[n][i], models[n]) for n in models}, table)
             for i in (0, -1)
         )
-        return cls(trace, name, start, end, frame, defaults, rests)
+        return cls(trace, name, start, end, frame, defaults, rests, unsure, unseen)
 
     @property
     def model(self) -> ObjectModel:
@@ -88,6 +99,23 @@ class Evidence:
     def largest_tilt(self) -> float:
         """Of the object [rad]."""
         return float(self.trace.tilt(self.name).max())
+
+    @property
+    def lid_at_end(self) -> float | None:
+        """How far the object's lid is open in the end; None if nothing tells it."""
+        opened = self.trace.lids.get(self.name)
+        return None if opened is None else float(opened[-1])
+
+    def contents(self, name: str, sample: int) -> float | None:
+        """Volume in a container at a sample [m³]; None if nothing tells it."""
+        volume = self.trace.contents.get(name)
+        return None if volume is None else float(volume[sample])
+
+    @property
+    def spilled(self) -> float | None:
+        """Volume that ran out and into nothing [m³]; None if nothing tells it."""
+        spilled = self.trace.spilled
+        return float(spilled[-1] - spilled[0]) if len(spilled) else None
 
     def has(self, *kinds: str) -> bool:
         """True if the frame has a constraint of one of the kinds."""

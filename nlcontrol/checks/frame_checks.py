@@ -45,22 +45,26 @@ def check(
     table: TableState,
     *,
     defaults: Defaults = DEFAULTS,
+    unsure: frozenset[str] = frozenset(),
+    unseen: frozenset[str] = frozenset(),
 ) -> tuple[Check, ...]:
     """Checks every clause of a frame, and that nothing else was touched.
 
     Args:
         frame: what was asked, its objects resolved.
-        trace: what happened.
+        trace: what happened, by one account of it.
         models: the believed models of the objects by name, for their shapes; that of the frame's
             object and of those that it speaks of must be there.
         table: extent of the table top.
         defaults: what a clause means when the sentence does not say more.
+        unsure: objects that, by this account, may have been touched without being moved.
+        unseen: objects that it does not know of in the end.
 
     Raises:
         ControlError: `uncheckable` if a clause has no check.
     """
     require_checkable(frame)
-    e = Evidence.of(frame, trace, models, table, defaults)
+    e = Evidence.of(frame, trace, models, table, defaults, unsure=unsure, unseen=unseen)
     checks = list(GOALS[frame.goal.kind](frame.goal, e))
     for clause in frame.constraints:
         if trace.end == "reached" and clause.kind in _OF_PUSHES:
@@ -75,10 +79,7 @@ def not_held(missed: Sequence[Check], trace: Trace, stuck: str | None = None) ->
 
     `stuck` is the reason why no further push was made, if that is the matter.
     """
-    told = {"others": "touching nothing else"}
-    clauses = ", ".join(
-        dict.fromkeys(told.get(c.clause, c.clause.replace("_", " ")) for c in missed)
-    )
+    clauses = ", ".join(dict.fromkeys(map(_told, missed)))
     message = f"executed, but this did not hold: {clauses}" if missed else "it was not finished"
     if trace.end not in PLANNED_ENDS:
         what = "the hand stopped" if trace.end in HAND_ENDS else "the push ended early"
@@ -92,6 +93,24 @@ def not_held(missed: Sequence[Check], trace: Trace, stuck: str | None = None) ->
         span=spans[0] if spans else None,
         suggestions=("say it again: it is planned anew, with what was learned",),
     ).info
+
+
+def not_told(unknown: Sequence[Check]) -> ErrorInfo:
+    """The error of an execution of which some clauses can be neither confirmed nor denied."""
+    clauses = ", ".join(dict.fromkeys(_told(c) for c in unknown))
+    message = f"executed, but this can be neither confirmed nor denied: {clauses}"
+    spans = unknown[0].spans
+    hint = "look at it: what was measured is within its uncertainty of what was asked"
+    if any(c.why == "not_perceived" for c in unknown):
+        hint = "look at it: the robot could not perceive that"
+    return error(
+        "clause_unknown", message, span=spans[0] if spans else None, suggestions=(hint,)
+    ).info
+
+
+def _told(check: Check) -> str:
+    """A clause by the name of its kind."""
+    return {"others": "touching nothing else"}.get(check.clause, check.clause.replace("_", " "))
 
 
 def require_checkable(frame: g.Frame) -> None:

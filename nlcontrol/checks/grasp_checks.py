@@ -1,7 +1,7 @@
 """Did what a whole hand was to do come about? One function per kind of goal.
 
-Volumes and lids are those that an observer of the world recorded, not what the robot believes: a
-share of the contents is one of what truly was in it.
+Volumes and lids are those of the account that is checked: a share of the contents is one of what
+was in it by that account.
 """
 
 from __future__ import annotations
@@ -107,7 +107,7 @@ def set_down(goal: g.SetDown, e: Evidence) -> Iterator[Check]:
 def opening_check(goal: g.Open, e: Evidence) -> Iterator[Check]:
     """Its lid is open, or off; the object stands where it stood."""
     lid, d = e.model.lid, e.defaults
-    at_end = float(e.trace.lids[e.name][-1])
+    at_end = e.lid_at_end
     if isinstance(lid, FlipLid):
         quantity = "angle of its lid"
         yield compare(goal, "at_least", quantity, d.lid_opened, at_end, 0.0, "rad")
@@ -119,7 +119,7 @@ def opening_check(goal: g.Open, e: Evidence) -> Iterator[Check]:
 def closing_check(goal: g.Close, e: Evidence) -> Iterator[Check]:
     """Its lid is shut, or on; the object stands where it stood."""
     lid, d = e.model.lid, e.defaults
-    at_end = float(e.trace.lids[e.name][-1])
+    at_end = e.lid_at_end
     if isinstance(lid, LiftOffLid):
         yield object_name(goal, "its lid", "on", _state(lid, at_end))
     else:
@@ -132,7 +132,9 @@ def _lid_name(lid: LiftOffLid | ScrewCap) -> str:
     return "cap" if isinstance(lid, ScrewCap) else "lid"
 
 
-def _state(lid: LiftOffLid | ScrewCap, at: float) -> str:
+def _state(lid: LiftOffLid | ScrewCap, at: float | None) -> str | None:
+    if at is None:
+        return None
     return "off" if is_off(lid, at) else "on"
 
 
@@ -148,15 +150,15 @@ def pour_check(goal: g.Pour, e: Evidence) -> Iterator[Check]:
     """So much arrived, hardly any was spilled, what it went into stands, the source is back."""
     assert goal.into is not None, "what is poured is poured into something"
     into, d = goal.into.id or goal.into.text, e.defaults
-    before = float(e.trace.contents[e.name][0])
-    received = float(e.trace.contents[into][-1] - e.trace.contents[into][0])
+    before, last, first = e.contents(e.name, 0), e.contents(into, -1), e.contents(into, 0)
+    received = None if last is None or first is None else last - first
     if goal.fill is None and goal.volume is None and goal.amount is None and goal.fraction in (
         None, 1.0,
     ):  # fmt: skip
-        least = d.pour_least * before
+        least = d.pour_least * (before or 0.0)
         yield compare(goal, "at_least", f"arrived in the {into}", least, received, 0.0, "m³")
     else:
-        asked = _asked_volume(goal, before, into, e)
+        asked = _asked_volume(goal, before or 0.0, into, e)
         tolerance = d.tolerance_of(asked, max(d.pour_share * asked, d.pour_margin))
         yield compare(goal, "about", f"arrived in the {into}", asked, received, tolerance, "m³")
     if not e.has("no_spill"):
@@ -174,7 +176,7 @@ def _asked_volume(goal: g.Pour, before: float, into: str, e: Evidence) -> float:
         vessel = e.start.objects[into].model.vessel
         assert vessel is not None, "what is filled is hollow"
         share = min(goal.fill, d.pour_fill)
-        return share * vessel.capacity - float(e.trace.contents[into][0])
+        return share * vessel.capacity - (e.contents(into, 0) or 0.0)
     if goal.amount == "little":
         return min(d.pour_little, before)
     return (d.pour_lot if goal.amount == "lot" else goal.fraction or 1.0) * before
@@ -182,7 +184,5 @@ def _asked_volume(goal: g.Pour, before: float, into: str, e: Evidence) -> float:
 
 def spill_check(clause: Clause, e: Evidence) -> Check:
     """Check of the volume that ran onto the table, against what was in it."""
-    lost = float(e.trace.spilled[-1] - e.trace.spilled[0]) if len(e.trace.spilled) else 0.0
-    held = e.trace.contents.get(e.name)
-    limit = 0.0 if held is None else e.defaults.spill_tolerance * float(held[0])
-    return compare(clause, "at_most", "spilled", limit, lost, 0.0, "m³")
+    limit = e.defaults.spill_tolerance * (e.contents(e.name, 0) or 0.0)
+    return compare(clause, "at_most", "spilled", limit, e.spilled, 0.0, "m³")

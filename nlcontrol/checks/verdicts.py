@@ -92,6 +92,12 @@ class Check(DocumentPart):
     why: Literal["too_near", "not_perceived"] | None = None
     observed: Observed | None = None
 
+    @property
+    def differs(self) -> bool:
+        """An observer has another verdict; true as well of what only the observer could tell."""
+        seen = self.observed
+        return seen is not None and self.verdict != ("held" if seen.ok else "not_held")
+
     def _repr_html_(self) -> str:
         values = (self.measured, self.expected, self.tolerance or 0.0)
         texts = [v if isinstance(v, str) else quantity(v, self.unit) for v in values]

@@ -25,7 +25,7 @@ def result_html(result: Result) -> str:
 
 
 def _fragments(result: Result) -> Iterator[str]:
-    colour = _HELD if result.ok else _MISSED
+    colour = _HELD if result.ok else _GREY if result.status == "undecided" else _MISSED
     yield '<div style="max-width: 60em">'
     yield (
         f'<p><b style="color: {colour}">{escape(result.status.replace("_", " "))}</b> '
@@ -39,7 +39,7 @@ def _fragments(result: Result) -> Iterator[str]:
     if result.checks:
         yield '<ul style="list-style: none; padding-left: 0">'
         for check in result.checks:
-            mark = _HELD if check.ok else _MISSED
+            mark = {"held": _HELD, "not_held": _MISSED, "unknown": _GREY}[check.verdict]
             yield f'<li style="color: {mark}">{escape(check_line(result.text, check).strip())}</li>'
         yield "</ul>"
     if result.frames:

@@ -79,7 +79,7 @@ def _clauses(result: Result) -> Iterator[StoryClause]:
     checks = [check for step in result.steps for check in step.checks] or result.checks
     for check in checks:
         yield StoryClause(
-            ok=check.ok,
+            verdict=check.verdict,
             said=words(result.text, check.spans),
             spans=check.spans,
             quantity=check.quantity,

@@ -16,6 +16,9 @@ from nlcontrol.results.result import Result, Step
 from nlcontrol.text_format import error_lines, quantity, words
 from planner.types.plan import DefaultUsed
 
+MARKS = {"held": "✓", "not_held": "✗", "unknown": "?"}
+"""Marks of verdicts."""
+
 
 def report(result: Result) -> str:
     """A whole result as text."""
@@ -122,10 +125,31 @@ def default_line(used: DefaultUsed) -> str:
 
 
 def check_line(text: str, check: Check) -> str:
-    """One clause: a mark, its words, what was measured and what was asked."""
-    mark = "✓" if check.ok else "✗"
+    """One clause: a mark, its words, what was measured and what was asked.
+
+    Where an observer saw it otherwise, that is told too.
+    """
     said = f" “{words(text, check.spans)}”" if check.spans else ""
-    return f"  {mark}{said} {check.quantity}: {measured_text(check)} ({asked_text(check)})"
+    told = f"{check.quantity}: {measured_text(check)} ({asked_text(check)}{_doubt(check)})"
+    return f"  {MARKS[check.verdict]}{said} {told}{_observed(check)}"
+
+
+def _doubt(check: Check) -> str:
+    """Why a clause can be neither confirmed nor denied."""
+    if check.why != "too_near":
+        return ""
+    if check.low is None or check.high is None:
+        return "; too near to tell"
+    low, high = (quantity(value, check.unit) for value in (check.low, check.high))
+    return f"; it is {low} to {high}, too near to tell"
+
+
+def _observed(check: Check) -> str:
+    """What an observer saw, if that is another verdict."""
+    seen = check.observed
+    if seen is None or not check.differs:
+        return ""
+    return f"; an observer saw {_value(seen.measured, check)}: {'held' if seen.ok else 'not held'}"
 
 
 def measured_text(check: Check) -> str:

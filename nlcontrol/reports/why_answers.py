@@ -16,7 +16,12 @@ if TYPE_CHECKING:
 
 def why_answer(result: Result) -> Answer:
     """Why a sentence was refused, or failed, or is done in this way and no other."""
-    missed = [check for check in result.checks if not check.ok]
+    missed = [check for check in result.checks if check.verdict == "not_held"]
+    unknown = [check for check in result.checks if check.verdict == "unknown"]
+    if result.error and unknown and not missed:
+        told = "; ".join(map(_unknown_text, unknown))
+        text = f"It was executed, but I cannot tell whether it is as asked: {told}."
+        return Answer(text=text, numbers=_measured_figures(unknown))
     if result.error and missed:
         told = "; ".join(map(_missed_text, missed))
         text = " ".join((f"It was executed, but {told}.", *_end_texts(result)))
@@ -64,7 +69,8 @@ def deed_answer(deeds: Sequence[Result], *, first: bool = False) -> Answer:
         text = f"I was told to {_told(result)}. {ends.get(result.status, 'It was not done')}{why}."
         return Answer(query="did", text=text, lines=lines, objects=objects)
     held = [f"{c.quantity}: {_value_text(c.measured, c)}" for c in result.checks]
-    came = "It was done" if result.ok else "It failed"
+    ended = {"done": "It was done", "undecided": "It was carried out, and I cannot tell all of it"}
+    came = ended.get(result.status, "It failed")
     return Answer(
         query="did",
         text=f"I was told to {_told(result)}. {came}: {'; '.join(held)}.",
@@ -101,6 +107,13 @@ def _missed_text(check: Check) -> str:
         f"{check.quantity} was {quantity(check.measured, check.unit)}, "
         f"where {bound}{quantity(limit, check.unit)}{spare} was asked"
     )
+
+
+def _unknown_text(check: Check) -> str:
+    if check.low is None or check.high is None or isinstance(check.expected, str):
+        return f"{check.quantity} was not perceived"
+    low, high = (quantity(value, check.unit) for value in (check.low, check.high))
+    return f"{check.quantity} was {low} to {high}, too near to what was asked"
 
 
 def _end_texts(result: Result) -> Iterator[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from textwrap import shorten
 from typing import Annotated, Literal
 
@@ -28,8 +29,8 @@ from sim.cell.strict_model import AsItIs
 from sim.traces.trace import Trace
 
 ResultStatus = Literal[
-    "done", "planned", "answered", "failed", "refused", "not_understood", "unsupported",
-    "cancelled",
+    "done", "planned", "answered", "failed", "undecided", "refused", "not_understood",
+    "unsupported", "cancelled",
 ]  # fmt: skip
 
 
@@ -58,7 +59,9 @@ class Execution(DocumentPart):
 
 
 def summary(trace: Trace) -> Execution:
-    """A trace in a few numbers."""
+    """A trace in a few numbers, as an observer saw it, or else the robot's camera."""
+    if not trace.is_observed:
+        trace = replace(trace, poses=trace.seen)
     x, y, z = trace.displacement(trace.pushed).tolist()
     lies = measures.tilt_at_end(trace, trace.pushed)[1] > math.radians(45)
     return Execution(
@@ -127,7 +130,8 @@ class Result(Document):
         ok: the sentence was carried out and every clause held (planned only: a plan exists; a
             question: it was answered, be it with no).
         status: `done`, `planned` (nothing was to be executed), `answered` (a question), `failed`
-            (executed, but a clause did not hold), `refused` (no plan, with the reason),
+            (executed, but a clause did not hold), `undecided` (executed, and a clause can be
+            neither confirmed nor denied), `refused` (no plan, with the reason),
             `unsupported` (a capability that this robot lacks), `not_understood`, `cancelled`
             (told to stop).
         text: the sentence as given.

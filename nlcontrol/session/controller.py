@@ -293,10 +293,10 @@ class Controller:
             return self.executor.watch(name)
 
     def check(self, frame: Frame, trace: Trace) -> tuple[Check, ...]:
-        """A verdict for each clause of a frame."""
-        from nlcontrol.checks.frame_checks import check
+        """The robot's own verdict on each clause; see `nlcontrol.checks.own_verdicts`."""
+        from nlcontrol.checks.own_verdicts import verdicts
 
-        return check(frame, trace, self.models, self.table, defaults=self.defaults)
+        return verdicts(frame, trace, self.models, self.table, self.cell.vision, self.defaults)
 
     @in_turn
     def say(

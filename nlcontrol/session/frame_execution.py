@@ -52,10 +52,17 @@ from sim.supervision import Stopped
 from sim.traces.trace import EndReason, Trace, join_traces
 
 if TYPE_CHECKING:
+    from nlcontrol.checks.verdicts import Check
     from nlcontrol.learning.learning_reports import Lesson
     from nlcontrol.session.controller import Controller
     from nlcontrol.session.executor import Motion
     from nlcontrol.session.proposals import Approval
+
+MOST_LOOKS_ON = 3
+"""Looks of a second after a frame by which verdicts that are too near to tell are made surer."""
+
+LOOKING_HELPS = 0.9
+"""Share to which one more look must narrow what they leave open; what was on the way stays so."""
 
 MOST_REARRANGED = 2
 """Times that other steps are looked for in one command."""
@@ -253,7 +260,7 @@ class FrameRun:
             previous = made if made.pushes else None
         if plan_only:
             return result_with_step(self.result, self.step, "planned")
-        return self._check_frame(self._result_with_trace())
+        return self._check_frame()
 
     def _look_and_plan(
         self, previous: Plan | None, approved: Plan | Reached | None
@@ -381,14 +388,30 @@ class FrameRun:
         before = [result.trace] if result.trace is not None else []
         return result_with(result, trace=join_traces([*before, *self.traces]), execution=execution)
 
-    def _check_frame(self, result: Result) -> Result:
-        trace = join_traces(self.traces)
-        checks = self.controller.check(self.frame, trace)
+    def _judge(self) -> tuple[Check, ...]:
+        """The verdicts; where they are too near to tell, the robot looks on as long as it helps."""
+        checks = self.controller.check(self.frame, join_traces(self.traces))
+        for _ in range(MOST_LOOKS_ON):
+            before = _spread(checks)
+            if not before:
+                break
+            last, seen = self.traces[-1], self.controller.watch(self._name)
+            way = last.direction
+            self.traces.append(replace(seen, end=last.end, detail=last.detail, direction=way))
+            checks = self.controller.check(self.frame, join_traces(self.traces))
+            if _spread(checks) > LOOKING_HELPS * before:
+                break
+        return checks
+
+    def _check_frame(self) -> Result:
+        checks = self._judge()
+        result, trace = self._result_with_trace(), join_traces(self.traces)
         self._note(checks=checks)
         for check in checks:
             self.supervisor.tell("verdict", check_line(result.text, check).strip(), check=check)
         result = result_with(result, checks=result.checks + checks)
-        missed = tuple(c for c in checks if not c.ok)
+        missed = tuple(c for c in checks if c.verdict == "not_held")
+        unknown = tuple(c for c in checks if c.verdict == "unknown")
         # Whatever was measured: a step that failed has not done what it was to do.
         if missed or self.step.stuck is not None:
             from nlcontrol.checks.frame_checks import not_held
@@ -396,7 +419,17 @@ class FrameRun:
             return result_with_step(
                 result, self.step, "failed", not_held(missed, trace, self.step.stuck)
             )
+        if unknown:
+            from nlcontrol.checks.frame_checks import not_told
+
+            return result_with_step(result, self.step, "undecided", not_told(unknown))
         return result_with_step(result, self.step, "done")
+
+
+def _spread(checks: Sequence[Check]) -> float:
+    """How uncertain the clauses are, in units of what they ask, that are too near to tell."""
+    near = (c for c in checks if c.why == "too_near" and c.low is not None and c.high is not None)
+    return sum((c.high or 0.0) - (c.low or 0.0) for c in near)
 
 
 FAILURES: frozenset[EndReason] = frozenset(

@@ -102,6 +102,7 @@ class TraceRecorder:
         self._touches: list[Touch | None] = []
         self._seen: list[dict[str, SeenPose]] = []
         self._seen_lids: list[Mapping[str, float]] = []
+        self._shown: list[Frame] = []
 
     def step(self, q_arm: Array, q_hand: Array) -> None:
         """Commands joint angles, lets a control period pass, reads the sensors.
@@ -115,6 +116,7 @@ class TraceRecorder:
             raise EarlyEndError("stopped", f"it was told to stop (phase {self.phase})")
         self.port.step(q_arm, q_hand)
         self.frames = self.port.frames()
+        self._shown += self.frames
         if self.frames:
             self._newest = dict(self.frames[-1].poses)
             self._newest_lids = self.frames[-1].lids
@@ -204,12 +206,35 @@ class TraceRecorder:
             lids=_columns([sample.lids for sample in samples]),
             seen_lids=_columns([seen or lids for seen in self._seen_lids]),
             lid_poses=_columns([sample.lid_poses for sample in samples]),
+            sightings=_sightings(self._shown),
+            sighted_lids=_shown([(frame.time, frame.lids) for frame in self._shown]),
+            sighted_levels=_shown([(frame.time, frame.levels) for frame in self._shown]),
         )
 
 
 def _columns(rows: Sequence[Mapping[str, ArrayLike]]) -> dict[str, Array]:
     """Values of n mappings with the same names, by these names, shape (n, …) each."""
     return {name: np.array([row[name] for row in rows]) for name in (rows[0] if rows else ())}
+
+
+def _sightings(frames: Sequence[Frame]) -> dict[str, Array]:
+    """Times and poses of everything that frames show, by its name, shape (m, 8) each."""
+    names = dict.fromkeys(name for frame in frames for name in frame.poses)
+    found = {}
+    for name in names:
+        showing = [frame for frame in frames if name in frame.poses]
+        times = np.array([frame.time for frame in showing])
+        found[name] = np.column_stack([times, _rows([frame.poses[name] for frame in showing])])
+    return found
+
+
+def _shown(frames: Sequence[tuple[float, Mapping[str, float]]]) -> dict[str, Array]:
+    """Times and values of what frames show, by its name, shape (m, 2) each."""
+    names = dict.fromkeys(name for _, values in frames for name in values)
+    return {
+        name: np.array([(time, values[name]) for time, values in frames if name in values])
+        for name in names
+    }
 
 
 def _rows(poses: list[SeenPose]) -> Array:

@@ -1,7 +1,9 @@
 """The record of an execution: what happened, sampled over time.
 
-`poses` is what an observer of the world recorded; it is for judging and for replay, and nothing
-that plans or controls reads it. `seen` and `felt` are what the robot itself knew.
+What an observer of the world recorded (`poses`, `contacts`, `contents`, `lids`, `lid_poses`,
+`spilled`) is for judging and for replay, and nothing that plans or controls reads it; a real
+robot's trace has none of it. All else is what the robot itself perceived, felt and commanded
+(`Trace.perceived`).
 
 A trace is saved as an npz file with an array for each attribute, named as it, and for each name of
 those that are kept by name (`poses/mug`). `contacts` are three arrays, one for each of their
@@ -54,6 +56,7 @@ UNITS = {
     "time": "s",
     "poses": "quaternion (w, x, y, z), then m",
     "seen": "quaternion (w, x, y, z), then m",
+    "sightings": "s, then quaternion (w, x, y, z), then m",
     "joints": "rad",
     "tips": "m",
     "felt": "N",
@@ -62,6 +65,8 @@ UNITS = {
     "contents": "m^3",
     "lids": "rad, or m of one that lifts off",
     "seen_lids": "rad, or m of one that lifts off",
+    "sighted_lids": "s, then rad, or m of one that lifts off",
+    "sighted_levels": "s, then m",
     "lid_poses": "quaternion (w, x, y, z), then m",
     "spilled": "m^3",
 }
@@ -74,6 +79,7 @@ _BY_NAME: Mapping[str, tuple[int, ...]] = {
     "poses": (7,), "seen": (7,), "tips": (3,), "felt": (3,),
     "contents": (), "lids": (), "seen_lids": (), "lid_poses": (7,),
 }  # fmt: skip
+_FRAMES: Mapping[str, int] = {"sightings": 8, "sighted_lids": 2, "sighted_levels": 2}
 _TEXTS = ("pushed", "end", "detail")
 
 
@@ -103,6 +109,8 @@ class Trace:
         poses: per object, shape (n, 7): quaternion (w, x, y, z) and position p_WB [m] of the
             frame B that the object had at the start.
         seen: per object, shape (n, 7): the newest pose from the camera port.
+        sightings: per object, each camera frame that shows it once, shape (m, 8): when it was
+            exposed, on the robot's clock [s], and the pose in it; no row where it was hidden.
         joints: robot positions, shape (n, m) [rad]; `joint_names` names them.
         tips: per pushing finger, position of the fingertip's centre in W, shape (n, 3) [m].
         felt: per pushing finger, force of the fingertip on the object in W, from the joint
@@ -118,6 +126,9 @@ class Trace:
         lids: per object with a lid, how far that truly is open: the angle of a flip lid [rad], the
             turn of a cap [rad], the distance of one that lifts off from its seat [m], shape (n,).
         seen_lids: the same from the camera port.
+        sighted_lids: the same in each frame, with its time, shape (m, 2).
+        sighted_levels: per open container, height of what is in it over the bottom of its cavity as
+            a frame shows it, with its time, shape (m, 2) [s], [m].
         lid_poses: per object whose lid comes off, that lid's pose X_WL as in `poses`; see
             `sim.worlds.drake.lid_bodies`.
         spilled: true volume that has run onto the table or elsewhere, shape (n,) [m³].
@@ -142,6 +153,9 @@ class Trace:
     lids: dict[str, Array] = field(default_factory=dict)
     seen_lids: dict[str, Array] = field(default_factory=dict)
     lid_poses: dict[str, Array] = field(default_factory=dict)
+    sightings: dict[str, Array] = field(default_factory=dict)
+    sighted_lids: dict[str, Array] = field(default_factory=dict)
+    sighted_levels: dict[str, Array] = field(default_factory=dict)
     spilled: Array = field(default_factory=lambda: np.zeros(0))
 
     def save(self, path: Path | str) -> None:
@@ -172,7 +186,7 @@ class Trace:
         """Everything in it as arrays by name."""
         by_name = {
             f"{key}/{name}": values
-            for key in _BY_NAME
+            for key in (*_BY_NAME, *_FRAMES)
             for name, values in getattr(self, key).items()
         }
         single = ("joints", "joint_names", "direction", "seed", "spilled", *_SAMPLED, *_TEXTS)
@@ -191,6 +205,18 @@ class Trace:
         )
 
     __hash__ = None  # type: ignore[assignment]
+
+    @property
+    def is_observed(self) -> bool:
+        """An observer recorded the truth."""
+        return bool(self.poses)
+
+    @property
+    def perceived(self) -> Trace:
+        """What the robot itself perceived, felt and commanded, and nothing else."""
+        return replace(
+            self, poses={}, contacts=(), contents={}, lids={}, lid_poses={}, spilled=np.zeros(0)
+        )
 
     def displacement(self, name: str) -> Array:
         """Displacement p_WB(end) − p_WB(start) of an object, shape (3,) [m]."""
@@ -268,6 +294,14 @@ def _trace_of(arrays: Mapping[str, NDArray[Any]]) -> Trace:
         }
         for field, shape in _BY_NAME.items()
     }
+    by_name |= {
+        field: {
+            key.partition("/")[2]: _of_shape(arrays, key, (-1, columns))
+            for key in arrays
+            if key.startswith(f"{field}/")
+        }
+        for field, columns in _FRAMES.items()
+    }
     return Trace(
         joints=_of_shape(arrays, "joints", (n, len(names))),
         joint_names=names,
@@ -322,12 +356,21 @@ def join_traces(traces: Sequence[Trace]) -> Trace:
         lids=_one_after_another([trace.lids for trace in traces]),
         seen_lids=_one_after_another([trace.seen_lids for trace in traces]),
         lid_poses=_one_after_another([trace.lid_poses for trace in traces]),
+        sightings=_frame_after_frame([trace.sightings for trace in traces]),
+        sighted_lids=_frame_after_frame([trace.sighted_lids for trace in traces]),
+        sighted_levels=_frame_after_frame([trace.sighted_levels for trace in traces]),
         spilled=np.concatenate([trace.spilled for trace in traces]),
     )
 
 
 def _one_after_another(parts: Sequence[dict[str, Array]]) -> dict[str, Array]:
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+
+def _frame_after_frame(parts: Sequence[dict[str, Array]]) -> dict[str, Array]:
+    """Frames of every name; some may have been hidden, or not there, in some parts."""
+    names = dict.fromkeys(name for part in parts for name in part)
+    return {name: np.concatenate([part[name] for part in parts if name in part]) for name in names}
 
 
 def _by_slots(trace: Trace, slots: int) -> tuple[Array, Array]:

@@ -53,13 +53,13 @@ class StoryClause:
     """A verdict.
 
     Attributes:
-        ok: whether the clause held.
+        verdict: `held`, `not_held` or `unknown`.
         said: its words, empty if it is implied, and `spans` where they stand.
         quantity: what was measured.
         measured, asked: with their units.
     """
 
-    ok: bool
+    verdict: str
     said: str
     spans: tuple[Span, ...]
     quantity: str

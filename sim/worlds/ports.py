@@ -44,6 +44,7 @@ class Frame:
         poses: of all objects, and of lids that are off by their own names.
         lids: how far each lid is open, as in `sim.traces.trace.Trace.lids`.
         colours: of the objects, sRGB in 0…1; light and noise do not count.
+        levels: height of what is in each open container that stands, over its cavity's bottom [m].
     """
 
     time: float
@@ -51,6 +52,7 @@ class Frame:
     poses: Mapping[str, SeenPose]
     lids: Mapping[str, float] = field(default_factory=dict)
     colours: Mapping[str, Colour] = field(default_factory=dict)
+    levels: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

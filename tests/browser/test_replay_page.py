@@ -36,8 +36,8 @@ STORY = RunStory(
     status="failed",
     prediction=(StoryLine("Plan:", "push it"),),
     clauses=(
-        StoryClause(True, "away", ((13, 17),), "moved", "100 mm", "asked: 100 mm ± 10 mm"),
-        StoryClause(False, "", (), "tilt", "9°", "asked: at most 5°"),
+        StoryClause("held", "away", ((13, 17),), "moved", "100 mm", "asked: 100 mm ± 10 mm"),
+        StoryClause("not_held", "", (), "tilt", "9°", "asked: at most 5°"),
     ),
     ghosts=(Ghost(BOX, (1.0, 0.0, 0.0, 0.0, 0.55, 0.0, 0.0)),),
     contacts=(ContactMark(0.0, BOX, (-0.045, 0.0, 0.03), (-1.0, 0.0, 0.0)),),
@@ -212,7 +212,7 @@ def test_hostile_words_and_names_do_nothing(browser: Browser, scene: Scene, tmp_
         words=(StoryWord(HOSTILE, '"><script>ran()</script>', 0, len(HOSTILE)),),
         understood=HOSTILE,
         status=bad,
-        clauses=(StoryClause(True, HOSTILE, ((0, 5),), HOSTILE, HOSTILE, HOSTILE),),
+        clauses=(StoryClause("held", HOSTILE, ((0, 5),), HOSTILE, HOSTILE, HOSTILE),),
         notes=(HOSTILE,),
     )
     hostile = scene.model_copy(update={"objects": objects})

@@ -74,9 +74,9 @@ def test_what_stands_still_is_drawn_once(opened: OpenPage) -> None:
 
 
 def test_each_clause_has_its_verdict_and_lights_its_words(opened: OpenPage) -> None:
-    marks = opened.ask("[...document.querySelectorAll('#run li')].map((e) => e.dataset.ok)")
+    marks = opened.ask("[...document.querySelectorAll('#run li')].map((e) => e.dataset.verdict)")
     checks: list[dict[str, Any]] = opened.ask(f"{STATE}('result').checks")
-    assert marks == ["true"] * len(checks)
+    assert marks == ["held"] * len(checks)
     number = next(i for i, check in enumerate(checks) if "moved" in check["quantity"])
     line = opened.page.locator("#run li").nth(number)
     assert " mm" in line.locator("b").inner_text()

@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from nlcontrol import Controller
 from objectmodels import ObjectModel
 from planner.touch_experiments import Experiment
@@ -16,7 +18,7 @@ from sim.exploration.trial_extraction import Recording
 from sim.perception.state_estimation import estimate_objects
 from sim.traces.trace import Trace
 from sim.worlds.ports import Frame, SeenPose
-from tests.unit.nlcontrol.pushes import BOX, Happens, seen
+from tests.unit.nlcontrol.pushes import BOX, Happens, seen, sighted
 
 
 class PlayedExecutor:
@@ -61,7 +63,7 @@ class PlayedExecutor:
         if progress is not None:
             progress("push", 1.0, "in contact")
         happens = self.happens.pop(0) if len(self.happens) > 1 else self.happens[0]
-        trace = seen(happens(plan), at=self.poses[BOX])
+        trace = self._now(seen(happens(plan), at=self.poses[BOX]))
         x, y, _z = trace.displacement(BOX).tolist()
         self.move(x, y, float(trace.yaw(BOX)[-1]))
         self.executed.append(plan)
@@ -69,13 +71,32 @@ class PlayedExecutor:
         return trace
 
     def watch(self, name: str, duration: float = 1.0) -> Trace:
-        raise AssertionError(f"nobody watches the {name} in these tests")
+        """A look in which nothing moves, after the last trace."""
+        last, n = self.traces[-1], round(duration / 0.01)
+        still = {each: np.tile(p[-1], (n, 1)) for each, p in last.poses.items()}
+        none = np.zeros((n, 3))
+        return self._now(
+            replace(
+                last, time=0.01 * np.arange(n), phase=np.full(n, "look"), poses=still, seen=still,
+                joints=np.zeros((n, last.joints.shape[1])), contacts=(),
+                tips={each: none + p[-1] for each, p in last.tips.items()},
+                felt=dict.fromkeys(last.felt, none), force_limit=np.zeros(n),
+                end="reached", detail="there was nothing to be done",
+            )
+        )  # fmt: skip
 
     def touch(self, experiment: Experiment, state: WorldState, progress: Any = None) -> Recording:
         """No touch gets there."""
         self.touched.append(experiment)
         pose = state.objects[experiment.push.object].pose
         return Recording.nothing(experiment, "unreachable", "the arm does not reach", pose)
+
+    def _now(self, trace: Trace) -> Trace:
+        """The trace on the robot's clock, which goes on, as the camera saw it."""
+        self.time += 0.01
+        trace = replace(trace, time=self.time + trace.time - trace.time[0])
+        self.time = float(trace.time[-1])
+        return sighted(trace)
 
     def move(self, x: float, y: float, turned: float = 0.0) -> None:
         """Moves and turns the object; a camera does not count turns."""

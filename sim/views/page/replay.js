@@ -4,6 +4,11 @@ import { PlayControls } from "./play_controls.js";
 import { LivePlayer, RecordingPlayer } from "./player.js";
 import { Viewer } from "./viewer.js";
 
+// The mark of a verdict, and what it means.
+const VERDICTS = {
+  held: ["✓", "held"], not_held: ["✗", "did not hold"], unknown: ["?", "cannot tell"],
+};
+
 const $ = (id) => document.getElementById(id);
 
 function element(name, text = "", classes = "") {
@@ -42,6 +47,7 @@ function tell(story) {
   }));
   $("status").textContent = story.status;
   $("status").dataset.ok = String(story.ok);
+  $("status").dataset.status = story.status;
   $("status").hidden = !story.status;
   const same = story.understood.toLowerCase() === story.title.trim().toLowerCase();
   $("understood").textContent = same || !story.understood ? "" : `understood: ${story.understood}`;
@@ -70,10 +76,11 @@ function section(id, content) {
 function tellVerdicts(story) {
   section("verdicts", story.clauses.map((clause) => {
     const item = element("li");
-    item.dataset.ok = String(clause.ok);
-    const mark = element("span", clause.ok ? "✓" : "✗", "mark");
+    const [sign, meaning] = VERDICTS[clause.verdict];
+    item.dataset.verdict = clause.verdict;
+    const mark = element("span", sign, "mark");
     mark.setAttribute("role", "img");
-    mark.setAttribute("aria-label", clause.ok ? "held" : "did not hold");
+    mark.setAttribute("aria-label", meaning);
     const told = element("div");
     if (clause.said) told.append(element("span", `“${clause.said}”`, "said"));
     told.append(

@@ -5,7 +5,8 @@ W's axes. A bias is constant for each object of a world: a shift in W and a turn
 vertical. Every frame shows all objects and draws its noise in their order, so that the same seed
 and the same times give the same frames. How far lids are open is seen with the noise of an
 angle, of one that lifts off with that of a position, drawn from a stream of its own; so is the
-noise on the pose of a lid that is off, which has the bias of its object.
+noise on the pose of a lid that is off, which has the bias of its object. The level of what is in an
+open container is seen with the noise and the bias of a position.
 """
 
 from __future__ import annotations
@@ -59,6 +60,8 @@ class CameraPort:
             for name, lid in (lids or {}).items()
         }
         self._lid_rng = source(seed, RandomStream.LID_NOISE)
+        self._level_rng = source(seed, RandomStream.LEVEL_NOISE)
+        self._level_bias: dict[str, float] = {}
         self._rng = source(seed, RandomStream.VISION_NOISE)
         drawn = source(seed, RandomStream.VISION_BIAS).standard_normal((len(self.names), 4))
         angle = np.radians(vision.angle_bias_deg)
@@ -75,6 +78,7 @@ class CameraPort:
         poses: Mapping[str, tuple[Array, Array]],
         lids: Mapping[str, float] | None = None,
         loose: Mapping[str, tuple[Array, Array]] | None = None,
+        levels: Mapping[str, float] | None = None,
     ) -> None:
         """Takes a frame if one is due.
 
@@ -83,6 +87,7 @@ class CameraPort:
             poses: true R_WB and p_WB.
             lids: how far lids truly are open; closed if not given.
             loose: true R_WL and p_WL of lids that are off, by the names of their objects.
+            levels: true heights of what is in open containers [m].
         """
         while self._taken / self.vision.rate_hz <= time + _SAME_TIME:
             self._taken += 1
@@ -93,9 +98,19 @@ class CameraPort:
             }
             for name, pose in (loose or {}).items():
                 seen[lid_name(name)] = self._seen_pose(name, *pose, self._lid_rng)
-            self._frames.append(
-                Frame(time, time + self.vision.delay_s, seen, opened, self._colours)
-            )
+            shown = {name: self._seen_level(name, level) for name, level in (levels or {}).items()}
+            arrival = time + self.vision.delay_s
+            self._frames.append(Frame(time, arrival, seen, opened, self._colours, shown))
+
+    def _seen_level(self, name: str, level: float) -> float:
+        """A level with its bias and with noise."""
+        if name not in self._level_bias:
+            self._level_bias[name] = self.vision.position_bias_m * self._level_rng.normal()
+        return (
+            level
+            + self._level_bias[name]
+            + self._level_rng.normal(0.0, self.vision.position_noise_m)
+        )
 
     def take_arrived_frames(self, time: float) -> list[Frame]:
         """Frames that can be read by `time` and were not read before."""

@@ -225,7 +225,8 @@ class DrakeWorld:
             lids,
             self._lids.poses(),
         )
-        self._vision.observe(self.time, self._poses, lids, self._lids.loose())
+        levels = self._liquid.levels(self._poses)
+        self._vision.observe(self.time, self._poses, lids, self._lids.loose(), levels)
         frames = self._vision.take_arrived_frames(self.time)
         self.robot.update(self.time, joints, self._mean_torques, frames)
         self._touched = self._watch.note(self.time, self._context)

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from objectmodels.containers.pour_dynamics import landing_distance, outflow_rate
+from objectmodels.models.vessel_strips import section_area
 from sim.rotations import Array
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Scene
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
 
 _TURNED = 1e-3  # what turned less has its contents where they were [1]
 _LEVEL = 0.02  # what leans less runs over all round, down its own sides [rad]
+_UPRIGHT = math.cos(math.radians(5.0))  # what stands so shows its level
 _OPEN_ABOVE = 0.5  # cosine of the largest tilt at which an opening catches anything
 
 
@@ -102,6 +104,14 @@ class Liquid:
         for name, filled in self._filled.items():
             if name in poses:
                 self._settle(name, filled, poses[name][0][2])
+
+    def levels(self, poses: Mapping[str, tuple[Array, Array]]) -> dict[str, float]:
+        """Heights of the liquids over the bottoms of open containers that stand upright [m]."""
+        return {
+            name: filled.volume / section_area(filled.vessel.section)
+            for name, filled in self._filled.items()
+            if name in poses and poses[name][0][2, 2] > _UPRIGHT and not self._is_closed(name)
+        }
 
     def present(self, name: str, truth: Truth) -> Truth:
         """The truth of an object with the contents that it has now."""

@@ -46,7 +46,16 @@ def seen(trace: Trace, at: PlanarPose | None = None) -> Trace:
         own[:, 4:6] += by
         own[:, :4] = _headed(at.yaw, own[:, :4])
         tips = {name: p + np.array([*by, 0.0]) for name, p in tips.items()}
-    return replace(trace, poses=poses, seen=poses, tips=tips)
+    return sighted(replace(trace, poses=poses, seen=poses, tips=tips))
+
+
+def sighted(trace: Trace) -> Trace:
+    """A camera that never errs showed all of it, 33 times a second."""
+    frames = np.unique([*range(0, len(trace.time), 3), len(trace.time) - 1])
+    sightings = {
+        name: np.column_stack([trace.time, poses])[frames] for name, poses in trace.poses.items()
+    }
+    return replace(trace, sightings=sightings)
 
 
 def _headed(yaw: float, q: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -5,6 +5,19 @@ const SCALES = {
   s: [1, " s", 1], "m³": [1e6, " ml", 0], "": [1, "", 3],
 };
 
+// The mark of a verdict, and what it means.
+export const VERDICTS = {
+  held: ["✓", "held"], not_held: ["✗", "did not hold"], unknown: ["?", "cannot tell"],
+};
+
+// Why a clause can be neither confirmed nor denied, and what an observer saw of it.
+export function doubtText({ verdict, why, low, high, unit, observed }) {
+  const near = why === "too_near" && low !== null
+    ? `; it is ${valueText(low, unit)} to ${valueText(high, unit)}, too near to tell` : "";
+  if (!observed || verdict === (observed.ok ? "held" : "not_held")) return near;
+  return `${near}; an observer saw ${valueText(observed.measured, unit)}`;
+}
+
 export function valueText(value, unit) {
   if (typeof value === "string") return value;
   const [scale, sign, digits] = SCALES[unit];

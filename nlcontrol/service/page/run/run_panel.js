@@ -2,12 +2,12 @@
 
 import { element, section } from "../elements.js";
 import { isGivenUp } from "../service_api.js";
-import { askedText, valueText, wordsOf } from "./check_text.js";
+import { askedText, doubtText, valueText, VERDICTS, wordsOf } from "./check_text.js";
 import { followRun } from "./follow_run.js";
 import { lightWords, saidWords } from "./said_words.js";
 
 const WORDS = {
-  done: "done", failed: "not as asked", cancelled: "stopped", refused: "refused", answered: "answered",
+  done: "done", failed: "not as asked", undecided: "cannot be told", cancelled: "stopped", refused: "refused", answered: "answered",
   not_understood: "not understood", unsupported: "not possible here", planned: "planned",
 };
 const LOST = { aborted: "ended by force", cut_off: "cut off", defect: "ended by a defect" };
@@ -36,6 +36,7 @@ export function runPanel(state, api) {
     badge.textContent = statusText(run);
     badge.hidden = isUnderWay(run);
     badge.dataset.ok = String(Boolean(run.result?.ok));
+    badge.dataset.status = run.result?.status ?? "";
     stop.hidden = !isUnderWay(run);
     if (stop.hidden) stop.disabled = false;
     files.replaceChildren(...(isUnderWay(run) ? [] : links(api, run)));
@@ -105,16 +106,16 @@ function notesOf(state) {
 function verdict(text, check, sentence) {
   const light = (on) => () => lightWords(sentence, check.spans, on);
   const said = wordsOf(text, check.spans);
+  const [sign, meaning] = VERDICTS[check.verdict];
   return element("li", {
-    "data-ok": String(check.ok), tabindex: 0,
+    "data-verdict": check.verdict, tabindex: 0,
     onpointerenter: light(true), onpointerleave: light(false), onfocus: light(true), onblur: light(false),
   },
-    element("span", { class: "mark", role: "img", "aria-label": check.ok ? "held" : "did not hold" },
-      check.ok ? "✓" : "✗"),
+    element("span", { class: "mark", role: "img", "aria-label": meaning }, sign),
     element("div", {},
       said ? element("span", { class: "said" }, `“${said}”`) : null,
       `${check.quantity}: `, element("b", {}, valueText(check.measured, check.unit)),
-      element("span", { class: "asked" }, askedText(check))));
+      element("span", { class: "asked" }, askedText(check) + doubtText(check))));
 }
 
 // Files of a run that has ended.

@@ -11,7 +11,7 @@ import pytest
 
 from grammar.frames import command as g
 from nlcontrol import Controller
-from nlcontrol.checks.frame_checks import not_held, require_checkable
+from nlcontrol.checks.frame_checks import check, not_held, require_checkable
 from nlcontrol.checks.verdicts import Check
 from planner.types.defaults import DEFAULTS
 from sim.traces.trace import ContactEvent, Trace
@@ -26,13 +26,18 @@ def kitchen() -> Controller:
     return Controller("kitchen")
 
 
+def _truth(kitchen: Controller, frame: g.Frame, trace: Trace) -> tuple[Check, ...]:
+    """The checks of an account that is known to be true."""
+    return check(frame, trace, kitchen.models, kitchen.table, defaults=kitchen.defaults)
+
+
 def _checks(
     kitchen: Controller, goal: Any, trace: Trace, *constraints: Any, of: g.ObjectRef = CARTON
 ) -> dict[str, Check]:
     action = {"set_down": "place", "upright": "place"}.get(goal.kind, goal.kind)
     frame = g.Frame(action=action, object=of, goal=goal, constraints=constraints)
     require_checkable(frame)
-    return {f"{c.clause}: {c.quantity}": c for c in kitchen.check(frame, trace)}
+    return {f"{c.clause}: {c.quantity}": c for c in _truth(kitchen, frame, trace)}
 
 
 # -- lifted and set down ------------------------------------------------------------------------

@@ -99,9 +99,9 @@ def test_verdicts_have_what_was_measured_and_asked(push: Result) -> None:
     )  # fmt: skip
     steps = (push.steps[0].model_copy(update={"checks": checks}),)
     first, second = replay_story(_carried_out(push, steps=steps)).clauses
-    assert (first.ok, first.said, first.measured) == (True, "the", "102 mm")
+    assert (first.verdict, first.said, first.measured) == ("held", "the", "102 mm")
     assert "10 mm" in first.asked
-    assert (second.ok, second.said, second.measured) == (False, "", "mug")
+    assert (second.verdict, second.said, second.measured) == ("not_held", "", "mug")
 
 
 def test_without_a_trace_there_is_no_contact(push: Result) -> None:

@@ -21,7 +21,7 @@ from planner.types.plan import Plan
 from planner.types.refusal import Refusal
 from sim.simulated_executor import simulation
 from tests.fakes.played_executor import played
-from tests.unit.nlcontrol.pushes import BOX, FORWARDS, Happens, TraceMaker
+from tests.unit.nlcontrol.pushes import BOX, FORWARDS, Happens, TraceMaker, sighted
 
 SENTENCE = "push the ice tea box away without toppling it"
 
@@ -137,7 +137,7 @@ def test_the_stages_one_by_one(controller: Controller, make_trace: TraceMaker) -
     assert frame.object.id == "ice tea box"
     plan = controller.plan(frame)
     assert isinstance(plan, Plan)
-    assert all(c.ok for c in controller.check(frame, make_trace()))
+    assert all(c.ok for c in controller.check(frame, sighted(make_trace())))
     top = controller.resolve(controller.parse("push the ice tea box at the top")).frames[0]
     assert isinstance(controller.plan(top), Plan | Refusal)
     with pytest.raises(ControlError) as raised:

@@ -32,15 +32,15 @@ from tests.fakes.played_executor import PlayedExecutor
 from tests.unit.nlcontrol.pushes import BOX
 
 def gone(plan):
-    n = 101
-    share = np.linspace(0.0, 1.0, n)
+    n, phase = 301, np.repeat(["look", "push", "settle"], [100, 101, 100])
+    share = np.clip(np.linspace(-1.0, 2.0, n), 0.0, 1.0)
     far = plan.aim.x - executor.poses[BOX].x, plan.aim.y - executor.poses[BOX].y
     still = {name: np.tile((1.0, 0.0, 0.0, 0.0, at.x, at.y, 0.0), (n, 1))
              for name, at in executor.poses.items()}
     still[BOX][:, 4:6] = np.outer(share, far)
     tips = np.column_stack([share * far[0], share * far[1], np.full(n, 0.03)])
     return Trace(
-        time=0.01 * np.arange(n), phase=np.full(n, "push"), poses=still, seen=still,
+        time=0.01 * np.arange(n), phase=phase, poses=still, seen=still,
         joints=np.zeros((n, 1)), joint_names=("joint",), tips={"index": tips},
         felt={"index": np.tile((4.0, 0.0, 0.0), (n, 1))}, force_limit=np.full(n, 6.0),
         contacts=(), pushed=BOX, direction=np.array([1.0, 0.0, 0.0]), end="stroke",

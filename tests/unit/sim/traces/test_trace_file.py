@@ -19,6 +19,9 @@ WHOLE = replace(
     contents={"a mug/green": np.linspace(1.0, 0.0, N)},
     lids={"jar": np.zeros(N)},
     seen_lids={"jar": np.full(N, 1e-3)},
+    sightings={"jar": np.ones((4, 8))},
+    sighted_lids={"jar": np.ones((4, 2))},
+    sighted_levels={"jar": np.ones((3, 2))},
     lid_poses={"jar": np.ones((N, 7))},
     spilled=np.linspace(0.0, 1.0, N),
 )

@@ -1,0 +1,136 @@
+"""The verdict of a result is the robot's own; an observer's is told beside it.
+
+Model: the same checks are made on every account that the robot's own senses allow
+(`nlcontrol.checks.own_accounts`). A clause held if it holds on at least `SURE` of them, did not if
+it holds on no more than the rest, and cannot be told in between. Noise only ever adds to what is a
+largest value or a length, so a draw lies above the truth there; the mirror images of the draws
+about their mean lie below it, and what is told has to be so for both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nlcontrol.checks.frame_checks import check
+from nlcontrol.checks.own_accounts import own_accounts
+from nlcontrol.checks.verdicts import NOT_PERCEIVED, Check, Observed, Verdict, holds
+from objectmodels.errors import ModelError
+
+if TYPE_CHECKING:
+    from grammar.frames.command import Frame
+    from objectmodels import ObjectModel
+    from planner.types.defaults import Defaults
+    from planner.types.world_state import TableState
+    from sim.cell.cell_description import Vision
+    from sim.traces.trace import Trace
+
+SURE = 0.975
+"""Share of the accounts on which a clause holds that is told as held."""
+
+_TWO_SIGMA = (0.023, 0.977)  # of a normal distribution: two standard deviations
+_DIGITS = 9  # of what is told, in SI: the last ones depend on the machine's threads
+_KNOWN = 0.9  # share of the accounts that must tell a quantity at all
+
+
+def verdicts(
+    frame: Frame,
+    trace: Trace,
+    models: Mapping[str, ObjectModel],
+    table: TableState,
+    vision: Vision,
+    defaults: Defaults,
+) -> tuple[Check, ...]:
+    """The robot's own verdict on each clause, with the observer's where there is one.
+
+    Args: as of `own_accounts.own_accounts`.
+
+    Raises:
+        ControlError: `uncheckable` if a clause has no check.
+    """
+    own = own_verdicts(frame, trace, models, table, vision, defaults)
+    if not trace.is_observed:
+        return own
+    true = check(frame, trace, models, table, defaults=defaults)
+    if own and len(own) == len(true):
+        return tuple(
+            mine.model_copy(update={"observed": Observed(measured=seen.measured, ok=seen.ok)})
+            for mine, seen in zip(own, true, strict=True)
+        )
+    return tuple(_not_perceived(seen) for seen in true)
+
+
+def own_verdicts(
+    frame: Frame,
+    trace: Trace,
+    models: Mapping[str, ObjectModel],
+    table: TableState,
+    vision: Vision,
+    defaults: Defaults,
+) -> tuple[Check, ...]:
+    """The robot's own verdicts; none if it did not see the object before it worked on it."""
+    accounts = own_accounts(frame, trace, models, table, vision, defaults)
+    if accounts is None:
+        return ()
+    shown = accounts.draws[-1].poses.keys()
+    believed = {name: model for name, model in models.items() if name in shown}
+    doubts = {"unsure": accounts.unsure, "unseen": accounts.unseen}
+    made = []
+    for draw in accounts.draws:
+        try:
+            made.append(check(frame, draw, believed, table, defaults=defaults, **doubts))
+        except ModelError:
+            made.append(())  # objects may stand in no draw as they cannot in truth
+    *drawn, mean = made
+    return tuple(
+        _verdict(each, [checks[i] for checks in drawn if len(checks) == len(mean)], len(drawn))
+        for i, each in enumerate(mean)
+    )
+
+
+def _not_perceived(seen: Check) -> Check:
+    """A clause of which the robot perceived nothing."""
+    return seen.model_copy(
+        update={
+            "measured": NOT_PERCEIVED, "verdict": "unknown", "ok": False, "why": "not_perceived",
+            "observed": Observed(measured=seen.measured, ok=seen.ok),
+        }
+    )  # fmt: skip
+
+
+def _verdict(mean: Check, drawn: Sequence[Check], accounts: int) -> Check:
+    """One clause, from its checks on the mean of all accounts and on each."""
+    told = [one for one in drawn if one.verdict != "unknown" and one.quantity == mean.quantity]
+    if mean.verdict == "unknown" or len(told) < _KNOWN * accounts:
+        return mean.model_copy(
+            update={
+                "measured": NOT_PERCEIVED, "verdict": "unknown", "ok": False,
+                "why": "not_perceived",
+            }
+        )  # fmt: skip
+    held = [float(np.mean([one.ok for one in told]))]
+    low = high = None
+    if isinstance(mean.measured, float) and isinstance(mean.expected, float):
+        values = np.array([one.measured for one in told], float)
+        asked = np.array([one.expected for one in told], float)
+        mirrored = 2.0 * mean.measured - values
+        if mean.relation != "about" and values.min() >= 0.0:
+            mirrored = np.maximum(mirrored, 0.0)  # of a size
+        pairs = zip(asked, mirrored, strict=True)
+        allowed = mean.tolerance or 0.0
+        held.append(float(np.mean([holds(mean.relation, a, m, allowed) for a, m in pairs])))
+        ranges = [np.quantile(some, _TWO_SIGMA) for some in (values, mirrored)]
+        low, high = float(min(r[0] for r in ranges)), float(max(r[1] for r in ranges))
+        low, high = round(low, _DIGITS), round(high, _DIGITS)
+        mean = mean.model_copy(update={"measured": round(mean.measured, _DIGITS)})
+    verdict: Verdict = "unknown"
+    if min(held) >= SURE:
+        verdict = "held"
+    elif max(held) <= 1.0 - SURE:
+        verdict = "not_held"
+    why = "too_near" if verdict == "unknown" else None
+    return mean.model_copy(
+        update={"verdict": verdict, "ok": verdict == "held", "low": low, "high": high, "why": why}
+    )
