@@ -389,17 +389,18 @@ class FrameRun:
         return result_with(result, trace=join_traces([*before, *self.traces]), execution=execution)
 
     def _judge(self) -> tuple[Check, ...]:
-        """The verdicts; where they are too near to tell, the robot looks on as long as it helps."""
+        """The verdicts; where they cannot be told, the robot looks on as long as that helps."""
         checks = self.controller.check(self.frame, join_traces(self.traces))
         for _ in range(MOST_LOOKS_ON):
-            before = _spread(checks)
-            if not before:
+            before = _doubts(checks)
+            if not any(before):
                 break
             last, seen = self.traces[-1], self.controller.watch(self._name)
             way = last.direction
             self.traces.append(replace(seen, end=last.end, detail=last.detail, direction=way))
             checks = self.controller.check(self.frame, join_traces(self.traces))
-            if _spread(checks) > LOOKING_HELPS * before:
+            unseen, spread = _doubts(checks)
+            if unseen >= before[0] and spread >= LOOKING_HELPS * before[1]:
                 break
         return checks
 
@@ -426,10 +427,11 @@ class FrameRun:
         return result_with_step(result, self.step, "done")
 
 
-def _spread(checks: Sequence[Check]) -> float:
-    """How uncertain the clauses are, in units of what they ask, that are too near to tell."""
+def _doubts(checks: Sequence[Check]) -> tuple[int, float]:
+    """How many clauses were not perceived, and the width of those that are too near to tell."""
     near = (c for c in checks if c.why == "too_near" and c.low is not None and c.high is not None)
-    return sum((c.high or 0.0) - (c.low or 0.0) for c in near)
+    spread = sum((c.high or 0.0) - (c.low or 0.0) for c in near)
+    return sum(c.why == "not_perceived" for c in checks), spread
 
 
 FAILURES: frozenset[EndReason] = frozenset(
