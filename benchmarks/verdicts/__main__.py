@@ -13,7 +13,7 @@ import argparse
 import json
 import sys
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -65,6 +65,17 @@ def table(rows: Sequence[Row]) -> str:
     return "\n".join(lines)
 
 
+def _with_redrawn(rows: Iterable[Row], camera: str) -> Iterator[Row]:
+    """Rows with the verdicts on frames that were drawn anew, one for each time."""
+    for row in rows:
+        for checks in row.get("redrawn", {}).get(camera, ()):
+            told = {c["verdict"] for c in checks}
+            status = (
+                "failed" if "not_held" in told else "undecided" if "unknown" in told else "done"
+            )
+            yield {**row, "status": status, "checks": checks}
+
+
 def _is_false(row: Row) -> bool:
     """Told as done, though an observer or the judge of true poses says otherwise."""
     return row["met"] is False or bool(row["broken"]) or not all(c["ok"] for c in row["checks"])
@@ -83,6 +94,7 @@ def main(arguments: Iterable[str] | None = None) -> int:
     parser.add_argument("--cases", type=int, default=150)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--camera", choices=CAMERAS, default="standard")
+    parser.add_argument("--redrawn", type=int, default=0)
     parser.add_argument("--rows", type=Path, required=True)
     parser.add_argument("--workers", type=int, default=1)
     options = parser.parse_args(None if arguments is None else list(arguments))
@@ -94,12 +106,16 @@ def main(arguments: Iterable[str] | None = None) -> int:
     left = [case(options.suite, n) for n in numbers
             if (options.suite, options.camera, n) not in kept]  # fmt: skip
     with options.rows.open("a", encoding="utf-8") as file:
-        one = partial(run, camera=options.camera)
+        one = partial(run, camera=options.camera, redrawn=options.redrawn)
         for row in run_all(one, left, workers=options.workers):
             kept[row["suite"], row["camera"], row["number"]] = row
             file.write(json.dumps(row) + "\n")
             file.flush()
-    print(table([kept[options.suite, options.camera, n] for n in numbers]))
+    rows = [kept[options.suite, options.camera, n] for n in numbers]
+    print(table(rows))
+    for camera in CAMERAS if options.redrawn else ():
+        print(f"\nframes drawn anew, {camera} camera")
+        print(table(list(_with_redrawn(rows, camera))))
     return 0
 
 

@@ -9,51 +9,65 @@ from typing import Any
 import numpy as np
 
 from benchmarks.goals.true_judge import judged
-from benchmarks.verdicts.cases import Case
+from benchmarks.verdicts.cases import CAMERAS, Case
+from benchmarks.verdicts.redrawn_frames import first_look, with_frames
+from grammar.frames.command import Frame
 from nlcontrol import Controller
+from nlcontrol.checks.own_verdicts import verdicts
 from nlcontrol.checks.verdicts import Check
+from objectmodels import ObjectModel
 from sim.simulated_executor import SimulatedExecutor
 from sim.traces.trace import Trace
 
 Row = dict[str, Any]
 
 
-class CoveredRobot(SimulatedExecutor):
-    """A robot of which a thing is out of its camera's sight once the hand has worked on it.
+class HidingRobot(SimulatedExecutor):
+    """A robot of which some things are out of sight once the hand has worked on them.
 
-    Control sees it still; only what verdicts are made of is taken away.
+    Control sees them still; only what verdicts are made of is taken away.
     """
 
     hidden: frozenset[str] = frozenset()
+    _since = np.inf
 
     def execute(self, *args: Any, **options: Any) -> Trace:
         """Carries out a plan; see `SimulatedExecutor.execute`."""
-        return self._covered(super().execute(*args, **options))
+        trace = super().execute(*args, **options)
+        working = np.flatnonzero(trace.phase != "look")
+        if len(working):
+            self._since = min(self._since, float(trace.time[working[0]]))
+        return self._left(trace)
 
     def watch(self, *args: Any, **options: Any) -> Trace:
         """Looks at the table; see `SimulatedExecutor.watch`."""
-        trace = super().watch(*args, **options)
-        return replace(trace, sightings=self._left(trace, -np.inf))
+        return self._left(super().watch(*args, **options))
 
-    def _covered(self, trace: Trace) -> Trace:
-        working = np.flatnonzero(trace.phase != "look")
-        since = float(trace.time[working[0]]) if len(working) else -np.inf
-        return replace(trace, sightings=self._left(trace, since))
-
-    def _left(self, trace: Trace, since: float) -> dict[str, np.ndarray]:
-        return {
-            name: seen[seen[:, 0] < since] if name in self.hidden else seen
-            for name, seen in trace.sightings.items()
-        }
+    def _left(self, trace: Trace) -> Trace:
+        shown = first_look(trace.sightings, self._since)
+        return replace(
+            trace, sightings=trace.sightings | {n: shown[n] for n in self.hidden if n in shown}
+        )
 
 
-def run(one: Case, camera: str) -> Row:
-    """The row of a case."""
+class RememberingController(Controller):
+    """A controller that keeps what its last verdict was made of."""
+
+    judged: tuple[Frame, Trace, dict[str, ObjectModel]]
+
+    def check(self, frame: Frame, trace: Trace) -> tuple[Check, ...]:
+        """A verdict for each clause; see `Controller.check`."""
+        self.judged = frame, trace, dict(self.models)
+        return super().check(frame, trace)
+
+
+def run(one: Case, camera: str, redrawn: int = 0) -> Row:
+    """The row of a case, with verdicts on frames of each camera that are drawn anew so often."""
     scene, begun = one.world(camera), time.perf_counter()
-    robot = CoveredRobot(scene, seed=one.number)
+    robot = HidingRobot(scene, seed=one.number)
     if one.trouble == "hidden" or one.suite == "covered":
         robot.hidden = frozenset(robot.cell.names if one.suite == "covered" else [one.box])
-    controller = Controller(executor=robot)
+    controller = RememberingController(executor=robot)
     models = dict(controller.models)
     row: Row = {
         "suite": one.suite, "number": one.number, "camera": camera, "scene": one.scene,
@@ -75,7 +89,24 @@ def run(one: Case, camera: str) -> Row:
         "pushes": len(result.steps[-1].plans) if result.steps else 0,
         "seconds": round(time.perf_counter() - begun, 1),
         "checks": [_clause(check) for check in result.checks],
+        "redrawn": _redrawn(controller, redrawn) if result.checks else {},
     }
+
+
+def _redrawn(controller: RememberingController, times: int) -> dict[str, list[list[Row]]]:
+    """Verdicts on the last frame's motion with frames that are drawn anew, by camera."""
+    frame, trace, models = controller.judged
+    rng = np.random.default_rng([trace.seed, times])
+    table, defaults = controller.table, controller.defaults
+    return {
+        name: [
+            [_clause(check) for check in verdicts(
+                frame, with_frames(trace, vision, rng), models, table, vision, defaults
+            )]
+            for _ in range(times)
+        ]
+        for name, vision in CAMERAS.items()
+    }  # fmt: skip
 
 
 def _clause(check: Check) -> Row:

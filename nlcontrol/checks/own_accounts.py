@@ -20,6 +20,7 @@ import numpy as np
 
 from nlcontrol.checks import trace_measures as measures
 from nlcontrol.checks.evidence import Evidence
+from nlcontrol.checks.felt_pushes import felt_end
 from objectmodels.models.object_parts import LiftOffLid
 from objectmodels.models.vessel_strips import section_area
 from planner.geometry.footprints import gap
@@ -61,7 +62,8 @@ class OwnAccounts:
         draws: accounts, and their mean as the last one.
         unsure: objects that may have been touched without being moved.
         unseen: objects that were not seen in the end.
-        hidden: the object that was worked on was hidden on its way, or in the end.
+        hidden: neither frames nor touch tell all of the object that was worked on; draws are then
+            calm and wild in turn (`sim.perception.pose_tracks.CALM`).
     """
 
     draws: tuple[Trace, ...]
@@ -139,10 +141,10 @@ def _stretches(trace: Trace) -> list[Stretch]:
         end = min(left + LEAVES, home + COMES_TO_REST)
         if trace.end == "toppled":
             end = max(end, left + LEAVES)
-        held = str(trace.phase[last]) in _IN_HAND
+        held, felt = str(trace.phase[last]) in _IN_HAND, felt_end(trace, samples)
         if found and begin <= found[-1].end:
-            begin = found.pop().begin
-        found.append(Stretch(begin, end, held))
+            begin, felt = found.pop().begin, None
+        found.append(Stretch(begin, end, held, felt))
     return found
 
 

@@ -18,6 +18,7 @@ from nlcontrol.checks.frame_checks import check
 from nlcontrol.checks.own_accounts import own_accounts
 from nlcontrol.checks.verdicts import NOT_PERCEIVED, Check, Observed, Verdict, holds
 from objectmodels.errors import ModelError
+from sim.perception.pose_tracks import CALM, WILD
 
 if TYPE_CHECKING:
     from grammar.frames.command import Frame
@@ -32,6 +33,7 @@ SURE = 0.975
 
 _TWO_SIGMA = (0.023, 0.977)  # of a normal distribution: two standard deviations
 _DIGITS = 9  # of what is told, in SI: the last ones depend on the machine's threads
+_ROUNDING = 1e-9  # of values that are the same, in SI
 _KNOWN = 0.9  # share of the accounts that must tell a quantity at all
 
 
@@ -59,7 +61,7 @@ def verdicts(
             mine.model_copy(update={"observed": Observed(measured=seen.measured, ok=seen.ok)})
             for mine, seen in zip(own, true, strict=True)
         )
-    return tuple(_not_perceived(seen) for seen in true)
+    return tuple(_untold(seen, Observed(measured=seen.measured, ok=seen.ok)) for seen in true)
 
 
 def own_verdicts(
@@ -84,32 +86,42 @@ def own_verdicts(
         except ModelError:
             made.append(())  # objects may stand in no draw as they cannot in truth
     *drawn, mean = made
-    return tuple(
-        _verdict(each, [checks[i] for checks in drawn if len(checks) == len(mean)], len(drawn))
-        for i, each in enumerate(mean)
-    )
+    found = []
+    for i, each in enumerate(mean):
+        one = [checks[i] if len(checks) == len(mean) else None for checks in drawn]
+        hidden = accounts.hidden and _depends(one[CALM], one[WILD])
+        found.append(_untold(each) if hidden else _verdict(each, one))
+    return tuple(found)
 
 
-def _not_perceived(seen: Check) -> Check:
-    """A clause of which the robot perceived nothing."""
-    return seen.model_copy(
+def _depends(calm: Sequence[Check | None], wild: Sequence[Check | None]) -> bool:
+    """Whether a clause is told otherwise by accounts that differ in what was hidden alone."""
+    told = [[one.measured for one in each if one is not None] for each in (calm, wild)]
+    if not all(told) or any(isinstance(value, str) for each in told for value in each):
+        return set(map(str, told[0])) != set(map(str, told[1]))
+    apart = abs(float(np.median(told[0])) - float(np.median(told[1])))  # type: ignore[arg-type]
+    return apart > 2.0 * float(np.std(told[0])) + _ROUNDING  # type: ignore[arg-type]
+
+
+def _untold(check: Check, observed: Observed | None = None) -> Check:
+    """A clause of which the robot perceived too little."""
+    return check.model_copy(
         update={
             "measured": NOT_PERCEIVED, "verdict": "unknown", "ok": False, "why": "not_perceived",
-            "observed": Observed(measured=seen.measured, ok=seen.ok),
+            "observed": observed,
         }
     )  # fmt: skip
 
 
-def _verdict(mean: Check, drawn: Sequence[Check], accounts: int) -> Check:
+def _verdict(mean: Check, drawn: Sequence[Check | None]) -> Check:
     """One clause, from its checks on the mean of all accounts and on each."""
-    told = [one for one in drawn if one.verdict != "unknown" and one.quantity == mean.quantity]
-    if mean.verdict == "unknown" or len(told) < _KNOWN * accounts:
-        return mean.model_copy(
-            update={
-                "measured": NOT_PERCEIVED, "verdict": "unknown", "ok": False,
-                "why": "not_perceived",
-            }
-        )  # fmt: skip
+    told = [
+        one
+        for one in drawn
+        if one is not None and one.verdict != "unknown" and one.quantity == mean.quantity
+    ]
+    if mean.verdict == "unknown" or len(told) < _KNOWN * len(drawn):
+        return _untold(mean)
     held = [float(np.mean([one.ok for one in told]))]
     low = high = None
     if isinstance(mean.measured, float) and isinstance(mean.expected, float):

@@ -12,8 +12,10 @@ A constant error of the camera is drawn once for each member and object, so that
 moved and stays in a gap. Noise is the larger of the data sheet's and of what the rests show. What
 stands within two standard deviations of level is taken to stand level.
 
-Where no frame shows the object for `HIDDEN` on its way, q is the largest that is thought of, and
-what is not seen again may be anywhere: nothing is concluded from frames that are not there.
+Nothing is concluded from frames that are not there. Where none shows the object for `HIDDEN` on
+its way, or none in the end, and touch does not tell (`FeltEnd`), every other member (`CALM`) does
+as little as it may, and the others (`WILD`) as much as is thought of, so that what depends on it
+shows.
 
 Frames: W is the world, B an object. A rotation is R_WB = S(s) R_z(ψ) R₀: R₀ as it stood at first,
 a turn ψ about the vertical, then a swing s about a horizontal axis of W, shape (2,) [rad].
@@ -39,6 +41,12 @@ ANGLE_DENSITIES = np.logspace(-5.0, 1.5, 14)
 
 HIDDEN = 0.2
 """An object that no frame shows for so long on its way was hidden on it [s]."""
+
+CALM, WILD = slice(0, None, 2), slice(1, None, 2)
+"""Members of a track of what was hidden: that did as little as they may, and as much."""
+
+FELT_WAY_SD = (0.003, np.radians(1.0))
+"""By which what is felt all the way may be off it half-way [m], [rad]."""
 
 MOST_FRAMES = 300
 """Frames of a stretch that are taken as they are; of more, neighbours are averaged."""
@@ -71,6 +79,30 @@ class CameraSheet:
     heading_bias: float = 0.0
 
 
+@dataclass(frozen=True, eq=False)
+class FeltEnd:
+    """How far a stretch moved its object, as touch alone tells it.
+
+    Attributes:
+        shift: of its place in W, shape (3,) [m].
+        swing: by which it was tilted, shape (2,) [rad].
+        shift_sd: standard deviations, shape (3,) [m].
+        swing_sd, turn_sd: standard deviations [rad].
+    """
+
+    shift: Array
+    swing: Array
+    shift_sd: Array
+    swing_sd: float
+    turn_sd: float
+
+    def after(self, starts: Array, rng: np.random.Generator) -> Array:
+        """Draws of where it ends from where it began, their mean last, shape (k + 1, 6) each."""
+        mean = np.array([*self.shift, *self.swing, 0.0])
+        sd = np.array([*self.shift_sd, self.swing_sd, self.swing_sd, self.turn_sd])
+        return np.asarray(starts + mean + sd * _white(rng, (len(starts) - 1, 6)))
+
+
 @dataclass(frozen=True)
 class Stretch:
     """A stretch of time in which an object is worked on.
@@ -78,11 +110,13 @@ class Stretch:
     Attributes:
         begin, end: on the robot's clock [s].
         held: it is in the hand afterwards, so that it need not be level.
+        felt: where the object went by touch alone; None if that does not tell.
     """
 
     begin: float
     end: float
     held: bool = False
+    felt: FeltEnd | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +127,7 @@ class PoseTrack:
         mean: poses X_WB, quaternions (w, x, y, z) and positions, shape (n, 7).
         members: draws of the same, shape (k, n, 7).
         moved: its pose changed from the first rest to the last; None if one of them shows nothing.
-        hidden: no frame showed it for `HIDDEN` on its way, or after it.
+        hidden: neither frames nor touch tell its way or its end; see `CALM`.
     """
 
     mean: Array
@@ -145,8 +179,18 @@ def pose_track(
     held = [False, *(stretch.held for stretch in stretches)]
     levels = [frames.level(rest, held=h) for rest, h in zip(rests, held, strict=True)]
     ends = [level.draws(members, rng) for level in levels]
+    for i, stretch in enumerate(stretches):
+        if len(rests[i + 1]):
+            continue
+        if stretch.felt is not None:
+            ends[i + 1] = stretch.felt.after(ends[i], rng)
+        else:
+            ends[i + 1][CALM] = ends[i][CALM]
     values = np.repeat(ends[0][:, None], len(time), axis=1)
-    hidden = not len(rests[-1])
+    hidden = any(
+        not len(rest) and stretch.felt is None
+        for rest, stretch in zip(rests[1:], stretches, strict=True)
+    )
     for i, stretch in enumerate(stretches):
         within = np.flatnonzero((at > stretch.begin) & (at < stretch.end))
         way = _Way(stretch, at[within], frames.values[within], frames.noise)
@@ -249,7 +293,10 @@ def _level(R_WB: Rotation, frames: int, sheet: CameraSheet) -> Rotation:
     up = matrix[:, axis] * np.sign(matrix[2, axis])
     tilt = float(np.arccos(np.clip(up[2], -1.0, 1.0)))
     about = np.cross(up, [0.0, 0.0, 1.0])
-    if np.linalg.norm(about) < _EXACTLY or frames * tilt**2 > _LEVEL_CHI2 * max(sheet.angle, _TINY) ** 2:
+    if (
+        np.linalg.norm(about) < _EXACTLY
+        or frames * tilt**2 > _LEVEL_CHI2 * max(sheet.angle, _TINY) ** 2
+    ):
         return R_WB
     return Rotation.from_rotvec(tilt * about / np.linalg.norm(about)) * R_WB
 
@@ -283,7 +330,9 @@ class _Way:
 
     def __init__(self, stretch: Stretch, at: Array, values: Array, noise: Array) -> None:
         edges = np.concatenate([[stretch.begin], at, [stretch.end]])
-        self.is_hidden = bool(np.diff(edges).max() > HIDDEN)
+        unseen = bool(np.diff(edges).max() > HIDDEN)
+        self._is_felt = unseen and stretch.felt is not None
+        self.is_hidden = unseen and not self._is_felt
         self._begin, self._length = stretch.begin, stretch.end - stretch.begin
         stride = max(1, -(-len(at) // MOST_FRAMES))
         whole = len(at) // stride * stride
@@ -314,18 +363,21 @@ class _Way:
         for group, densities in _GROUPS:
             sd = float(self._noise[group[0]])
             straight = start[:, None, group] + ramp[:, None] * (end - start)[:, None, group]
-            q = float(densities[-1])
-            if len(seen) and not self.is_hidden:
-                off = self._values[:, group] - straight[-1, seen]
-                q = _likeliest(densities, spread, vectors, off, sd)
             white = _white(rng, (k - 1, len(knots), len(group)))
-            free = straight + np.sqrt(q) * (root @ white)
             noise = sd * _white(rng, (k - 1, len(seen), len(group)))
-            said = self._values[:, group] - free[:, seen] - noise
-            flat = said.transpose(1, 0, 2).reshape(len(seen), -1)
-            known = cho_factor(q * inner + sd**2 * np.eye(len(seen))) if len(seen) else None
-            by = q * prior[:, seen] @ (cho_solve(known, flat) if known is not None else flat)
-            found[:, :, group] = free + by.reshape(len(knots), k, len(group)).transpose(1, 0, 2)
+            if self.is_hidden:
+                ways = [(CALM, densities[0]), (WILD, densities[-1])]
+            elif self._is_felt:
+                most = FELT_WAY_SD[group != [0, 1, 2]]
+                ways = [(slice(None), most**2 / max(float(prior.diagonal().max()), _EXACTLY))]
+            else:
+                off = self._values[:, group] - straight[-1, seen]
+                ways = [(slice(None), _likeliest(densities, spread, vectors, off, sd))]
+            for rows, q in ways:
+                free = straight[rows] + np.sqrt(q) * (root @ white[rows])
+                said = self._values[:, group] - free[:, seen] - noise[rows]
+                gain = _gain(float(q), prior[:, seen], inner, sd)
+                found[rows, :, group[0] : group[-1] + 1] = free + gain @ said
         return _interpolated(time - self._begin, knots, found)
 
     def _knots(self) -> Array:
@@ -334,6 +386,14 @@ class _Way:
         apart = np.abs(between[:, None] - self._at[None]).min(axis=1, initial=np.inf)
         unseen = between[apart > 0.25 * HIDDEN]
         return np.unique(np.concatenate([[0.0, self._length], self._at, unseen]))
+
+
+def _gain(q: float, across: Array, inner: Array, sd: float) -> Array:
+    """What a way makes of frames off it, shape (n, m): q C (q C + σ²)⁻¹."""
+    if not len(inner):
+        return np.zeros((len(across), 0))
+    known = cho_factor(q * inner + sd**2 * np.eye(len(inner)))
+    return np.asarray(cho_solve(known, q * across.T).T)
 
 
 def _interpolated(at: Array, knots: Array, values: Array) -> Array:
