@@ -57,7 +57,7 @@ LEVEL_SD = np.radians(0.2)
 _GROUPS = (([0, 1, 2], POSITION_DENSITIES), ([3, 4], ANGLE_DENSITIES), ([5], ANGLE_DENSITIES))
 
 _LEVEL_CHI2 = 5.99  # of two angles: 95 % of what stands level seem nearer to it
-_MOVED_CHI2 = 25.0  # of six coordinates: seen of one in 3,000 that did not move
+_MOVED_CHI2 = 30.0  # of six coordinates: seen of one in 25,000 that did not move
 _EXACTLY = 1e-9  # sine of a tilt that has no direction
 _FEW = 10  # rests of fewer frames tell nothing of the noise
 _ANYWHERE = (0.5, 1.0)  # standard deviations of what is not seen again [m], [rad]

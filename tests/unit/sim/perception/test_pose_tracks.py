@@ -1,0 +1,139 @@
+"""Tracks of objects from camera frames: how far off they are, and what nobody saw."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from sim.perception.pose_tracks import (
+    CALM,
+    WILD,
+    Array,
+    CameraSheet,
+    PoseTrack,
+    Stretch,
+    bridge,
+    pose_track,
+    swing_and_turn,
+)
+
+SHEET = CameraSheet(position=0.002, angle=float(np.radians(1.0)))
+TIME = np.arange(0.0, 10.0, 0.02)
+STRETCH = Stretch(3.0, 7.0)
+WAY, MEMBERS = 0.1, 40
+
+
+def _frames(lean: float = 0.0, *, sheet: CameraSheet = SHEET, seed: int = 0) -> Array:
+    """Frames of an object that goes 10 cm along x, and leans on its way by so much [rad]."""
+    rng, at = np.random.default_rng(seed), np.arange(0.0, 10.0, 1.0 / 30.0)
+    share = np.clip((at - 4.0) / 2.0, 0.0, 1.0)
+    tilt = lean * np.sin(np.pi * share) ** 2
+    R_WB = Rotation.from_rotvec(np.column_stack([0.0 * at, tilt, 0.0 * at]))
+    R_WB = Rotation.from_rotvec(sheet.angle * rng.standard_normal((len(at), 3))) * R_WB
+    p = np.column_stack([WAY * share, 0.0 * at, 0.0 * at])
+    p = p + sheet.position * rng.standard_normal(p.shape)
+    return np.column_stack([at, R_WB.as_quat()[:, [3, 0, 1, 2]], p])
+
+
+def _track(frames: Array, *, sheet: CameraSheet = SHEET, moves: bool = True) -> PoseTrack:
+    rng = np.random.default_rng(1)
+    found = pose_track(frames, TIME, [STRETCH], sheet, MEMBERS, rng, moves=moves)
+    assert found is not None
+    return found
+
+
+def _tilts(poses: Array) -> Array:
+    """Tilts, shape (…, n) [rad]."""
+    return np.asarray(
+        np.arccos(np.clip(1.0 - 2.0 * (poses[..., 1] ** 2 + poses[..., 2] ** 2), -1, 1))
+    )
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_way_between_two_rests(seed: int) -> None:
+    track = _track(_frames(seed=seed))
+    moved = track.members[:, -1, 4] - track.members[:, 0, 4]
+    # 90 frames at each end: 2 mm · √(2 / 90) is 0.3 mm; three of that.
+    assert moved.std() == pytest.approx(0.0003, rel=0.3)
+    assert track.mean[-1, 4] - track.mean[0, 4] == pytest.approx(WAY, abs=0.0009)
+    assert (track.moved, track.hidden) == (True, False)
+
+
+@pytest.mark.parametrize("lean", [0.0, 2.0, 8.0])
+@pytest.mark.parametrize("seed", range(3))
+def test_the_largest_tilt_on_the_way(lean: float, seed: int) -> None:
+    track = _track(_frames(np.radians(lean), seed=seed))
+    most = _tilts(track.mean).max()
+    # A single frame is off by 1°, the largest of 120 frames by more than 2°.
+    assert np.degrees(most) == pytest.approx(lean, abs=0.7)
+    spread = np.degrees(_tilts(track.members).max(axis=1).std())
+    assert spread < 0.5
+
+
+def test_what_stands_is_level_in_the_end() -> None:
+    track = _track(_frames())
+    assert np.degrees(_tilts(track.members[:, -1])).max() < 0.7
+
+
+def test_what_is_not_worked_on_stays_unless_it_is_seen_elsewhere() -> None:
+    still = _frames()
+    still[:, 5] -= WAY * np.clip((still[:, 0] - 4.0) / 2.0, 0.0, 1.0)
+    track = _track(still, moves=False)
+    assert track.moved is False
+    assert np.ptp(track.mean[:, 4]) == 0.0
+    # 15 mm, as far as a nudge of a neighbour.
+    nudged = still.copy()
+    nudged[nudged[:, 0] > 5.0, 6] += 0.015
+    assert _track(nudged, moves=False).moved is True
+
+
+def test_a_constant_error_cancels_in_a_way_and_stays_in_a_place() -> None:
+    sheet = CameraSheet(SHEET.position, SHEET.angle, position_bias=0.005)
+    track = _track(_frames(), sheet=sheet)
+    place = track.members[:, -1, 4]
+    assert place.std() == pytest.approx(0.005, rel=0.4)  # of 40 draws
+    assert (place - track.members[:, 0, 4]).std() < 0.0005
+
+
+def test_more_noise_than_the_sheet_has_is_noticed() -> None:
+    half = CameraSheet(SHEET.position / 2.0, SHEET.angle / 2.0)
+    told, true = _track(_frames(), sheet=half), _track(_frames())
+    spread = [t.members[:, -1, 4].std() for t in (told, true)]
+    assert spread[0] == pytest.approx(spread[1], rel=0.1)
+
+
+@pytest.mark.parametrize("shown", [lambda t: (t < 3.5) | (t > 6.5), lambda t: t < 3.5])
+def test_nothing_is_told_of_what_no_frame_shows(shown: object) -> None:
+    frames = _frames(np.radians(8.0))
+    track = _track(frames[shown(frames[:, 0])])  # type: ignore[operator]
+    assert track.hidden
+    most = np.degrees(_tilts(track.members).max(axis=1))
+    assert np.median(most[CALM]) < 2.0
+    assert np.median(most[WILD]) > 20.0
+
+
+def test_what_was_never_seen_has_no_track() -> None:
+    frames = _frames()
+    rng = np.random.default_rng(0)
+    late = frames[frames[:, 0] > 5.0]
+    assert pose_track(late, TIME, [STRETCH], SHEET, MEMBERS, rng, moves=True) is None
+
+
+def test_a_bridge_is_at_rest_at_both_ends() -> None:
+    at = np.linspace(0.0, 2.0, 41)
+    covariance, mean = bridge(at, 2.0)
+    assert covariance[[0, -1]] == pytest.approx(np.zeros((2, 41)), abs=1e-12)
+    assert (mean[0], mean[-1]) == (0.0, pytest.approx(1.0))
+    # Its rates at the ends are 0: what begins is of second order.
+    assert mean[1] < 0.01
+    assert np.linalg.eigvalsh(covariance).min() > -1e-12
+
+
+@pytest.mark.parametrize("turn", [0.3, -2.0, 3.0])
+def test_a_swing_after_a_turn(turn: float) -> None:
+    swing = np.array([0.2, -0.4])
+    whole = Rotation.from_rotvec([*swing, 0.0]) * Rotation.from_rotvec([0.0, 0.0, turn])
+    swings, turns = swing_and_turn(Rotation.concatenate([whole]))
+    assert swings[0] == pytest.approx(swing)
+    assert turns[0] == pytest.approx(turn)
