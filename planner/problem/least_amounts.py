@@ -41,7 +41,10 @@ def require_tellable(frame: g.Frame, state: WorldState, defaults: Defaults) -> N
 
 
 def _change(frame: g.Frame, state: WorldState, d: Defaults) -> tuple[float, float, str] | None:
-    """How much a frame changes, to what the robot does that, and their unit; None for a state."""
+    """Return how much a frame changes, to what the robot does that, and their unit.
+
+    None where it asks for a state.
+    """
     name = frame.object.id if frame.object is not None else None
     own = state.objects.get(name or "")
     if own is None:

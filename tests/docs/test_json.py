@@ -12,6 +12,7 @@ import pytest
 from pydantic import BaseModel
 
 from nlcontrol import Controller
+from nlcontrol.checks.verdicts import Check
 from nlcontrol.cli import run
 from nlcontrol.json_document import SCHEMA_VERSION
 from planner.types import actions, motion_guide
@@ -57,7 +58,7 @@ def _shows(example: Any, form: Any) -> bool:
 
 def test_a_plan_and_a_result_have_the_form_of_the_examples(kitchen: Controller) -> None:
     (sentence,) = re.findall(r'nlcontrol plan "(.*?)" --json` has', GUIDE)
-    plan, guide, result, _ = _examples()
+    plan, guide, result, *_ = _examples()
     printed = json.loads(kitchen.say(sentence, plan_only=True).to_json())
     assert _shows(_form(plan), _form(printed["plan"]))
     assert _shows(_form(guide), _form(printed["guide"]))
@@ -66,6 +67,12 @@ def test_a_plan_and_a_result_have_the_form_of_the_examples(kitchen: Controller) 
     assert result["text"] == printed["text"]
     assert result["schema_version"] == SCHEMA_VERSION
     assert plan["actions"][0]["stroke"] == printed["plan"]["actions"][0]["stroke"]
+
+
+def test_a_verdict_has_the_fields_of_the_example() -> None:
+    *_, check, _ = _examples()
+    assert list(check) == list(Check.model_fields)
+    assert Check.model_validate(check).verdict == "unknown"
 
 
 def test_an_error_has_the_form_of_the_example(capsys: pytest.CaptureFixture[str]) -> None:
