@@ -166,7 +166,8 @@ def _place_goal_at(clause: Clause, place: ph.Place) -> g.Place:
     relation = ON_THE_TABLE.get(relation, relation)
     edge = str(place.reference).endswith("edge")
     apart = edge or relation not in _NO_GAP
-    if length is not None and (not apart or length.bound != "exact" or length.most):
+    bounded = length is not None and length.bound in ("at_least", "at_most")
+    if length is not None and (not apart or bounded or length.most):
         raise clause.does_not_apply_error(
             length, "does not go with this place", "10 cm from the mug"
         )

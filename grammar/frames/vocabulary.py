@@ -37,7 +37,7 @@ Method = Literal["lift", "tilt"]
 
 Direction = Literal["away", "toward", "left", "right"]
 Amount = Literal["little", "lot"]
-Bound = Literal["exact", "at_least", "at_most"]
+Bound = Literal["exact", "exactly", "at_least", "at_most"]
 Sense = Literal["cw", "ccw"]
 Side = Literal["length", "width", "height"]
 FaceName = Literal["front", "back", "left", "right", "top"]

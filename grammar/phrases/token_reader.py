@@ -81,8 +81,14 @@ class TokenReader:
         return self.lexicon.value_of(terminal, str(tokens[0])) if tokens else default
 
     def bound_of(self, children: Children) -> Bound:
-        """Exactly, at least, at most; "or more" is said behind the quantity."""
+        """About so much, at least, at most; "or more" is said behind the quantity."""
+        return cast(Bound, self.strict_bound_of(children).replace("exactly", "exact"))
+
+    def strict_bound_of(self, children: Children) -> Bound:
+        """The same of an amount, for which "exactly" is less than about so much."""
         before, behind = self.value_of(children, "BOUND"), self.value_of(children, "OR_MORE")
+        if {before, behind} == {"exact", "exactly"}:
+            return "exactly"
         if before and behind and before != behind:
             said = tokens_in(children, "OR_MORE")
             raise self.does_not_apply_error(said, "is a second bound", f'leave out "{said[0]}"')

@@ -288,7 +288,7 @@ class Parts(Names, Manners, Outcomes, Questions):
     def length_part(self, children: Children) -> ph.Length:
         """By at least 10 cm."""
         value, span = self.lengths_in(children)[0], self.span_of(children)
-        return ph.Length(span, value, self.bound_of(children))
+        return ph.Length(span, value, self.strict_bound_of(children))
 
     def length_range_part(self, children: Children) -> ph.Length:
         """5 to 10 cm."""
@@ -322,11 +322,12 @@ class Parts(Names, Manners, Outcomes, Questions):
         range_ = "a length is at most 100 objects long"
         times = self.require_possible(children, times, 100.0, range_)
         length = g.RelativeLength(value=times, of=of, side=cast(g.Side, side))
-        return ph.Length(self.span_of(children), length, self.bound_of(children))
+        return ph.Length(self.span_of(children), length, self.strict_bound_of(children))
 
     def angle_part(self, children: Children) -> ph.Angle:
         """By 30 degrees."""
-        return ph.Angle(self.span_of(children), self.angle_in(children), self.bound_of(children))
+        angle, bound = self.angle_in(children), self.strict_bound_of(children)
+        return ph.Angle(self.span_of(children), angle, bound)
 
     def way_part(self, children: Children) -> ph.Share:
         """Halfway."""

@@ -10,7 +10,7 @@ import numpy as np
 from grammar.frames import command as g
 from nlcontrol.checks import grasp_checks as handling
 from nlcontrol.checks import trace_measures as measures
-from nlcontrol.checks.verdicts import Check, Clause, Relation, compare, object_name, place_check
+from nlcontrol.checks.verdicts import Check, Clause, compare, object_name, place_check, relation_of
 from planner.geometry.directions import HEADINGS, angle_between, heading_of
 from planner.problem.goal_poses import goal_distance, goal_heading
 from planner.problem.orientations import is_orientation, turns_to_orientation
@@ -90,7 +90,7 @@ def _distance(goal: g.Displace, along: float, e: Evidence) -> Iterator[Check]:
     asked, _ = goal_distance(goal, own, e.start, d, e.frame.constraints)
     tolerance = d.tolerance_of(asked, d.distance_tolerance, goal.bound)
     quantity = "moved in the asked direction"
-    yield compare(goal, _relation(goal.bound), quantity, asked, along, tolerance, "m")
+    yield compare(goal, relation_of(goal.bound), quantity, asked, along, tolerance, "m")
     yield from handling.done_at_all(goal, goal.bound, "moved", d.moves, along, "m")
 
 
@@ -129,7 +129,7 @@ def _turned(goal: g.Rotate, e: Evidence) -> Iterator[Check]:
     asked = goal.angle or by_default[goal.amount]
     tolerance = d.tolerance_of(asked, d.turn_tolerance, goal.bound)
     quantity = "turned" + {"ccw": " to the left", "cw": " to the right", None: ""}[goal.sense]
-    yield compare(goal, _relation(goal.bound), quantity, asked, measured, tolerance, "rad")
+    yield compare(goal, relation_of(goal.bound), quantity, asked, measured, tolerance, "rad")
     yield from handling.done_at_all(goal, goal.bound, "turned", d.aim_angle, measured, "rad")
 
 
@@ -139,7 +139,9 @@ def _tilt(goal: g.Tilt, e: Evidence) -> Iterator[Check]:
     tolerance = d.tolerance_of(asked, d.tilt_tolerance, goal.bound)
     tilts = e.trace.tilt(e.name)
     most = int(np.argmax(tilts))
-    yield compare(goal, _relation(goal.bound), "largest tilt", asked, tilts[most], tolerance, "rad")
+    yield compare(
+        goal, relation_of(goal.bound), "largest tilt", asked, tilts[most], tolerance, "rad"
+    )
     yield from handling.done_at_all(goal, goal.bound, "tilted", d.tips, tilts[most], "rad")
     if goal.direction:
         leant = measures.tilt_heading(e.trace, e.name, most)
@@ -166,10 +168,6 @@ def _none(goal: g.NoGoal, e: Evidence) -> Iterator[Check]:
 def _towards(clause: Clause, quantity: str, heading: float, asked: float, d: Defaults) -> Check:
     off = abs(angle_between(heading, asked))
     return compare(clause, "at_most", quantity, 0.0, off, d.side_tolerance, "rad")
-
-
-def _relation(bound: g.Bound) -> Relation:
-    return "about" if bound == "exact" else bound
 
 
 GOALS: dict[str, Callable[..., Iterator[Check]]] = {

@@ -13,7 +13,7 @@ import numpy as np
 
 from grammar.frames import command as g
 from nlcontrol.checks import trace_measures as measures
-from nlcontrol.checks.verdicts import Check, Clause, Relation, Unit, compare, object_name
+from nlcontrol.checks.verdicts import Check, Clause, Unit, compare, object_name, relation_of
 from objectmodels.containers.lid_geometry import is_off
 from objectmodels.models.object_parts import FlipLid, LiftOffLid, ScrewCap
 
@@ -82,7 +82,7 @@ def lift_check(goal: g.Lift, e: Evidence) -> Iterator[Check]:
     by_default = {None: d.lift_height, "little": d.lift_little, "lot": d.lift_lot}
     asked = by_default[goal.amount] if goal.height is None else goal.height
     assert isinstance(asked, float), "lengths are in metres by now"
-    relation: Relation = "about" if goal.bound == "exact" else goal.bound
+    relation = relation_of(goal.bound)
     tolerance = d.tolerance_of(asked, d.lift_tolerance, goal.bound)
     rise, quantity = float(e.trace.displacement(e.name)[2]), "held higher at the end"
     if goal.above == "table":

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Literal, Protocol
 
-from grammar.frames.command import Spans
+from grammar.frames.command import Bound, Spans
 from nlcontrol.json_document import DocumentPart
 from nlcontrol.text_format import quantity
 from objectmodels.html_table import html_table
@@ -132,6 +132,11 @@ def compare(
         verdict="held" if ok else "not_held",
         ok=ok,
     )
+
+
+def relation_of(bound: Bound) -> Relation:
+    """How a measure must stand to an amount that is meant so."""
+    return bound if bound in ("at_least", "at_most") else "about"
 
 
 def holds(relation: Relation, expected: float, measured: float, tolerance: float) -> bool:

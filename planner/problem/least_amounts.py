@@ -33,7 +33,7 @@ def require_tellable(frame: g.Frame, state: WorldState, defaults: Defaults) -> N
     if found is None:
         return
     amount, aim, unit = found
-    least = defaults.least_amount(aim)
+    least = defaults.least_amount(aim, getattr(frame.goal, "bound", "exact"))
     if amount < (1.0 - _ROUNDING) * least:
         said = {"amount": _text(amount, unit), "least": _text(least, unit)}
         numbers = {"asked_amount": amount, "least_amount": least}

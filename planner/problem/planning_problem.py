@@ -313,5 +313,5 @@ def is_off_the_table(frame: g.Frame) -> bool:
 
 def value_in_bound(value: float, bound: str, tolerance: float) -> float:
     """The value to plan for: `at_least` and `at_most` are kept with the tolerance to spare."""
-    spare = {"exact": 0.0, "at_least": 1.0, "at_most": -1.0}[bound]
+    spare = {"exact": 0.0, "exactly": 0.0, "at_least": 1.0, "at_most": -1.0}[bound]
     return value + spare * min(tolerance, 0.5 * value)

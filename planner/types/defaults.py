@@ -51,6 +51,7 @@ class Defaults:
         distance_little: of "a little" [m].
         distance_lot: of "a lot" [m].
         tolerance_share: most of an amount that is asked that its tolerance may be.
+        exactly: share of a tolerance that is left of it where "exactly" is said.
         distance_tolerance: of a bare distance, along the direction [m].
         direction_tolerance: between the asked and the travelled direction [rad].
         rest_tilt: an object tilted by less than this stands on its base [rad].
@@ -165,6 +166,7 @@ class Defaults:
     distance_little: Length = 0.05
     distance_lot: Length = 0.20
     tolerance_share: Share = 1.0 / 3.0
+    exactly: Share = 0.5
     distance_tolerance: Length = 0.01
     direction_tolerance: Angle = 10.0 * DEGREE
     rest_tilt: Angle = 2.0 * DEGREE
@@ -282,17 +284,19 @@ class Defaults:
         Args:
             amount: that is asked.
             most: the tolerance of large amounts.
-            bound: whether `amount` is meant exactly or as a bound.
+            bound: whether `amount` is meant as it is, or as a bound.
         """
-        return min(most, self.tolerance_share * abs(amount)) if bound == "exact" else 0.0
+        left = {"exact": 1.0, "exactly": self.exactly}.get(bound, 0.0)
+        return left * min(most, self.tolerance_share * abs(amount))
 
-    def least_amount(self, aim: float) -> float:
+    def least_amount(self, aim: float, bound: str = "exact") -> float:
         """The least amount that is told from nothing: its tolerance is all that is aimed to.
 
         Args:
             aim: how near to what is asked the robot brings an object, in the unit of the amount.
+            bound: as of `tolerance_of`.
         """
-        return aim / self.tolerance_share
+        return aim / (self.tolerance_share * (self.exactly if bound == "exactly" else 1.0))
 
 
 @cache
