@@ -61,7 +61,7 @@ class Displace(BaseGoal):
         away_from: object, or part of the table, to move away from.
         distance: how far [m], more than 0 and at most 10, or measured in objects; None if not
             said.
-        bound: whether `distance` is meant exactly or as a bound.
+        bound: whether `distance` is meant as it is, exactly so, or as a bound.
         fraction: share of the way to `toward` ("halfway"): a quarter, a third, half, two thirds,
             three quarters.
         amount: `little` or `lot`, if the sentence says no more.
@@ -134,7 +134,7 @@ class Rotate(BaseGoal):
     Attributes:
         angle: how far [rad], more than 0, at most ten turns; None if not said.
         sense: `ccw` or `cw`, as seen from above; None if not said.
-        bound: whether `angle` is meant exactly or as a bound.
+        bound: whether `angle` is meant as it is, exactly so, or as a bound.
         amount: `little` or `lot`, if the sentence says no more.
         facing: object, or direction, that a broad side of it faces at the end.
         parallel_to: edge of the table, or object, along which its broad sides lie at the end; any
@@ -158,7 +158,7 @@ class Tilt(BaseGoal):
     Attributes:
         angle: how far [rad], more than 0; None if not said.
         direction: towards which it tilts; None if not said.
-        bound: whether `angle` is meant exactly or as a bound.
+        bound: whether `angle` is meant as it is, exactly so, or as a bound.
         amount: `little` or `lot`, if the sentence says no more.
     """
 
@@ -198,7 +198,7 @@ class Lift(BaseGoal):
     Attributes:
         height: how far [m], more than 0 and at most 10, or measured in objects; None if not said.
         above: `table` if `height` is meant over the table; None if from where the object is.
-        bound: whether `height` is meant exactly or as a bound.
+        bound: whether `height` is meant as it is, exactly so, or as a bound.
         amount: `little` or `lot`, if the sentence says no more.
     """
 

@@ -148,4 +148,4 @@ class ContactHeight(Part):
     value: Annotated[float, Field(ge=0.0)] | RelativeLength
     # `from` is a keyword of Python, so the field cannot bear the contract's name itself.
     origin: Annotated[Literal["table", "top"], Field(alias="from")]
-    bound: Bound = "exact"
+    bound: Literal["exact", "at_least", "at_most"] = "exact"

@@ -3,10 +3,10 @@
 Model: an object stands still but for the stretches in which it is worked on. While it stands, each
 of its coordinates is constant, and n frames tell it to σ/√n. On its way a coordinate is an
 integrated Wiener process with acceleration density q, tied at both ends to where it stood, at rest;
-q is the one that makes the frames of that stretch most likely [Rasmussen, Williams: Gaussian
-Processes for Machine Learning, 2006, chapter 2]. Members of the ensemble are joint draws, so that
-any function of a track, its largest tilt as well, has its own spread; they come from the mean by
-Matheron's rule: a draw from the prior, corrected by what the frames say of it.
+q is the one that makes the frames of that stretch most likely [rasmussen-2006]. Members of the
+ensemble are joint draws, so that any function of a track, its largest tilt as well, has its own
+spread; they come from the mean by Matheron's rule: a draw from the prior, corrected by what the
+frames say of it.
 
 A constant error of the camera is drawn once for each member and object, so that it cancels in what
 moved and stays in a gap. Noise is the larger of the data sheet's and of what the rests show. What

@@ -278,7 +278,8 @@ def test_turns(said: str, turns: float) -> None:
 BOUNDS = [
     *((phrase, "at_least") for phrase in ("at least", "no less than", "more than")),
     *((phrase, "at_most") for phrase in ("at most", "no more than", "up to", "less than")),
-    *((phrase, "exact") for phrase in ("exactly", "about", "roughly", "approximately")),
+    *((phrase, "exact") for phrase in ("about", "roughly", "approximately")),
+    ("exactly", "exactly"),
 ]
 
 
@@ -288,7 +289,7 @@ def test_bounds(phrase: str, bound: str) -> None:
     assert goal(f"push the box away by {phrase} 5 cm")["bound"] == bound
     assert goal(f"turn the box {phrase} 30 degrees")["bound"] == bound
     assert goal(f"lift the box {phrase} 5 cm")["bound"] == bound
-    kinds = {"exact": "{}", "at_least": "min_{}", "at_most": "max_{}"}
+    kinds = {"exact": "{}", "exactly": "{}", "at_least": "min_{}", "at_most": "max_{}"}
     assert constraint(f"with {phrase} 3 N") == (kinds[bound].format("force"), 3.0)
     assert constraint(f"at {phrase} 2 cm/s") == (kinds[bound].format("speed"), 0.02)
 
