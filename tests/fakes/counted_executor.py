@@ -35,7 +35,7 @@ POSES, MOTIONS = "poses.json", "motions"
 Poses = dict[str, tuple[float, float, float]]
 
 RATE = 100.0
-PHASES = ["look"] * 20 + ["approach"] * 5 + ["touch"] * 15 + ["push"] * 40 + ["settle"] * 40
+PHASES = ["look"] * 60 + ["approach"] * 5 + ["touch"] * 15 + ["push"] * 40 + ["settle"] * 90
 
 
 def first_poses() -> Poses:
@@ -71,6 +71,7 @@ class CountedExecutor:
         self.robot = ArmHandReach(self.cell, ARM, HAND)
         self.seed = 0
         self.held: Held | None = None
+        self._recorded = 0.0
 
     @property
     def time(self) -> float:
@@ -99,7 +100,8 @@ class CountedExecutor:
             progress("push", self.time, "in contact")
         poses = self.poses()
         travel = np.array((plan.push.displacement or (0.0, 0.0, 0.0))[:2])
-        trace = _pushed(plan, poses, travel)
+        trace = _pushed(plan, poses, travel, self._recorded)
+        self._recorded = float(trace.time[-1]) + 1.0 / RATE
         x, y, yaw = poses[plan.object]
         after = (x + travel[0], y + travel[1], yaw + plan.push.turn)
         write_poses(self.folder, {**poses, plan.object: after})
@@ -114,8 +116,8 @@ class CountedExecutor:
         return Recording.nothing(experiment, "unreachable", "the arm does not reach", pose)
 
 
-def _pushed(plan: Any, poses: Poses, travel: Any) -> Trace:
-    """The record of a push that went as planned."""
+def _pushed(plan: Any, poses: Poses, travel: Any, begin: float) -> Trace:
+    """The record of a push that went as planned, from a time of the robot's clock on [s]."""
     n = len(PHASES)
     phase = np.array(PHASES)
     share = np.cumsum(phase == "push") / np.sum(phase == "push")
@@ -141,11 +143,13 @@ def _pushed(plan: Any, poses: Poses, travel: Any) -> Trace:
     start = np.array([*poses[plan.object][:2], 0.05]) - 0.06 * u
     tips = start + share[:, None] * np.array([*travel, 0.0])
     fingers = [f"finger_{i}" for i in range(push.fingers)]
+    at = begin + np.arange(n) / RATE
     return Trace(
-        time=np.arange(n) / RATE,
+        time=at,
         phase=phase,
         poses=tracks,
         seen=tracks,
+        sightings={k: np.column_stack([at, track])[::3] for k, track in tracks.items()},
         joints=np.zeros((n, 0)),
         joint_names=(),
         tips=dict.fromkeys(fingers, tips),

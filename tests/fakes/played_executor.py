@@ -94,7 +94,8 @@ class PlayedExecutor:
     def _now(self, trace: Trace) -> Trace:
         """The trace on the robot's clock, which goes on, as the camera saw it."""
         self.time += 0.01
-        trace = replace(trace, time=self.time + trace.time - trace.time[0])
+        time = np.asarray(self.time + trace.time - trace.time[0], dtype=float)
+        trace = replace(trace, time=time)
         self.time = float(trace.time[-1])
         return sighted(trace)
 
