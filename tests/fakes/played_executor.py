@@ -94,7 +94,7 @@ class PlayedExecutor:
     def _now(self, trace: Trace) -> Trace:
         """The trace on the robot's clock, which goes on, as the camera saw it."""
         self.time += 0.01
-        time = np.asarray(self.time + trace.time - trace.time[0], dtype=float)
+        time = trace.time + (self.time - float(trace.time[0]))
         trace = replace(trace, time=time)
         self.time = float(trace.time[-1])
         return sighted(trace)
