@@ -95,7 +95,7 @@ class PlayedExecutor:
         """The trace on the robot's clock, which goes on, as the camera saw it."""
         self.time += 0.01
         time = trace.time + (self.time - float(trace.time[0]))
-        trace = replace(trace, time=time)
+        trace = replace(trace, time=time.astype(np.float64))
         self.time = float(trace.time[-1])
         return sighted(trace)
 
