@@ -77,7 +77,7 @@ class PlayedExecutor:
         none = np.zeros((n, 3))
         return self._now(
             replace(
-                last, time=0.01 * np.arange(n), phase=np.full(n, "look"), poses=still, seen=still,
+                last, time=np.arange(n, dtype=np.float64) * 0.01, phase=np.full(n, "look"), poses=still, seen=still,
                 joints=np.zeros((n, last.joints.shape[1])), contacts=(),
                 tips={each: none + p[-1] for each, p in last.tips.items()},
                 felt=dict.fromkeys(last.felt, none), force_limit=np.zeros(n),
@@ -95,7 +95,7 @@ class PlayedExecutor:
         """The trace on the robot's clock, which goes on, as the camera saw it."""
         self.time += 0.01
         time = trace.time + (self.time - float(trace.time[0]))
-        trace = replace(trace, time=time.astype(np.float64))
+        trace = replace(trace, time=time)
         self.time = float(trace.time[-1])
         return sighted(trace)
 
