@@ -77,7 +77,8 @@ class PlayedExecutor:
         none = np.zeros((n, 3))
         return self._now(
             replace(
-                last, time=np.arange(n, dtype=np.float64) * 0.01, phase=np.full(n, "look"), poses=still, seen=still,
+                last, time=np.arange(n, dtype=np.float64) * 0.01,
+                phase=np.full(n, "look"), poses=still, seen=still,
                 joints=np.zeros((n, last.joints.shape[1])), contacts=(),
                 tips={each: none + p[-1] for each, p in last.tips.items()},
                 felt=dict.fromkeys(last.felt, none), force_limit=np.zeros(n),
