@@ -233,12 +233,7 @@ class FrameRun:
                 if attempt == 0 and not plan_only:
                     self.traces.append(controller.watch(self._name))
                 break
-            if attempt and not self._corrections.are_worth(made, state):
-                self.result = result_with(self.result, notes=(*self.result.notes, LEFT_SO))
-                break
-            if attempt == self._budget(made):
-                if not self._is_quick or self.traces[-1].end not in PLANNED_ENDS:
-                    self._note(stuck=spent_text(made, attempt))
+            if self._is_left_so(made, state, attempt):
                 break
             self._note(plan=self.step.plan or made, plans=(*self.step.plans, made))
             self.supervisor.tell(
@@ -261,6 +256,17 @@ class FrameRun:
         if plan_only:
             return result_with_step(self.result, self.step, "planned")
         return self._check_frame()
+
+    def _is_left_so(self, made: Plan, state: WorldState, attempt: int) -> bool:
+        """Check for a further plan that is not worth it, or one more than may be; noted why."""
+        if attempt and not self._corrections.are_worth(made, state):
+            self.result = result_with(self.result, notes=(*self.result.notes, LEFT_SO))
+            return True
+        if attempt == self._budget(made):
+            if not self._is_quick or self.traces[-1].end not in PLANNED_ENDS:
+                self._note(stuck=spent_text(made, attempt))
+            return True
+        return False
 
     def _look_and_plan(
         self, previous: Plan | None, approved: Plan | Reached | None
