@@ -53,6 +53,7 @@ QUANTITIES = ("poured", "received", "spilled")
 _HOME = RobotMount(home_deg=(41.0, -95.0, 75.0, -87.0, 110.0, -90.0, 42.0))
 _FRICTION: dict[str, Any] = {"friction_table": 0.4, "friction_finger": 0.6}
 _AT = Pose(x_m=0.5, y_m=0.0)
+_APART = Pose(x_m=0.5, y_m=0.4)  # of what is poured from, until it is held
 
 
 class Prescribed:
@@ -159,8 +160,8 @@ def random_case(rng: np.random.Generator) -> Case:
     aim = rng.normal(0.0, AIM, 2) - ahead * np.array([math.cos(heading), math.sin(heading)])
     lip_W = np.array([_AT.x_m + aim[0], _AT.y_m + aim[1], height + fall])
     objects = tuple(
-        SceneObject(name=name, model="mug", pose=_AT, truth=true)
-        for name, true in ((SOURCE, truth), (TARGET, target))
+        SceneObject(name=name, model="mug", pose=at, truth=true)
+        for name, at, true in ((SOURCE, _APART, truth), (TARGET, _AT, target))
     )
     scene = Scene(version=1, name="pouring", robot=_HOME, objects=objects)
     return Case(kind, scene, heading, angle, rate, wait, lip_W)

@@ -401,7 +401,9 @@ class FrameRun:
             before = _doubts(checks)
             if not any(before):
                 break
-            last, seen = self.traces[-1], self.controller.watch(self._name)
+            last, seen = self.traces[-1], self._seen_on()
+            if seen is None:
+                break
             way = last.direction
             self.traces.append(replace(seen, end=last.end, detail=last.detail, direction=way))
             checks = self.controller.check(self.frame, join_traces(self.traces))
@@ -409,6 +411,15 @@ class FrameRun:
             if unseen >= before[0] and spread >= LOOKING_HELPS * before[1]:
                 break
         return checks
+
+    def _seen_on(self) -> Trace | None:
+        """What a further look shows; None of a robot that only does what is planned."""
+        try:
+            return self.controller.watch(self._name)
+        except ControlError as raised:
+            if isinstance(raised.__cause__, NotImplementedError):
+                return None
+            raise
 
     def _check_frame(self) -> Result:
         checks = self._judge()

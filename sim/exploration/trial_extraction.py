@@ -272,11 +272,14 @@ _SHOWS: dict[str, Moved] = {
 
 
 def trial_from_push(push: Push, target: SeenObject, trace: Trace) -> Trial | None:
-    """Trial that a push showed of an object that was seen before; None if that is not clear."""
+    """Trial that a push showed of an object that was seen before.
+
+    None if that is not clear, or nothing was felt for want of a sensor.
+    """
     pushing = trace.phase == "push"
     moved = _SHOWS.get(trace.end)
     unfallen = trace.end == "stroke" and push.ends_on == "toppled"
-    if moved is None or unfallen or pushing.sum() < LEAST_SAMPLES:
+    if moved is None or unfallen or pushing.sum() < LEAST_SAMPLES or not trace.felt:
         return None
     time = trace.time[pushing]
     tips = np.mean([tip[pushing] for tip in trace.tips.values()], axis=0)
