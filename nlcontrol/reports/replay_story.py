@@ -38,6 +38,7 @@ def replay_story(result: Result) -> RunStory:
         title=result.text,
         words=tuple(_words(result.text, rows)),
         understood=result.paraphrase or "",
+        left_out=result.left_out,
         status=result.status.replace("_", " "),
         ok=result.ok,
         prediction=tuple(line for step in result.steps for line in prediction_lines(step)),

@@ -105,6 +105,7 @@ class RunStory:
         title: of the page; the sentence.
         words: the sentence in pieces that together are its text.
         understood: the same in the robot's words.
+        left_out: words of the sentence that set nothing.
         status: of the result, empty without one; `ok` whether every clause held.
         prediction: what was foreseen.
         rows: from the words to the controller.
@@ -117,6 +118,7 @@ class RunStory:
     title: str
     words: tuple[StoryWord, ...] = ()
     understood: str = ""
+    left_out: tuple[str, ...] = ()
     status: str = ""
     ok: bool = False
     prediction: tuple[StoryLine, ...] = ()

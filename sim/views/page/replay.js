@@ -50,7 +50,11 @@ function tell(story) {
   $("status").dataset.status = story.status;
   $("status").hidden = !story.status;
   const same = story.understood.toLowerCase() === story.title.trim().toLowerCase();
-  $("understood").textContent = same || !story.understood ? "" : `understood: ${story.understood}`;
+  const without = (story.left_out ?? []).map((said) => `“${said}”`).join(", ");
+  $("understood").textContent = [
+    same || !story.understood ? "" : `understood: ${story.understood}`,
+    without && `left out: ${without}`,
+  ].filter(Boolean).join(" · ");
   tellVerdicts(story);
   section("prediction", story.prediction.map(({ heading, text }) => {
     const line = element("p");
