@@ -37,6 +37,6 @@ def test_a_sentence_comes_to_its_verdict(opened: OpenPage, sentence: str) -> Non
     opened.wait(f"page.state.get('result')?.text === {sentence!r}")
     opened.wait("document.querySelectorAll('#run li').length > 0")
     checks = opened.ask("page.state.get('result').checks")
-    marks = opened.ask("[...document.querySelectorAll('#run li')].map((e) => e.dataset.ok)")
-    assert marks == ["true"] * len(checks)
+    verdicts = "[...document.querySelectorAll('#run li')].map((e) => e.dataset.verdict)"
+    assert opened.ask(verdicts) == ["held"] * len(checks)
     assert opened.page.inner_text("#run .badge") == "done"

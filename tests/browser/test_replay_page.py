@@ -88,8 +88,8 @@ def test_the_sentence_stands_in_the_colours_of_its_parts(opened: OpenPage) -> No
 
 
 def test_each_clause_has_its_verdict_and_lights_its_words(opened: OpenPage) -> None:
-    marks = opened.ask("[...document.querySelectorAll('#verdicts li')].map((e) => e.dataset.ok)")
-    assert marks == ["true", "false"]
+    verdicts = "[...document.querySelectorAll('#verdicts li')].map((e) => e.dataset.verdict)"
+    assert opened.ask(verdicts) == ["held", "not_held"]
     opened.page.hover("#verdicts li:first-child")
     lit = opened.ask("[...document.querySelectorAll('.lit')].map((e) => e.textContent)")
     assert lit == ["away"]

@@ -18,7 +18,7 @@ from planner.explanation.rows import Row
 SENTENCES = Path(__file__).parents[3] / "data" / "commands"
 
 WITHOUT_MEANING = (
-    "the a an my your our this that that's which there of by and but then first next finally "
+    "the a an my your our this that that's which there here of by and but then first next finally "
     "after afterwards again now while when if to either i i'd you we me for it its is be could "
     "can will would want like need just go ahead please kindly hey ok okay robot thank thanks "
     "contents pushing should needs mind"
