@@ -67,8 +67,7 @@ def plan(
         failed: pushes of this frame that went wrong, whose contacts are not tried again; and what
             the whole hand failed at, which is not tried a third time.
         notify: called with a sentence before a search that takes long.
-        budget: of work, in a search for something else; if not given it is `defaults.most_work`,
-            and a refusal names the obstacle without which there is a plan.
+        budget: of a search for something else; without one, a refusal names what is in the way.
 
     Returns:
         A plan; that nothing is left to be done; or the reason why there is no plan.
