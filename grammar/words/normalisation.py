@@ -113,6 +113,8 @@ class Normalised:
 
     def _runs(self, columns: Collection[int]) -> tuple[Span, ...]:
         """Stretches of words in some columns, with what is no word between them."""
+        if not any(self.original[column].isalnum() for column in columns):
+            return ()
         marks = "".join(
             " " if not char.isalnum() else char if i in columns else "\n"
             for i, char in enumerate(self.original)
