@@ -28,6 +28,7 @@ _WORD = re.compile(r"[^ ,.;!?]+")
 _DENIES = "(?:and )?(?:not|instead of|rather than) "
 _PAUSE = re.compile(r"(?<= )[,.;!?](?= )")
 _PLAIN_WORD = re.compile(r"[^ ]+")
+_QUOTES = frozenset("\"'“”‘’„«»`")
 _MOST = 2
 """Stretches of a kind without which a sentence is tried, so that no text takes long."""
 
@@ -172,15 +173,18 @@ class LawOfEffect:
         if ref.pronoun or ref.quantifier or not ref.spans:
             return None
         words = " ".join(w for w in self._plain(ref.text).split() if w not in names)
-        quoted = '"' in text or "'" in text
-        return None if quoted or not self._effect.search(words) else ref.spans[0]
+        start, end = ref.spans[0]
+        quoted = not _QUOTES.isdisjoint(
+            text[max(start - 1, 0) : start + 1] + text[end - 1 : end + 1]
+        )
+        return None if quoted or not self._effect.search(words) else (start, end)
 
     def _plain(self, text: str) -> str:
-        """Some words in plain form; "" if they have none."""
+        """Some words in plain form, or as they are where they have none."""
         try:
             return normalise(text, self._lexicon.contractions).text
         except ParseError:
-            return ""
+            return text.casefold()
 
     @cached_property
     def _effect(self) -> re.Pattern[str]:

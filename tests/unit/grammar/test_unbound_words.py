@@ -117,6 +117,20 @@ def test_a_word_of_effect_is_in_no_name_but_a_known_one() -> None:
     assert frame.object.text == "once box"
 
 
+@pytest.mark.parametrize(
+    "text", ["don't topple it, push the whenever box away", "push the whenever box away, it's fine"]
+)
+def test_an_apostrophe_elsewhere_quotes_no_name(text: str) -> None:
+    with pytest.raises(ParseError):
+        parse(text)
+
+
+def test_a_quoted_name_may_have_any_words() -> None:
+    (frame,) = parse('push the "whenever box" away').frames
+    assert frame.object is not None
+    assert frame.object.text == "whenever box"
+
+
 def test_nothing_is_done_against_drawn_words() -> None:
     for case in islice(cases("developing", 0), 250):
         names = {ref.text for frame in case.command.frames for ref in references_in(frame)}
