@@ -146,8 +146,8 @@ class Naming:
         return any(i == len(words) or words[i - 1] not in self.lexicon.adjectives for i in ends)
 
     def _holds_filler(self, words: Sequence[str]) -> bool:
-        """Check for a name of which a part would be left out: "lol", "really big box"."""
-        fillers = _fillers(tuple(self.lexicon.asides["fillers"]))
+        """Check for a name of which a part would be left out, or refused: "lol", "once box"."""
+        fillers = _fillers(tuple(self.lexicon.asides["fillers"])) | self.lexicon.effects.keys()
         ends = range(1, len(words) + 1)
         return any(" ".join(words[i:end]) in fillers for end in ends for i in range(end))
 

@@ -126,9 +126,10 @@ def test_an_apostrophe_elsewhere_quotes_no_name(text: str) -> None:
 
 
 def test_a_quoted_name_may_have_any_words() -> None:
-    (frame,) = parse('push the "whenever box" away').frames
-    assert frame.object is not None
-    assert frame.object.text == "whenever box"
+    command = parse('push the "whenever box" away')
+    assert command.frames[0].object is not None
+    assert command.frames[0].object.text == "whenever box"
+    assert parse(command.paraphrase).paraphrase == command.paraphrase
 
 
 def test_nothing_is_done_against_drawn_words() -> None:
