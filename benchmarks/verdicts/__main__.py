@@ -76,6 +76,18 @@ def _with_redrawn(rows: Iterable[Row], camera: str) -> Iterator[Row]:
             yield {**row, "status": status, "checks": checks}
 
 
+def _moved_table(moved: Sequence[Row]) -> str:
+    """Verdicts on limits near the truth in figures."""
+    told = Counter((row["verdict"], row["ok"]) for row in moved)
+    found = {
+        "held wrongly": told["held", False],
+        "not held wrongly": told["not_held", True],
+        "unknown": told["unknown", True] + told["unknown", False],
+    }
+    shares = [f"{100.0 * n / max(len(moved), 1):.2f} % {name}" for name, n in found.items()]
+    return f"{len(moved)} limits near the truth: {', '.join(shares)}"
+
+
 def _is_false(row: Row) -> bool:
     """Told as done, though an observer or the judge of true poses says otherwise."""
     return row["met"] is False or bool(row["broken"]) or not all(c["ok"] for c in row["checks"])
@@ -116,6 +128,7 @@ def main(arguments: Iterable[str] | None = None) -> int:
     for camera in CAMERAS if options.redrawn else ():
         print(f"\nframes drawn anew, {camera} camera")
         print(table(list(_with_redrawn(rows, camera))))
+        print(_moved_table([each for row in rows for each in row.get("moved", {}).get(camera, ())]))
     return 0
 
 

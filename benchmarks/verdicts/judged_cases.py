@@ -10,10 +10,13 @@ import numpy as np
 
 from benchmarks.goals.true_judge import judged
 from benchmarks.verdicts.cases import CAMERAS, Case
+from benchmarks.verdicts.moved_limits import moved_limits
 from benchmarks.verdicts.redrawn_frames import first_look, with_frames
 from grammar.frames.command import Frame
 from nlcontrol import Controller
-from nlcontrol.checks.own_verdicts import verdicts
+from nlcontrol.checks.frame_checks import check
+from nlcontrol.checks.own_accounts import Knowledge
+from nlcontrol.checks.own_verdicts import told_clauses, verdicts
 from nlcontrol.checks.verdicts import Check
 from objectmodels import ObjectModel
 from sim.simulated_executor import SimulatedExecutor
@@ -89,24 +92,34 @@ def run(one: Case, camera: str, redrawn: int = 0) -> Row:
         "pushes": len(result.steps[-1].plans) if result.steps else 0,
         "seconds": round(time.perf_counter() - begun, 1),
         "checks": [_clause(check) for check in result.checks],
-        "redrawn": _redrawn(controller, redrawn) if result.checks else {},
+        **(_redrawn(controller, redrawn) if result.checks and redrawn else {}),
     }
 
 
-def _redrawn(controller: RememberingController, times: int) -> dict[str, list[list[Row]]]:
-    """Verdicts on the last frame's motion with frames that are drawn anew, by camera."""
+LIMITS = 5
+"""Limits to which each clause is moved."""
+
+
+def _redrawn(controller: RememberingController, times: int) -> dict[str, Row]:
+    """Verdicts on the last frame's motion with frames that are drawn anew, by camera.
+
+    `redrawn` are those on the limits as they were asked, `moved` on limits near the truth.
+    """
     frame, trace, models = controller.judged
     rng = np.random.default_rng([trace.seed, times])
-    table, defaults = controller.table, controller.defaults
-    return {
-        name: [
-            [_clause(check) for check in verdicts(
-                frame, with_frames(trace, vision, rng), models, table, vision, defaults
-            )]
-            for _ in range(times)
-        ]
-        for name, vision in CAMERAS.items()
-    }  # fmt: skip
+    true = check(frame, trace, models, controller.table, defaults=controller.defaults)
+    redrawn: Row = {camera: [] for camera in CAMERAS}
+    moved: Row = {camera: [] for camera in CAMERAS}
+    for camera, vision in CAMERAS.items():
+        known = Knowledge(models, controller.table, vision, controller.defaults)
+        for _ in range(times):
+            drawn = with_frames(trace, vision, rng)
+            redrawn[camera].append([_clause(each) for each in verdicts(frame, drawn, known)])
+            told = told_clauses(frame, drawn.perceived, known)
+            if len(told) == len(true):
+                for one, seen in zip(told, true, strict=True):
+                    moved[camera] += moved_limits(one, seen, LIMITS, rng)
+    return {"redrawn": redrawn, "moved": moved}
 
 
 def _clause(check: Check) -> Row:

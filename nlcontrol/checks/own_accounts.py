@@ -55,6 +55,23 @@ _IN_HAND = ("grasp", "lift", "carry", "pour")
 
 
 @dataclass(frozen=True, eq=False)
+class Knowledge:
+    """What the robot goes by when it judges what it perceived.
+
+    Attributes:
+        models: believed models by name.
+        table: extent of the table top.
+        vision: data sheet of the camera.
+        defaults: what a clause means when the sentence does not say more.
+    """
+
+    models: Mapping[str, ObjectModel]
+    table: TableState
+    vision: Vision
+    defaults: Defaults
+
+
+@dataclass(frozen=True, eq=False)
 class OwnAccounts:
     """What the robot's own senses allow.
 
@@ -72,14 +89,7 @@ class OwnAccounts:
     hidden: bool
 
 
-def own_accounts(
-    frame: Frame,
-    trace: Trace,
-    models: Mapping[str, ObjectModel],
-    table: TableState,
-    vision: Vision,
-    defaults: Defaults,
-) -> OwnAccounts | None:
+def own_accounts(frame: Frame, trace: Trace, known: Knowledge) -> OwnAccounts | None:
     """The accounts of a trace; None if the object was not seen before it was worked on.
 
     Of the trace only what the robot perceived is read.
@@ -87,11 +97,9 @@ def own_accounts(
     Args:
         frame: what was asked, its objects resolved.
         trace: what was perceived.
-        models: believed models by name.
-        table: extent of the table top.
-        vision: data sheet of the camera.
-        defaults: what a clause means when the sentence does not say more.
+        known: what the robot goes by.
     """
+    models, vision = known.models, known.vision
     trace = trace.perceived
     name = frame.object.id if frame.object and frame.object.id else trace.pushed
     rng = source(trace.seed, RandomStream.OWN_VERDICT)
@@ -113,7 +121,7 @@ def own_accounts(
         replace(draw, poses={each: _nth(track, k) for each, track in tracks.items()})
         for k, draw in enumerate(_with_lids_and_levels(trace, models, stretches, vision, rng))
     ]
-    mean = Evidence.of(frame, draws[-1], _of(models, tracks), table, defaults)
+    mean = Evidence.of(frame, draws[-1], _of(models, tracks), known.table, known.defaults)
     touched, unsure = _touches(mean, tracks, vision)
     draws = [replace(draw, contacts=touched) for draw in draws]
     unseen = frozenset(each for each in models if each not in tracks or tracks[each].moved is None)

@@ -9,7 +9,8 @@ about their mean lie below it, and what is told has to be so for both.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,10 +23,7 @@ from sim.perception.pose_tracks import CALM, WILD
 
 if TYPE_CHECKING:
     from grammar.frames.command import Frame
-    from objectmodels import ObjectModel
-    from planner.types.defaults import Defaults
-    from planner.types.world_state import TableState
-    from sim.cell.cell_description import Vision
+    from nlcontrol.checks.own_accounts import Knowledge
     from sim.traces.trace import Trace
 
 SURE = 0.975
@@ -33,18 +31,12 @@ SURE = 0.975
 
 _TWO_SIGMA = (0.023, 0.977)  # of a normal distribution: two standard deviations
 _DIGITS = 9  # of what is told, in SI: the last ones depend on the machine's threads
+_NOTHING = 3.0  # standard deviations by which a size may seem to be there that is 0
 _ROUNDING = 1e-9  # of values that are the same, in SI
 _KNOWN = 0.9  # share of the accounts that must tell a quantity at all
 
 
-def verdicts(
-    frame: Frame,
-    trace: Trace,
-    models: Mapping[str, ObjectModel],
-    table: TableState,
-    vision: Vision,
-    defaults: Defaults,
-) -> tuple[Check, ...]:
+def verdicts(frame: Frame, trace: Trace, known: Knowledge) -> tuple[Check, ...]:
     """The robot's own verdict on each clause, with the observer's where there is one.
 
     Args: as of `own_accounts.own_accounts`.
@@ -52,10 +44,10 @@ def verdicts(
     Raises:
         ControlError: `uncheckable` if a clause has no check.
     """
-    own = own_verdicts(frame, trace, models, table, vision, defaults)
+    own = tuple(told.verdict() for told in told_clauses(frame, trace, known))
     if not trace.is_observed:
         return own
-    true = check(frame, trace, models, table, defaults=defaults)
+    true = check(frame, trace, known.models, known.table, defaults=known.defaults)
     if own and len(own) == len(true):
         return tuple(
             mine.model_copy(update={"observed": Observed(measured=seen.measured, ok=seen.ok)})
@@ -64,34 +56,53 @@ def verdicts(
     return tuple(_untold(seen, Observed(measured=seen.measured, ok=seen.ok)) for seen in true)
 
 
-def own_verdicts(
-    frame: Frame,
-    trace: Trace,
-    models: Mapping[str, ObjectModel],
-    table: TableState,
-    vision: Vision,
-    defaults: Defaults,
-) -> tuple[Check, ...]:
-    """The robot's own verdicts; none if it did not see the object before it worked on it."""
-    accounts = own_accounts(frame, trace, models, table, vision, defaults)
+def told_clauses(frame: Frame, trace: Trace, known: Knowledge) -> tuple[ToldClause, ...]:
+    """What the robot's senses tell of each clause; nothing if it did not see the object at first.
+
+    Args: as of `own_accounts.own_accounts`.
+    """
+    accounts = own_accounts(frame, trace, known)
     if accounts is None:
         return ()
     shown = accounts.draws[-1].poses.keys()
-    believed = {name: model for name, model in models.items() if name in shown}
+    believed = {name: model for name, model in known.models.items() if name in shown}
     doubts = {"unsure": accounts.unsure, "unseen": accounts.unseen}
     made = []
     for draw in accounts.draws:
         try:
-            made.append(check(frame, draw, believed, table, defaults=defaults, **doubts))
+            made.append(
+                check(frame, draw, believed, known.table, defaults=known.defaults, **doubts)
+            )
         except ModelError:
             made.append(())  # objects may stand in no draw as they cannot in truth
     *drawn, mean = made
-    found = []
-    for i, each in enumerate(mean):
-        one = [checks[i] if len(checks) == len(mean) else None for checks in drawn]
-        hidden = accounts.hidden and _depends(one[CALM], one[WILD])
-        found.append(_untold(each) if hidden else _verdict(each, one))
-    return tuple(found)
+    columns = [
+        [checks[i] if len(checks) == len(mean) else None for checks in drawn]
+        for i in range(len(mean))
+    ]
+    return tuple(
+        ToldClause(each, column, accounts.hidden and _depends(column[CALM], column[WILD]))
+        for each, column in zip(mean, columns, strict=True)
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class ToldClause:
+    """What the robot's senses tell of one clause.
+
+    Attributes:
+        mean: its check on the mean of all accounts.
+        drawn: its checks on each; None where an account does not tell.
+        hidden: it depends on what the robot neither saw nor felt.
+    """
+
+    mean: Check
+    drawn: Sequence[Check | None]
+    hidden: bool
+
+    def verdict(self) -> Check:
+        """The robot's own verdict."""
+        return _untold(self.mean) if self.hidden else _verdict(self.mean, self.drawn)
 
 
 def _depends(calm: Sequence[Check | None], wild: Sequence[Check | None]) -> bool:
@@ -128,13 +139,16 @@ def _verdict(mean: Check, drawn: Sequence[Check | None]) -> Check:
         values = np.array([one.measured for one in told], float)
         asked = np.array([one.expected for one in told], float)
         mirrored = 2.0 * mean.measured - values
-        if mean.relation != "about" and values.min() >= 0.0:
-            mirrored = np.maximum(mirrored, 0.0)  # of a size
+        is_size = values.min() >= 0.0
+        if mean.relation != "about" and is_size:
+            mirrored = np.maximum(mirrored, 0.0)
         pairs = zip(asked, mirrored, strict=True)
         allowed = mean.tolerance or 0.0
         held.append(float(np.mean([holds(mean.relation, a, m, allowed) for a, m in pairs])))
         ranges = [np.quantile(some, _TWO_SIGMA) for some in (values, mirrored)]
         low, high = float(min(r[0] for r in ranges)), float(max(r[1] for r in ranges))
+        if is_size and mean.measured < _NOTHING * float(values.std()):
+            low = min(low, 0.0)
         low, high = round(low, _DIGITS), round(high, _DIGITS)
         mean = mean.model_copy(update={"measured": round(mean.measured, _DIGITS)})
     verdict: Verdict = "unknown"

@@ -294,9 +294,11 @@ class Controller:
 
     def check(self, frame: Frame, trace: Trace) -> tuple[Check, ...]:
         """The robot's own verdict on each clause; see `nlcontrol.checks.own_verdicts`."""
+        from nlcontrol.checks.own_accounts import Knowledge
         from nlcontrol.checks.own_verdicts import verdicts
 
-        return verdicts(frame, trace, self.models, self.table, self.cell.vision, self.defaults)
+        known = Knowledge(self.models, self.table, self.cell.vision, self.defaults)
+        return verdicts(frame, trace, known)
 
     @in_turn
     def say(

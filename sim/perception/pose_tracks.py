@@ -2,9 +2,10 @@
 
 Model: an object stands still but for the stretches in which it is worked on. While it stands, each
 of its coordinates is constant, and n frames tell it to σ/√n. On its way a coordinate is an
-integrated Wiener process with acceleration density q, tied at both ends to where it stood, at rest;
-q is the one that makes the frames of that stretch most likely [rasmussen-2006]. Members of the
-ensemble are joint draws, so that any function of a track, its largest tilt as well, has its own
+integrated Wiener process, tied at both ends to where it stood, at rest, with an acceleration
+density for each part of the way: those that make the frames of the stretch most likely
+[rasmussen-2006]. One density for all would blur a jerk in the midst of a long stretch. Members of
+the ensemble are joint draws, so that any function of a track, its largest tilt as well, has its own
 spread; they come from the mean by Matheron's rule: a draw from the prior, corrected by what the
 frames say of it.
 
@@ -24,6 +25,7 @@ a turn ψ about the vertical, then a swing s about a horizontal axis of W, shape
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -48,8 +50,11 @@ CALM, WILD = slice(0, None, 2), slice(1, None, 2)
 FELT_WAY_SD = (0.003, np.radians(1.0))
 """By which what is felt all the way may be off it half-way [m], [rad]."""
 
-MOST_FRAMES = 300
+MOST_FRAMES = 150
 """Frames of a stretch that are taken as they are; of more, neighbours are averaged."""
+
+PART = 1.0
+"""Longest time over which an object is taken to move with one acceleration density [s]."""
 
 LEVEL_SD = np.radians(0.2)
 """Standard deviation from level of what stands level, table and faces together [rad]."""
@@ -61,6 +66,7 @@ _MOVED_CHI2 = 30.0  # of six coordinates: seen of one in 25,000 that did not mov
 _EXACTLY = 1e-9  # sine of a tilt that has no direction
 _FEW = 10  # rests of fewer frames tell nothing of the noise
 _ANYWHERE = (0.5, 1.0)  # standard deviations of what is not seen again [m], [rad]
+_SWEEPS = 2  # over the parts of a way, one density after the other
 _TINY = 1e-5  # least noise: exact frames differ by rounding [m], [rad]
 
 
@@ -117,6 +123,12 @@ class Stretch:
     end: float
     held: bool = False
     felt: FeltEnd | None = None
+
+    @property
+    def edges(self) -> Array:
+        """Of its parts, from 0 to its length, shape (p + 1,) [s]."""
+        length = self.end - self.begin
+        return np.linspace(0.0, length, int(np.ceil(length / PART)) + 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -333,7 +345,8 @@ class _Way:
         unseen = bool(np.diff(edges).max() > HIDDEN)
         self._is_felt = unseen and stretch.felt is not None
         self.is_hidden = unseen and not self._is_felt
-        self._begin, self._length = stretch.begin, stretch.end - stretch.begin
+        self._begin, self._edges = stretch.begin, stretch.edges
+        self._length = float(self._edges[-1])
         stride = max(1, -(-len(at) // MOST_FRAMES))
         whole = len(at) // stride * stride
         self._at = at[:whole].reshape(-1, stride).mean(axis=1) - stretch.begin
@@ -353,32 +366,37 @@ class _Way:
             Shape (k + 1, n, 6).
         """
         knots, k = self._knots(), len(start)
-        prior, ramp = bridge(knots, self._length)
-        seen = np.searchsorted(knots, self._at)
-        inner = prior[np.ix_(seen, seen)]
-        spread, vectors = eigh(inner) if len(seen) else (np.zeros(0), np.zeros((0, 0)))
-        root = _root(prior)
+        bridge, seen = Bridge(knots, self._edges), np.searchsorted(knots, self._at)
         found = np.empty((k, len(knots), 6))
         # A position, a swing and a turn each move alike in all their coordinates.
         for group, densities in _GROUPS:
             sd = float(self._noise[group[0]])
-            straight = start[:, None, group] + ramp[:, None] * (end - start)[:, None, group]
             white = _white(rng, (k - 1, len(knots), len(group)))
             noise = sd * _white(rng, (k - 1, len(seen), len(group)))
-            if self.is_hidden:
-                ways = [(CALM, densities[0]), (WILD, densities[-1])]
-            elif self._is_felt:
-                most = FELT_WAY_SD[group != [0, 1, 2]]
-                ways = [(slice(None), most**2 / max(float(prior.diagonal().max()), _EXACTLY))]
-            else:
-                off = self._values[:, group] - straight[-1, seen]
-                ways = [(slice(None), _likeliest(densities, spread, vectors, off, sd))]
-            for rows, q in ways:
-                free = straight[rows] + np.sqrt(q) * (root @ white[rows])
+            ends = start[:, None, group], end[:, None, group]
+            for rows, q in self._densities(bridge.at(seen), group, densities, ends):
+                prior, ramp = bridge.given(q)
+                free = ends[0][rows] + ramp[:, None] * (ends[1] - ends[0])[rows]
+                free = free + _root(prior) @ white[rows]
                 said = self._values[:, group] - free[:, seen] - noise[rows]
-                gain = _gain(float(q), prior[:, seen], inner, sd)
+                gain = _gain(prior[:, seen], prior[np.ix_(seen, seen)], sd)
                 found[rows, :, group[0] : group[-1] + 1] = free + gain @ said
         return _interpolated(time - self._begin, knots, found)
+
+    def _densities(
+        self, bridge: Bridge, group: list[int], densities: Array, ends: tuple[Array, Array]
+    ) -> list[tuple[slice, Array]]:
+        """Acceleration densities of the parts, and the draws for which they are."""
+        alike = np.ones(bridge.parts)
+        if self.is_hidden:
+            return [(CALM, densities[0] * alike), (WILD, densities[-1] * alike)]
+        if self._is_felt:
+            most = FELT_WAY_SD[group != [0, 1, 2]]
+            half_way = float(Bridge(0.5 * self._edges[-1:], self._edges).given(alike)[0][0, 0])
+            return [(slice(None), most**2 / half_way * alike)]
+        values, sd = self._values[:, group], float(self._noise[group[0]])
+        between = ends[0][-1], ends[1][-1]
+        return [(slice(None), _likeliest(densities, bridge, values, between, sd))]
 
     def _knots(self) -> Array:
         """Times of a track from its begin on: its ends, its frames, and what no frame shows."""
@@ -388,12 +406,12 @@ class _Way:
         return np.unique(np.concatenate([[0.0, self._length], self._at, unseen]))
 
 
-def _gain(q: float, across: Array, inner: Array, sd: float) -> Array:
-    """What a way makes of frames off it, shape (n, m): q C (q C + σ²)⁻¹."""
+def _gain(across: Array, inner: Array, sd: float) -> Array:
+    """What a way makes of frames off it, shape (n, m): C (C + σ²)⁻¹."""
     if not len(inner):
         return np.zeros((len(across), 0))
-    known = cho_factor(q * inner + sd**2 * np.eye(len(inner)))
-    return np.asarray(cho_solve(known, q * across.T).T)
+    known = cho_factor(inner + sd**2 * np.eye(len(inner)))
+    return np.asarray(cho_solve(known, across.T).T)
 
 
 def _interpolated(at: Array, knots: Array, values: Array) -> Array:
@@ -404,25 +422,59 @@ def _interpolated(at: Array, knots: Array, values: Array) -> Array:
     return np.asarray(low + share[:, None] * (high - low))
 
 
-def bridge(at: Array, length: float) -> tuple[Array, Array]:
-    """Covariance of a way between two rests with q = 1, and its mean from 0 to 1.
+class Bridge:
+    """A way between two rests whose acceleration is white, of one density in each of its parts.
 
-    The integrated Wiener process x from rest, cov(x(s), x(t)) = s² (3 t − s) / 6 for s ≤ t, given
-    that x and its rate are 0 at the end.
+    The integrated Wiener process x from rest, cov(x(s), x(t)) = Σ q_i ∫ (s − u) (t − u) du over
+    part i up to the earlier one of s and t, given that it comes to rest at the end.
 
     Args:
         at: times from the begin, shape (n,) [s].
-        length: of the way [s].
-
-    Returns:
-        Shapes (n, n) and (n,).
+        edges: of the parts, from 0 to the length of the way, shape (p + 1,) [s].
     """
-    s, t = np.minimum.outer(at, at), np.maximum.outer(at, at)
-    free = s**2 * (3.0 * t - s) / 6.0
-    to_end = np.column_stack([at**2 * (3.0 * length - at) / 6.0, at**2 / 2.0])
-    end = np.array([[length**3 / 3.0, length**2 / 2.0], [length**2 / 2.0, length]])
-    gain = np.linalg.solve(end, to_end.T).T
-    return free - gain @ to_end.T, np.asarray(gain[:, 0])
+
+    def __init__(self, at: Array, edges: Array) -> None:
+        a, b = edges[:-1, None, None], edges[1:, None, None]
+        length, s, t = edges[-1], at[:, None], at[None, :]
+        self.parts = len(edges) - 1
+        self._free = _positions(s, t, a, b)
+        ends = np.broadcast_arrays(_positions(s, length, a, b), _rates(s, a, b))
+        self._to_end = np.concatenate(ends, axis=2)
+        both, rate = _positions(length, length, a, b), _rates(length, a, b)
+        self._end = np.concatenate(
+            [np.concatenate([both, rate], axis=2), np.concatenate([rate, b - a], axis=2)], axis=1
+        )
+
+    def at(self, chosen: NDArray[np.intp]) -> Bridge:
+        """The same at some of its times."""
+        some = copy(self)
+        some._free = self._free[:, chosen[:, None], chosen]
+        some._to_end = self._to_end[:, chosen]
+        return some
+
+    def given(self, densities: Array) -> tuple[Array, Array]:
+        """Covariance of the way, shape (n, n), and its mean from 0 to 1, shape (n,).
+
+        Args:
+            densities: q of each part, shape (p,).
+        """
+        free, to_end, end = (
+            np.tensordot(densities, each, 1) for each in (self._free, self._to_end, self._end)
+        )
+        gain = np.linalg.solve(end, to_end.T).T
+        return free - gain @ to_end.T, np.asarray(gain[:, 0])
+
+
+def _positions(s: Array | float, t: Array | float, a: Array, b: Array) -> Array:
+    """∫ (s − u) (t − u) du from a to b, but no further than s and t."""
+    v = np.clip(np.minimum(s, t), a, b)
+    return s * t * (v - a) - (s + t) * (v**2 - a**2) / 2.0 + (v**3 - a**3) / 3.0
+
+
+def _rates(s: Array | float, a: Array, b: Array) -> Array:
+    """∫ (s − u) du from a to b, but no further than s."""
+    v = np.clip(s, a, b)
+    return np.asarray(s * (v - a) - (v**2 - a**2) / 2.0)
 
 
 def _root(covariance: Array) -> Array:
@@ -431,17 +483,33 @@ def _root(covariance: Array) -> Array:
     return np.asarray(vectors * np.sqrt(np.clip(values, 0.0, None)))
 
 
-def _likeliest(densities: Array, spread: Array, vectors: Array, off: Array, sd: float) -> float:
-    """The density under which what is seen off the straight way is most likely.
+def _likeliest(
+    densities: Array, bridge: Bridge, values: Array, ends: tuple[Array, Array], sd: float
+) -> Array:
+    """The densities of the parts under which what is seen is most likely, shape (p,).
+
+    They are sought one after the other, from the same one for all parts.
 
     Args:
         densities: that are tried, shape (g,).
-        spread: eigenvalues of the way with q = 1, shape (m,).
-        vectors: its eigenvectors, shape (m, m).
-        off: what is seen, shape (m, c).
+        bridge: at the times of the frames.
+        values: what is seen, shape (m, c).
+        ends: where it begins and where it ends, shape (1, c) each.
         sd: of the noise.
     """
-    energy = np.sum((vectors.T @ off) ** 2, axis=1)
-    variance = densities[:, None] * np.clip(spread, 0.0, None) + sd**2
-    likelihood = -0.5 * np.sum(off.shape[1] * np.log(variance) + energy / variance, axis=1)
-    return float(densities[int(np.argmax(likelihood))])
+
+    def unlikely(q: Array) -> float:
+        prior, ramp = bridge.given(q)
+        known = cho_factor(prior + sd**2 * np.eye(len(values)), lower=True)
+        off = values - (ends[0] + ramp[:, None] * (ends[1] - ends[0]))
+        log_det = 2.0 * float(np.log(known[0].diagonal()).sum())
+        return float(values.shape[1] * log_det + np.sum(off * cho_solve(known, off)))
+
+    def best(of: list[Array]) -> Array:
+        return min(of, key=unlikely)
+
+    found = best([np.full(bridge.parts, q) for q in densities])
+    for _sweep in range(_SWEEPS if bridge.parts > 1 else 0):
+        for i in range(bridge.parts):
+            found = best([np.where(np.arange(bridge.parts) == i, q, found) for q in densities])
+    return found

@@ -12,6 +12,7 @@ import pytest
 from benchmarks.verdicts.redrawn_frames import with_frames
 from grammar.frames import command as g
 from nlcontrol.checks import own_verdicts
+from nlcontrol.checks.own_accounts import Knowledge
 from nlcontrol.checks.verdicts import Check
 from objectmodels import BoxModel
 from planner.types.defaults import DEFAULTS
@@ -55,7 +56,7 @@ def _verdicts(
     frame: g.Frame, trace: Trace, box: BoxModel, vision: Vision = STANDARD
 ) -> tuple[Check, ...]:
     models = {BOX: box, "mug": ROUND}
-    return own_verdicts.verdicts(frame, trace, models, TABLE, vision, DEFAULTS)
+    return own_verdicts.verdicts(frame, trace, Knowledge(models, TABLE, vision, DEFAULTS))
 
 
 @pytest.mark.parametrize("vision", [STANDARD, ROUGH])
