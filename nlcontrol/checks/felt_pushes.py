@@ -1,19 +1,28 @@
 """What became of a pushed object as the fingertips felt it, for where no camera sees it.
 
-Model: a push with two fingers, straight on. What slides goes as far as the fingertips, under a
-force that stays as it is. What tips over an edge gives way: the force on it falls in proportion to
-the tilt that is left until it falls by itself, and is gone when it does (moments about the edge, as
-in `objectmodels.mechanics`); then it lies on the side to which it was pushed. Anything else, a push
-with one finger or around a corner as well, is not told by touch.
+Model: what slides goes as far as the fingertips, under a force that stays as it is. What tips over
+an edge gives way: the force on it falls in proportion to the tilt that is left until it falls by
+itself, and is gone when it does (moments about the edge, as in `objectmodels.mechanics`); then it
+lies on the side to which it was pushed. What slid in the end may have leant on its way, by no more
+than the share that its force ever fell. A push by one fingertip that loses its force is not told:
+what it pushed may have turned away from it.
+
+How far it turned on its slide the line between two fingertips tells. One fingertip is a pivot, and
+the object turns about it by the law of sliding with the friction radius c̄ [howe-cutkosky-1996]:
+pushed at a distance a behind its centre of mass and b beside it,
+
+    dψ/ds = (b cos ψ + a sin ψ) / ρ²,  ρ² = c̄² + a² + b²,  so that  ψ ≈ b / a (exp(a s / ρ²) − 1).
 
 Frames: W is the world, T a fingertip.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from nlcontrol.checks import trace_measures as measures
 from sim.perception.pose_tracks import FeltEnd
@@ -21,6 +30,8 @@ from sim.perception.pose_tracks import FeltEnd
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from objectmodels import ObjectModel
+    from sim.perception.pose_tracks import Array
     from sim.traces.trace import Trace
 
 FELT = 0.15
@@ -29,55 +40,132 @@ FELT = 0.15
 STAYS, GONE = 0.7, 0.35
 """Shares of the first force on the way: more at its end, and it slid; less, and it tipped over."""
 
-LEAST_WAY = 0.008
-"""A way of the fingertips on which a force has time to change [m]."""
+LEAST_WAY, SHORT = 0.001, 0.008
+"""Ways of the fingertips: of less nothing is told; on a short one a force has no time to change,
+and the object may have leant and come back instead of sliding [m]."""
 
-STRAIGHT = 0.003
-"""By which a straight way may be off its line [m]."""
+ALONG_SD, ASIDE_SHARES = 0.0005, {1: 0.02, 2: 0.04}
+"""Standard deviations of a slide: along the push [m], and aside, as a share of the way, by the
+number of fingertips; two of them need not stick to keep their side straight."""
 
-ALONG_SD, ASIDE_SHARE = 0.0005, 0.04
-"""Standard deviations of a slide: along the push [m], and aside, as a share of the way."""
+BESIDE_SD = 0.002
+"""The same of where one fingertip touches, besides that of the believed centre of mass [m]."""
 
-TURN_SD, FALL_SD = np.radians(3.0), np.radians(5.0)
-"""The same of the heading, and of the tilt of what fell [rad]."""
+TURN_SD, FALL_SD, LEAN_SD = np.radians(3.0), np.radians(5.0), np.radians(1.0)
+"""The same of the heading under two fingertips, of the tilt of what fell, and of the least lean on
+the way that a force would show [rad]."""
 
+MOST_TURN = 0.6
+"""A turn under one fingertip, two standard deviations on, that is told at most [rad]."""
+
+_LEAST_LEVER = 0.005  # [m]
 _PART = 0.15  # of the way, at its begin and at its end, over which a force is averaged
 
 
-def felt_end(trace: Trace, samples: NDArray[np.intp]) -> FeltEnd | None:
+@dataclass(frozen=True, eq=False)
+class Place:
+    """Where an object stands, X_WB.
+
+    Attributes:
+        R: its attitude.
+        p: its origin, shape (3,) [m].
+    """
+
+    R: Rotation
+    p: Array
+
+    @classmethod
+    def seen(cls, frames: Array) -> Place:
+        """The mean of sightings, shape (m, 8)."""
+        return cls(Rotation.from_quat(frames[:, [2, 3, 4, 1]]).mean(), frames[:, 5:].mean(axis=0))
+
+    def after(self, felt: FeltEnd) -> Place:
+        """Where it stands after a push that touch tells."""
+        turn = Rotation.from_rotvec([0.0, 0.0, felt.turn])
+        lever = np.array([*felt.lever, 0.0])
+        swing = Rotation.from_rotvec([*felt.swing, 0.0])
+        return Place(swing * turn * self.R, self.p + felt.way + turn.apply(lever) - lever)
+
+
+def felt_end(
+    trace: Trace, samples: NDArray[np.intp], model: ObjectModel, place: Place
+) -> FeltEnd | None:
     """How a push has left its object by touch alone; None if that does not tell.
 
     Args:
         trace: of the robot's own senses.
         samples: those of one push, from its touch on.
+        model: what is believed of the object.
+        place: where it stood before the push.
     """
     pushing = samples[trace.phase[samples] == "push"]
-    if len(trace.tips) != 2 or not trace.felt or len(pushing) < 3:
+    if len(trace.tips) not in ASIDE_SHARES or not trace.felt or len(pushing) < 3:
         return None
-    tips = measures.midpoint(trace)[pushing] - measures.midpoint(trace)[pushing[0]]
+    begin = measures.midpoint(trace)[pushing[0]]
+    tips = measures.midpoint(trace)[pushing] - begin
     way = np.array([*tips[-1, :2], 0.0])
     length = float(np.linalg.norm(way))
     if length < LEAST_WAY:
         return None
     along = way / length
-    travel = tips @ along
-    if np.linalg.norm((tips - travel[:, None] * along)[:, :2], axis=1).max() > STRAIGHT:
-        return None
-    total = np.sum(list(trace.felt.values()), axis=0) @ along
-    force = measures.windowed_mean(trace.time, total, measures.FORCE_WINDOW)[pushing]
-    begun = int(np.argmax(travel > 0.02 * length))
-    first = float(force[begun : int(np.argmax(travel > _PART * length)) + 1].max())
-    last = float(force[travel > (1.0 - _PART) * length].mean())
+    across = np.array([-along[1], along[0], 0.0])
+    first, least, last = _forces(trace, pushing, tips @ along / length, along)
     if first < FELT:
         return None
+    lever = (place.p - begin)[:2]
     if last > STAYS * first:
-        aside = ASIDE_SHARE * length
-        across = np.array([-along[1], along[0], 0.0])
-        sd = np.hypot(ALONG_SD * np.abs(along), aside * np.abs(across))
+        turn = _turn(trace, pushing, model, place, begin, along, length)
+        if turn is None:
+            return None
+        sd = np.hypot(
+            ALONG_SD * np.abs(along), ASIDE_SHARES[len(trace.tips)] * length * np.abs(across)
+        )
         sd[2] = ALONG_SD
-        return FeltEnd(way, np.zeros(2), sd, 0.0, TURN_SD)
-    if last < GONE * first:
+        if length < SHORT:
+            sd = np.hypot(sd, 0.5 * np.abs(way))
+        leant = model.angle_of_no_return(place.R.inv().apply(along)[:2]) * (1.0 - least / first)
+        return FeltEnd(way, lever, turn[0], np.zeros(2), sd, turn[1], 0.0, max(leant, LEAN_SD))
+    if last < GONE * first and len(trace.tips) == 2:
         # It turns about the edge, to the left of the way; where its middle lies is not felt.
-        fallen = 0.5 * np.pi * np.array([-along[1], along[0]])
-        return FeltEnd(way, fallen, np.full(3, 0.5 * length), FALL_SD, TURN_SD)
+        fallen = 0.5 * np.pi * across[:2]
+        sd = np.full(3, 0.5 * length)
+        return FeltEnd(way, lever, 0.0, fallen, sd, TURN_SD, FALL_SD, FALL_SD)
     return None
+
+
+def _forces(
+    trace: Trace, pushing: NDArray[np.intp], travel: Array, along: Array
+) -> tuple[float, float, float]:
+    """The force along a push: its largest at first, the least later, and at the end [N]."""
+    total = np.sum(list(trace.felt.values()), axis=0) @ along
+    force = measures.windowed_mean(trace.time, total, measures.FORCE_WINDOW)[pushing]
+    begun, part = int(np.argmax(travel > 0.02)), int(np.argmax(travel > _PART)) + 1
+    peak, late = begun + int(np.argmax(force[begun:part])), travel > 1.0 - _PART
+    last = float(force[late].mean())  # the hand draws back within the window of the last samples
+    return float(force[peak]), min(float(force[peak:][~late[peak:]].min()), last), last
+
+
+def _turn(
+    trace: Trace,
+    pushing: NDArray[np.intp],
+    model: ObjectModel,
+    place: Place,
+    begin: Array,
+    along: Array,
+    length: float,
+) -> tuple[float, float] | None:
+    """By how much it turned as it slid, and its standard deviation; None if that is not told."""
+    if len(trace.tips) == 2:
+        one, other = trace.tips.values()
+        between = (other - one)[pushing[[0, -1]], :2]
+        headings = np.arctan2(between[:, 1], between[:, 0])
+        turned = float(np.angle(np.exp(1j * (headings[1] - headings[0]))))
+        return turned, TURN_SD
+    lever = (place.R.apply(model.com) + place.p - begin)[:2]
+    behind = max(float(lever @ along[:2]), _LEAST_LEVER)
+    beside = float(lever @ [-along[1], along[0]])
+    beside_sd = float(np.hypot(BESIDE_SD, max(model.com_sd[:2])))
+    rate = behind / (model.friction_radius**2 + behind**2 + beside**2)
+    per_beside = np.expm1(rate * length) / behind
+    turn, sd = per_beside * beside, per_beside * beside_sd
+    return None if abs(turn) + 2.0 * sd > MOST_TURN else (float(turn), float(sd))

@@ -20,7 +20,7 @@ import numpy as np
 
 from nlcontrol.checks import trace_measures as measures
 from nlcontrol.checks.evidence import Evidence
-from nlcontrol.checks.felt_pushes import felt_end
+from nlcontrol.checks.felt_pushes import Place, felt_end
 from objectmodels.models.object_parts import LiftOffLid
 from objectmodels.models.vessel_strips import section_area
 from planner.geometry.footprints import gap
@@ -107,7 +107,7 @@ def own_accounts(frame: Frame, trace: Trace, known: Knowledge) -> OwnAccounts | 
         vision.position_noise_m, np.radians(vision.angle_noise_deg),
         vision.position_bias_m, np.radians(vision.angle_bias_deg),
     )  # fmt: skip
-    stretches = _stretches(trace)
+    stretches = _stretches(trace, name, models.get(name))
     tracks: dict[str, PoseTrack] = {}
     for each in models:
         if each in trace.sightings:
@@ -138,9 +138,10 @@ def _of(
     return {name: model for name, model in models.items() if name in tracks}
 
 
-def _stretches(trace: Trace) -> list[Stretch]:
+def _stretches(trace: Trace, name: str, model: ObjectModel | None) -> list[Stretch]:
     """Stretches of time in which something is worked on, or may not have come to rest yet."""
     found: list[Stretch] = []
+    place, seen = None, trace.sightings.get(name, np.empty((0, 8)))
     for samples in measures.stretches(trace, WORKED_ON):
         begin, last = float(trace.time[samples[0]]) - 0.02, int(samples[-1])
         left = float(trace.time[last])
@@ -149,10 +150,14 @@ def _stretches(trace: Trace) -> list[Stretch]:
         end = min(left + LEAVES, home + COMES_TO_REST)
         if trace.end == "toppled":
             end = max(end, left + LEAVES)
-        held, felt = str(trace.phase[last]) in _IN_HAND, felt_end(trace, samples)
-        if found and begin <= found[-1].end:
+        since = found[-1].end if found else -np.inf
+        rest = seen[(seen[:, 0] >= since) & (seen[:, 0] <= begin)]
+        place = Place.seen(rest) if len(rest) else place
+        felt = felt_end(trace, samples, model, place) if model and place else None
+        place = place.after(felt) if place and felt else None
+        if begin <= since:
             begin, felt = found.pop().begin, None
-        found.append(Stretch(begin, end, held, felt))
+        found.append(Stretch(begin, end, str(trace.phase[last]) in _IN_HAND, felt))
     return found
 
 

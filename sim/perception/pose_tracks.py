@@ -48,7 +48,7 @@ CALM, WILD = slice(0, None, 2), slice(1, None, 2)
 """Members of a track of what was hidden: that did as little as they may, and as much."""
 
 FELT_WAY_SD = (0.003, np.radians(1.0))
-"""By which what is felt all the way may be off it half-way [m], [rad]."""
+"""By which the place and the heading of what is felt may be off it half-way [m], [rad]."""
 
 MOST_FRAMES = 150
 """Frames of a stretch that are taken as they are; of more, neighbours are averaged."""
@@ -90,23 +90,33 @@ class FeltEnd:
     """How far a stretch moved its object, as touch alone tells it.
 
     Attributes:
-        shift: of its place in W, shape (3,) [m].
+        way: of the fingertips in W, shape (3,) [m].
+        lever: from where they began to where the object's origin was, shape (2,) [m].
+        turn: by which it turned about them [rad].
         swing: by which it was tilted, shape (2,) [rad].
-        shift_sd: standard deviations, shape (3,) [m].
-        swing_sd, turn_sd: standard deviations [rad].
+        way_sd: standard deviations, shape (3,) [m].
+        turn_sd, swing_sd: standard deviations [rad].
+        lean_sd: the same of a lean half-way [rad].
     """
 
-    shift: Array
+    way: Array
+    lever: Array
+    turn: float
     swing: Array
-    shift_sd: Array
-    swing_sd: float
+    way_sd: Array
     turn_sd: float
+    swing_sd: float
+    lean_sd: float
 
     def after(self, starts: Array, rng: np.random.Generator) -> Array:
         """Draws of where it ends from where it began, their mean last, shape (k + 1, 6) each."""
-        mean = np.array([*self.shift, *self.swing, 0.0])
-        sd = np.array([*self.shift_sd, self.swing_sd, self.swing_sd, self.turn_sd])
-        return np.asarray(starts + mean + sd * _white(rng, (len(starts) - 1, 6)))
+        mean = np.array([*self.way, *self.swing, self.turn])
+        sd = np.array([*self.way_sd, self.swing_sd, self.swing_sd, self.turn_sd])
+        off = mean + sd * _white(rng, (len(starts) - 1, 6))
+        c, s = np.cos(off[:, 5]) - 1.0, np.sin(off[:, 5])
+        off[:, 0] += c * self.lever[0] - s * self.lever[1]
+        off[:, 1] += s * self.lever[0] + c * self.lever[1]
+        return np.asarray(starts + off)
 
 
 @dataclass(frozen=True)
@@ -343,8 +353,8 @@ class _Way:
     def __init__(self, stretch: Stretch, at: Array, values: Array, noise: Array) -> None:
         edges = np.concatenate([[stretch.begin], at, [stretch.end]])
         unseen = bool(np.diff(edges).max() > HIDDEN)
-        self._is_felt = unseen and stretch.felt is not None
-        self.is_hidden = unseen and not self._is_felt
+        self._felt = stretch.felt if unseen else None
+        self.is_hidden = unseen and self._felt is None
         self._begin, self._edges = stretch.begin, stretch.edges
         self._length = float(self._edges[-1])
         stride = max(1, -(-len(at) // MOST_FRAMES))
@@ -390,8 +400,9 @@ class _Way:
         alike = np.ones(bridge.parts)
         if self.is_hidden:
             return [(CALM, densities[0] * alike), (WILD, densities[-1] * alike)]
-        if self._is_felt:
-            most = FELT_WAY_SD[group != [0, 1, 2]]
+        if self._felt is not None:
+            place_sd, turn_sd = FELT_WAY_SD
+            most = {0: place_sd, 3: self._felt.lean_sd, 5: turn_sd}[group[0]]
             half_way = float(Bridge(0.5 * self._edges[-1:], self._edges).given(alike)[0][0, 0])
             return [(slice(None), most**2 / half_way * alike)]
         values, sd = self._values[:, group], float(self._noise[group[0]])

@@ -12,6 +12,7 @@ import pytest
 from benchmarks.verdicts.redrawn_frames import with_frames
 from grammar.frames import command as g
 from nlcontrol.checks import own_verdicts
+from nlcontrol.checks.felt_pushes import Place, felt_end
 from nlcontrol.checks.own_accounts import Knowledge
 from nlcontrol.checks.verdicts import Check
 from objectmodels import BoxModel
@@ -108,22 +109,65 @@ def test_with_a_perfect_camera_both_say_the_same(make_trace: TraceMaker, box: Bo
         assert check.ok == check.observed.ok
 
 
-@pytest.mark.parametrize("until", [math.inf, -1.0])
-def test_what_was_hidden_is_neither_held_nor_failed(
-    make_trace: TraceMaker, box: BoxModel, until: float
-) -> None:
-    trace = _seen(make_trace(tilt=0.05, tilt_at_end=0.0, fingers=1))
+def _hidden(trace: Trace, *, ever_since: bool) -> Trace:
+    """The trace without frames of the box while it is pushed, or of all that comes after, too."""
     pushing = trace.time[np.flatnonzero(trace.phase == "push")[[0, -1]]]
     seen = trace.sightings[BOX]
-    after = seen[:, 0] > (math.inf if until < 0.0 else pushing[1])
-    shown = seen[(seen[:, 0] < pushing[0]) | after]
-    hidden = replace(trace, sightings=trace.sightings | {BOX: shown})
-    checks = _verdicts(frame_of(AWAY, g.NoTilt()), hidden, box)
+    shown = seen[(seen[:, 0] < pushing[0]) | ((seen[:, 0] > pushing[1]) & (not ever_since))]
+    return replace(trace, sightings=trace.sightings | {BOX: shown})
+
+
+@pytest.mark.parametrize("ever_since", [False, True])
+def test_what_was_hidden_is_neither_held_nor_failed(
+    make_trace: TraceMaker, box: BoxModel, ever_since: bool
+) -> None:
+    trace = replace(_seen(make_trace(tilt=0.05, tilt_at_end=0.0)), felt={})
+    checks = _verdicts(frame_of(AWAY, g.NoTilt()), _hidden(trace, ever_since=ever_since), box)
     tilt = one(checks, "largest tilt")
     assert (tilt.verdict, tilt.why, tilt.measured) == (
         "unknown", "not_perceived", "not perceived",
     )  # fmt: skip
-    assert one(checks, "moved in").verdict == ("held" if until > 0.0 else "unknown")
+    assert one(checks, "moved in").verdict == ("unknown" if ever_since else "held")
+
+
+@pytest.mark.parametrize(("dip", "verdict"), [(0.02, "held"), (0.5, "unknown")])
+def test_a_lean_that_nobody_saw_shows_in_the_force(
+    make_trace: TraceMaker, box: BoxModel, dip: float, verdict: str
+) -> None:
+    """The box falls by itself at 21°: of half of its force less it may have leant by 10°."""
+    trace = _seen(make_trace())
+    n = int((trace.phase == "push").sum())
+    share = np.ones(len(trace.time))
+    share[trace.phase == "push"] -= dip * np.sin(np.linspace(0.0, np.pi, n)) ** 2
+    trace = replace(trace, felt={k: share[:, None] * force for k, force in trace.felt.items()})
+    clause = g.MaxTilt(value=math.radians(8.0))
+    hidden = _hidden(trace, ever_since=True)
+    checks = _verdicts(frame_of(AWAY, clause), hidden, box)
+    assert one(checks, "largest tilt").verdict == verdict
+    assert one(checks, "moved in").verdict == "held"
+
+
+@pytest.mark.parametrize(("beside", "turned"), [(0.0, 0.0), (0.02, 16.6)])
+def test_one_fingertip_is_a_pivot(
+    make_trace: TraceMaker, box: BoxModel, beside: float, turned: float
+) -> None:
+    """By the law of sliding: c̄ = 34 mm, pushed 45 mm behind the centre, for 30 mm.
+
+    b = 20 mm: ρ² = 34² + 45² + 20² = 3,600 mm², 20 / 45 · (exp(45 · 30 / 3,600) − 1) = 0.20.
+    """
+    trace = make_trace(travel=(0.03, 0.0), fingers=1)
+    pushing = np.flatnonzero(trace.phase != "look")
+    centre = trace.poses[BOX][0, 4:6]
+    (finger,) = trace.tips
+    begin = trace.tips[finger][np.flatnonzero(trace.phase == "push")[0]]
+    to = np.array([centre[0] - 0.045, centre[1] - beside, begin[2]]) - begin
+    trace = replace(trace, tips={finger: trace.tips[finger] + to})
+    samples = pushing[np.isin(trace.phase[pushing], ("touch", "push"))]
+    felt = felt_end(trace, samples, box, Place.seen(_seen(trace).sightings[BOX][:5]))
+    assert felt is not None
+    assert box.friction_radius == pytest.approx(0.034, abs=0.001)
+    assert np.degrees(felt.turn) == pytest.approx(turned, abs=6.0)
+    assert felt.way == pytest.approx([0.03, 0.0, 0.0], abs=1e-3)
 
 
 @pytest.mark.parametrize(
