@@ -18,7 +18,7 @@ def no_push_reached(
     """Dead end since contacts exist on an object, but the hand gets to none of them."""
     last, words = _obstacle(answers, spared, object=name)
     numbers = {"ways": float(len(answers)), **last.numbers}
-    return no_plan("pushes_blocked" if words["blocker"] else "no_push_reached", numbers, **words)
+    return no_plan(_code(words, "pushes_blocked", "no_push_reached"), numbers, **words)
 
 
 def search_given_up(
@@ -37,9 +37,9 @@ def no_grasp_reached(
 ) -> NoPlanError:
     """Dead end since there are ways with a whole hand, but it cannot make them."""
     last, words = _obstacle(answers, spared, object=name, doing=doing)
-    code = "grasps_blocked" if words["blocker"] else "no_grasp_reached"
+    code = _code(words, "grasps_blocked", "no_grasp_reached")
     if held:
-        code = "blocked_in_hand" if words["blocker"] else "no_reach_in_hand"
+        code = _code(words, "blocked_in_hand", "no_reach_in_hand")
     one = len(answers) == 1
     return no_plan(
         code,
@@ -50,15 +50,20 @@ def no_grasp_reached(
     )
 
 
+def _code(words: dict[str, Any], blocked: str, beyond: str) -> str:
+    return blocked if words["blocker"] else "no_way_past" if words["other"] else beyond
+
+
 def _obstacle(
     answers: Sequence[ReachAnswer], spared: Collection[str], **words: Any
 ) -> tuple[ReachAnswer, dict[str, Any]]:
     """The first answer that names an obstacle, else the nearest miss; and the words of a refusal.
 
-    What is spared stays where it is, since the sentence tells a place by it.
+    What is spared stays where it is, since the sentence tells a place by it: that it is met, as
+    `other`, is no more than that no way was found past it.
     """
     met = [each for each in answers if each.reason == "obstacle" and each.blocker]
     found = next((each for each in met if each.blocker not in spared), None)
-    nearest = min(answers, key=lambda each: each.numbers.get("lacks", 0.0))
-    last = found or next(iter(met), nearest)
-    return last, {**words, "last": last.message, "blocker": found and found.blocker}
+    last = found or min(answers, key=lambda each: each.numbers.get("lacks", 0.0))
+    other = met[0].blocker if met and not found else None
+    return last, {**words, "last": last.message, "blocker": found and found.blocker, "other": other}

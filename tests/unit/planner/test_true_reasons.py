@@ -87,3 +87,10 @@ def test_what_carries_the_object_is_not_taken_from_under_it(crowd: WorldState) -
     stack = {box.name: box, tea.name: put_on(tea, box)}
     made = refused(SAID, WorldState(stack, on.table), hand)
     assert not any(each.startswith("move the cereal box") for each in made.suggestions)
+
+
+def test_what_tells_the_place_is_past_and_not_in_the_way(crowd: WorldState) -> None:
+    """Nobody is told to move it."""
+    made = refused("put the ice tea on the cereal box", crowd, Hindered(meets=("cereal box",)))
+    assert (made.code, obstacles(made)) == ("no_way_past", ())
+    assert not any("move" in each for each in made.suggestions)
