@@ -131,12 +131,18 @@ def apply_lesson(model: ObjectModel, trial: Trial) -> Update:
 
 def _explained(model: ObjectModel, trial: Trial) -> Update:
     """The belief after a trial in which something moved."""
-    from objectmodels.identification.belief_update import update_belief, widen_belief
+    from objectmodels.identification.belief_update import (
+        doubt_belief,
+        update_belief,
+        widen_belief,
+    )
 
     first = update_belief(model, [trial], spread=SPREAD)
     if not first.is_contradiction:
         return first
-    again = update_belief(widen_belief(model, first.surprise), [trial], spread=SPREAD)
+    doubted = doubt_belief(model)
+    surprise = update_belief(doubted, [trial], spread=SPREAD).surprise
+    again = update_belief(widen_belief(doubted, surprise), [trial], spread=SPREAD)
     return replace(again, surprise=first.surprise)
 
 

@@ -45,6 +45,10 @@ from objectmodels.models.object_model import ObjectModel
 SURPRISING = 3.0
 """Standard deviations from which on a trial contradicts what was believed."""
 
+DOUBTED = 0.03
+"""Least relative standard deviation of a mass or a friction that is contradicted, however surely it
+was stated: no better is it measured in a kitchen."""
+
 _STEPS, _WHOLE = 30, 8  # and after how many they are halved
 _SETTLED = 1e-4  # step in standard deviations
 
@@ -199,13 +203,22 @@ def _logarithmic_predictions(balance: Balance, values: Array, spread: float) -> 
 def update_without_motion(model: ObjectModel, trial: Trial) -> Update:
     """Belief after a push that moved nothing, with the force of the trial.
 
-    A belief by which the object should have moved was too sure: its covariance is widened first,
-    until the trial is no more than just surprising.
+    A belief by which the object should have moved was too sure: what the force depends on is
+    doubted, and widened, until the trial is no more than just surprising.
     """
     surprise = max(0.0, *(_force_distance(model, trial, moved)[0] for moved in _WAYS))
     for moved in _WAYS:
         model = _belief_above(model, trial, moved)
     return Update(model, surprise)
+
+
+def doubt_belief(model: ObjectModel) -> ObjectModel:
+    """Belief in which neither mass nor friction is surer than `DOUBTED`; correlations stay."""
+    deviations = model.deviations
+    doubted = np.maximum(deviations, np.where(LOGARITHMIC, DOUBTED * model.means, 0.0))
+    if np.array_equal(doubted, deviations):
+        return model
+    return with_belief(model, model.correlation * np.outer(doubted, doubted))
 
 
 def widen_belief(model: ObjectModel, surprise: float) -> ObjectModel:
@@ -219,11 +232,18 @@ def widen_belief(model: ObjectModel, surprise: float) -> ObjectModel:
 
 def _belief_above(model: ObjectModel, trial: Trial, moved: Moved) -> ObjectModel:
     """Belief if the force of one way to move is above that of the trial."""
-    z, *_ = _force_distance(model, trial, moved)
-    model = widen_belief(model, z)
-    cut, gain, P = _force_distance(model, trial, moved)
+    cut, gain, P, share = _force_distance(model, trial, moved)
+    if cut > SURPRISING:
+        model = doubt_belief(model)
+        cut, gain, P, share = _force_distance(model, trial, moved)
     if not np.isfinite(cut):
         return model
+    wider = max(1.0, cut / SURPRISING) ** 2
+    if wider > 1.0 and share > 0.0:
+        # Only what the force depends on is widened: var(hᵀx) + var(noise) by that factor.
+        P = P + (wider - 1.0) / share**2 * np.outer(gain, gain)
+        gain = gain * (1.0 + (wider - 1.0) / share) / np.sqrt(wider)
+        cut = SURPRISING
     hazard = normal_hazard(cut)
     raised = _shift_while_standing(model, hazard * gain)
     P = P - hazard * (hazard - cut) * np.outer(gain, gain)
@@ -242,16 +262,19 @@ def _shift_while_standing(model: ObjectModel, step: Array) -> ObjectModel:
     return with_values(model, values_at(x + np.where(place, 0.0, step)))
 
 
-def _force_distance(model: ObjectModel, trial: Trial, moved: Moved) -> tuple[float, Array, Array]:
-    """z, the gain P hᵀ / σ, and the belief's covariance P in coordinates."""
+def _force_distance(
+    model: ObjectModel, trial: Trial, moved: Moved
+) -> tuple[float, Array, Array, float]:
+    """z, the gain P hᵀ / σ, the belief's covariance P in coordinates, and its share hᵀP h / σ²."""
     at = Balance(model, [replace(trial, moved=moved)]).linear_predictions(model.means)
     P, size = belief_of(model), float(np.linalg.norm(trial.force))
     predicted = float(at.predicted[0])
     if not np.isfinite(predicted):
-        return -np.inf, np.zeros(len(P)), P
+        return -np.inf, np.zeros(len(P)), P, 0.0
     h = at.jacobian[0] / predicted
-    sd = sqrt(float(h @ P @ h) + (float(at.sd[0]) / size) ** 2)
-    return (log(size) - log(predicted)) / sd, P @ h / sd, P
+    believed = float(h @ P @ h)
+    sd = sqrt(believed + (float(at.sd[0]) / size) ** 2)
+    return (log(size) - log(predicted)) / sd, P @ h / sd, P, believed / sd**2
 
 
 def normal_hazard(z: float) -> float:
