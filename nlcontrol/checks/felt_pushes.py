@@ -41,8 +41,8 @@ STAYS, GONE = 0.7, 0.35
 """Shares of the first force on the way: more at its end, and it slid; less, and it tipped over."""
 
 LEAST_WAY, SHORT = 0.001, 0.008
-"""Ways of the fingertips: of less nothing is told; on a short one a force has no time to change,
-and the object may have leant and come back instead of sliding [m]."""
+"""Ways of the fingertips: less is none; on a short one a force has no time to change, and what was
+pushed may have leant and come back instead of sliding [m]."""
 
 ALONG_SD, ASIDE_SHARES = 0.0005, {1: 0.02, 2: 0.04}
 """Standard deviations of a slide: along the push [m], and aside, as a share of the way, by the
@@ -51,9 +51,9 @@ number of fingertips; two of them need not stick to keep their side straight."""
 BESIDE_SD = 0.002
 """The same of where one fingertip touches, besides that of the believed centre of mass [m]."""
 
-TURN_SD, FALL_SD, LEAN_SD = np.radians(3.0), np.radians(5.0), np.radians(1.0)
-"""The same of the heading under two fingertips, of the tilt of what fell, and of the least lean on
-the way that a force would show [rad]."""
+TURN_SD, FALL_SD, LEAN_SD = np.radians(1.0), np.radians(5.0), np.radians(1.0)
+"""The same of the heading by the line between two fingertips, of the tilt of what fell, and of the
+least lean on the way that a force would show [rad]."""
 
 MOST_TURN = 0.6
 """A turn under one fingertip, two standard deviations on, that is told at most [rad]."""
@@ -99,38 +99,45 @@ def felt_end(
         place: where it stood before the push.
     """
     pushing = samples[trace.phase[samples] == "push"]
-    if len(trace.tips) not in ASIDE_SHARES or not trace.felt or len(pushing) < 3:
+    fingers = _fingers(trace, pushing)
+    if fingers not in ASIDE_SHARES or not trace.felt or len(pushing) < 3:
         return None
     begin = measures.midpoint(trace)[pushing[0]]
     tips = measures.midpoint(trace)[pushing] - begin
     way = np.array([*tips[-1, :2], 0.0])
     length = float(np.linalg.norm(way))
+    lever = (place.p - begin)[:2]
     if length < LEAST_WAY:
-        return None
+        sd = np.full(3, LEAST_WAY)
+        return FeltEnd(way, lever, 0.0, np.zeros(2), sd, TURN_SD, 0.0, LEAN_SD)
     along = way / length
     across = np.array([-along[1], along[0], 0.0])
     first, least, last = _forces(trace, pushing, tips @ along / length, along)
     if first < FELT:
         return None
-    lever = (place.p - begin)[:2]
     if last > STAYS * first:
-        turn = _turn(trace, pushing, model, place, begin, along, length)
+        turn = _turn(trace, pushing, fingers, model, place, begin, along, length)
         if turn is None:
             return None
-        sd = np.hypot(
-            ALONG_SD * np.abs(along), ASIDE_SHARES[len(trace.tips)] * length * np.abs(across)
-        )
+        sd = np.hypot(ALONG_SD * np.abs(along), ASIDE_SHARES[fingers] * length * np.abs(across))
         sd[2] = ALONG_SD
         if length < SHORT:
             sd = np.hypot(sd, 0.5 * np.abs(way))
         leant = model.angle_of_no_return(place.R.inv().apply(along)[:2]) * (1.0 - least / first)
         return FeltEnd(way, lever, turn[0], np.zeros(2), sd, turn[1], 0.0, max(leant, LEAN_SD))
-    if last < GONE * first and len(trace.tips) == 2:
+    if last < GONE * first and fingers == 2:
         # It turns about the edge, to the left of the way; where its middle lies is not felt.
         fallen = 0.5 * np.pi * across[:2]
         sd = np.full(3, 0.5 * length)
-        return FeltEnd(way, lever, 0.0, fallen, sd, TURN_SD, FALL_SD, FALL_SD)
+        return FeltEnd(way, lever, 0.0, fallen, sd, FALL_SD, FALL_SD, FALL_SD)
     return None
+
+
+def _fingers(trace: Trace, pushing: NDArray[np.intp]) -> int:
+    """How many pushed: among pushes of two a push of one has both of its tips in the same place."""
+    tips = list(trace.tips.values())
+    alike = len(tips) == 2 and np.allclose(tips[0][pushing], tips[1][pushing])
+    return 1 if alike else len(tips)
 
 
 def _forces(
@@ -148,6 +155,7 @@ def _forces(
 def _turn(
     trace: Trace,
     pushing: NDArray[np.intp],
+    fingers: int,
     model: ObjectModel,
     place: Place,
     begin: Array,
@@ -155,7 +163,7 @@ def _turn(
     length: float,
 ) -> tuple[float, float] | None:
     """By how much it turned as it slid, and its standard deviation; None if that is not told."""
-    if len(trace.tips) == 2:
+    if fingers == 2:
         one, other = trace.tips.values()
         between = (other - one)[pushing[[0, -1]], :2]
         headings = np.arctan2(between[:, 1], between[:, 0])

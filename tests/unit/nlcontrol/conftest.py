@@ -76,8 +76,13 @@ def make_trace() -> TraceMaker:
         tilts = tilt * peak + final * share**4 if tilt_at_end is not None else tilt * share
         x, y = 0.5 + travel[0] * share, travel[1] * share
         start = np.array([0.5, 0.0]) + np.array(side) * (0.045 + TIP_RADIUS)
-        p_WT = np.column_stack([start[0] + travel[0] * share, start[1] + travel[1] * share])
-        tips = {f"finger_{i}": np.column_stack([p_WT, np.full(n, height)]) for i in range(fingers)}
+        p_WT = start + share[:, None] * np.array(travel)
+        aside = 0.04 * np.array([-direction[1], direction[0]])
+        off = [(i - 0.5 * (fingers - 1)) * aside for i in range(fingers)]
+        tips = {
+            f"finger_{i}": np.column_stack([p_WT + off[i], np.full(n, height)])
+            for i in range(fingers)
+        }
         rng = np.random.default_rng(seed)
         felt = {
             name: np.where(push, force / fingers, 0.0)[:, None] * direction
