@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from textwrap import shorten
 from typing import Annotated, Literal
 
@@ -60,8 +59,7 @@ class Execution(DocumentPart):
 
 def summary(trace: Trace) -> Execution:
     """A trace in a few numbers, as an observer saw it, or else the robot's camera."""
-    if not trace.is_observed:
-        trace = replace(trace, poses=trace.seen)
+    trace = trace.shown
     x, y, z = trace.displacement(trace.pushed).tolist()
     lies = measures.tilt_at_end(trace, trace.pushed)[1] > math.radians(45)
     return Execution(

@@ -218,6 +218,11 @@ class Trace:
             self, poses={}, contacts=(), contents={}, lids={}, lid_poses={}, spilled=np.zeros(0)
         )
 
+    @property
+    def shown(self) -> Trace:
+        """What is shown of it: as an observer saw it, or else as the robot's camera did."""
+        return self if self.is_observed else replace(self, poses=self.seen)
+
     def displacement(self, name: str) -> Array:
         """Displacement p_WB(end) − p_WB(start) of an object, shape (3,) [m]."""
         p = self.poses[name][:, 4:]

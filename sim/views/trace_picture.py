@@ -58,7 +58,7 @@ def save_picture(trace: Trace, scene: Scene, path: Path | str, *, title: str = "
     Raises:
         PictureError: another kind, or the machine cannot draw.
     """
-    path = Path(path)
+    path, trace = Path(path), trace.shown
     kind = path.suffix.lower()
     if kind not in {".png", ".gif"}:
         message = f"a run is drawn as .png or .gif, not as '{kind}'"

@@ -36,6 +36,7 @@ _OPEN_SIDE, _FROM_BEHIND = -2.3, 0.45  # direction in which no stand is; of a vi
 
 def scene_and_recording(trace: Trace, scene: Scene) -> tuple[dict[str, Any], dict[str, Any]]:
     """A scene as `viewer_scene` has it, and a trace of it as a JSON object."""
+    trace = trace.shown
     stage = TraceScene(scene, lambda builder, model: None)
     bodies = drawn_bodies(stage.model)
     at = samples(trace, FRAME_RATE)
