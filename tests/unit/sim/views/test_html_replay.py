@@ -7,7 +7,6 @@ import gzip
 import hashlib
 import json
 import re
-from dataclasses import replace
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -66,12 +65,6 @@ def test_what_others_wrote_stays_text(scene: Scene) -> None:
 def test_the_same_run_gives_the_same_page(scene: Scene) -> None:
     trace = pushed_trace(scene, "mug")
     assert replay_page(trace, scene) == replay_page(trace, scene)
-
-
-def test_a_run_that_nobody_observed_is_shown_as_the_camera_saw_it(scene: Scene) -> None:
-    trace = pushed_trace(scene, "mug")
-    trace = replace(trace, seen=trace.poses)
-    assert replay_page(trace.perceived, scene) == replay_page(trace, scene)
 
 
 def test_modules_stand_after_those_that_they_import() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -107,3 +108,12 @@ def test_liquid_that_keeps_its_form_is_told_once(
 def test_a_push_is_seen_from_beside(recorded: tuple[dict[str, Any], dict[str, Any]]) -> None:
     azimuth = recorded[1]["view"]["azimuth"]
     assert abs(np.cos(azimuth)) < 0.7  # along x it is pushed
+
+
+def test_a_run_that_nobody_observed_is_shown_as_the_camera_saw_it(scene: Scene) -> None:
+    trace = pushed_trace(scene, "mug")
+    trace = replace(trace, seen=trace.poses)
+    _, observed = scene_and_recording(trace, scene)
+    _, perceived = scene_and_recording(trace.perceived, scene)
+    for key in ("turns", "places"):
+        assert perceived[key] == observed[key]
