@@ -8,10 +8,14 @@ than the share that its force ever fell. A push by one fingertip that loses its 
 what it pushed may have turned away from it.
 
 How far it turned on its slide the line between two fingertips tells. One fingertip is a pivot, and
-the object turns about it by the law of sliding with the friction radius c̄ [howe-cutkosky-1996]:
-pushed at a distance a behind its centre of mass and b beside it,
+the direction of its force tells: the table's friction is against the way of the centre of mass, so
+that this goes where the force f points, and not where the fingertip goes, v [goyal-1991]. With the
+lever l from the contact to the centre of mass,
 
-    dψ/ds = (b cos ψ + a sin ψ) / ρ²,  ρ² = c̄² + a² + b²,  so that  ψ ≈ b / a (exp(a s / ρ²) − 1).
+    ω = (v × f) / (f · l).
+
+Where the force passes it far to the side, the ellipsoidal limit surface tells it from the friction
+radius c̄, pushed a behind and b beside it [howe-cutkosky-1996]: dψ/ds = b / (c̄² + a² + b²).
 
 Frames: W is the world, T a fingertip.
 """
@@ -48,8 +52,12 @@ ALONG_SD, ASIDE_SHARES = 0.0005, {1: 0.02, 2: 0.04}
 """Standard deviations of a slide: along the push [m], and aside, as a share of the way, by the
 number of fingertips; two of them need not stick to keep their side straight."""
 
-BESIDE_SD = 0.002
-"""The same of where one fingertip touches, besides that of the believed centre of mass [m]."""
+DIRECTION_SD = np.radians(1.5)
+"""The same of the direction of a force, averaged over a push [rad]."""
+
+TOWARDS, SURFACE_SHARE = 0.5, 0.3
+"""Share of the lever that a force points along if its direction is to tell of a turn; and by what
+share of it the limit surface may be off."""
 
 TURN_SD, FALL_SD, LEAN_SD = np.radians(1.0), np.radians(5.0), np.radians(1.0)
 """The same of the heading by the line between two fingertips, of the tilt of what fell, and of the
@@ -116,9 +124,11 @@ def felt_end(
     if first < FELT:
         return None
     if last > STAYS * first:
-        turn = _turn(trace, pushing, fingers, model, place, begin, along, length)
+        contact = _contact(model, place, begin, along)
+        turn = _turn(trace, pushing, fingers, model, place, contact, along)
         if turn is None:
             return None
+        lever = (place.p - contact)[:2]  # it rolls on the fingertip
         sd = np.hypot(ALONG_SD * np.abs(along), ASIDE_SHARES[fingers] * length * np.abs(across))
         sd[2] = ALONG_SD
         if length < SHORT:
@@ -152,15 +162,21 @@ def _forces(
     return float(force[peak]), min(float(force[peak:][~late[peak:]].min()), last), last
 
 
+def _contact(model: ObjectModel, place: Place, begin: Array, along: Array) -> Array:
+    """Where a fingertip that begins to push touches the believed outline, shape (3,) [m]."""
+    corners = np.column_stack([model.outline, np.zeros(len(model.outline))])
+    near = float(((place.R.apply(corners) + place.p - begin) @ along).min())
+    return begin + max(near, 0.0) * along
+
+
 def _turn(
     trace: Trace,
     pushing: NDArray[np.intp],
     fingers: int,
     model: ObjectModel,
     place: Place,
-    begin: Array,
+    contact: Array,
     along: Array,
-    length: float,
 ) -> tuple[float, float] | None:
     """By how much it turned as it slid, and its standard deviation; None if that is not told."""
     if fingers == 2:
@@ -169,11 +185,20 @@ def _turn(
         headings = np.arctan2(between[:, 1], between[:, 0])
         turned = float(np.angle(np.exp(1j * (headings[1] - headings[0]))))
         return turned, TURN_SD
-    lever = (place.R.apply(model.com) + place.p - begin)[:2]
-    behind = max(float(lever @ along[:2]), _LEAST_LEVER)
-    beside = float(lever @ [-along[1], along[0]])
-    beside_sd = float(np.hypot(BESIDE_SD, max(model.com_sd[:2])))
-    rate = behind / (model.friction_radius**2 + behind**2 + beside**2)
-    per_beside = np.expm1(rate * length) / behind
-    turn, sd = per_beside * beside, per_beside * beside_sd
-    return None if abs(turn) + 2.0 * sd > MOST_TURN else (float(turn), float(sd))
+    lever = (place.R.apply(model.com) + place.p - contact)[:2]
+    tips = measures.midpoint(trace)[pushing, :2]
+    steps, length = np.diff(tips, axis=0), float(np.linalg.norm(tips[-1] - tips[0]))
+    force = np.sum(list(trace.felt.values()), axis=0)[pushing[1:], :2]
+    force = force / np.maximum(np.linalg.norm(force, axis=1, keepdims=True), FELT)
+    towards = force @ lever
+    if towards.mean() > TOWARDS * np.linalg.norm(lever):
+        across = steps[:, 0] * force[:, 1] - steps[:, 1] * force[:, 0]
+        turn = float(across.sum() / towards.mean())
+        sd = float(DIRECTION_SD * length / towards.mean())
+    else:
+        beside = float(lever @ [-along[1], along[0]])
+        turn = length * beside / (model.friction_radius**2 + float(lever @ lever))
+        sd = SURFACE_SHARE * abs(turn)
+    if length < SHORT:
+        sd = float(np.hypot(sd, 0.5 * turn))
+    return None if abs(turn) + 2.0 * sd > MOST_TURN else (turn, sd)

@@ -147,27 +147,26 @@ def test_a_lean_that_nobody_saw_shows_in_the_force(
     assert one(checks, "moved in").verdict == "held"
 
 
-@pytest.mark.parametrize(("beside", "turned"), [(0.0, 0.0), (0.02, 16.6)])
-def test_one_fingertip_is_a_pivot(
-    make_trace: TraceMaker, box: BoxModel, beside: float, turned: float
+@pytest.mark.parametrize("askew", [0.0, 5.0, -10.0])
+def test_the_force_of_one_fingertip_points_where_the_object_goes(
+    make_trace: TraceMaker, box: BoxModel, askew: float
 ) -> None:
-    """By the law of sliding: c̄ = 34 mm, pushed 45 mm behind the centre, for 30 mm.
-
-    b = 20 mm: ρ² = 34² + 45² + 20² = 3,600 mm², 20 / 45 · (exp(45 · 30 / 3,600) − 1) = 0.20.
-    """
+    """It goes 30 mm, pushed 45 mm behind its middle: that goes aside by 30 mm · tan θ."""
     trace = make_trace(travel=(0.03, 0.0), fingers=1)
-    pushing = np.flatnonzero(trace.phase != "look")
-    centre = trace.poses[BOX][0, 4:6]
-    (finger,) = trace.tips
-    begin = trace.tips[finger][np.flatnonzero(trace.phase == "push")[0]]
-    to = np.array([centre[0] - 0.045, centre[1] - beside, begin[2]]) - begin
-    trace = replace(trace, tips={finger: trace.tips[finger] + to})
-    samples = pushing[np.isin(trace.phase[pushing], ("touch", "push"))]
-    felt = felt_end(trace, samples, box, Place.seen(_seen(trace).sightings[BOX][:5]))
-    assert felt is not None
-    assert box.friction_radius == pytest.approx(0.034, abs=0.001)
-    assert np.degrees(felt.turn) == pytest.approx(turned, abs=6.0)
-    assert felt.way == pytest.approx([0.03, 0.0, 0.0], abs=1e-3)
+    angle = math.radians(askew)
+    turned = np.array([[math.cos(angle), -math.sin(angle), 0.0],
+                       [math.sin(angle), math.cos(angle), 0.0], [0.0, 0.0, 1.0]])  # fmt: skip
+    felt = {name: force @ turned.T for name, force in trace.felt.items()}
+    trace = _seen(replace(trace, felt=felt))
+    samples = np.flatnonzero(np.isin(trace.phase, ("touch", "push")))
+    place = Place.seen(trace.sightings[BOX][:20])
+    end = felt_end(trace, samples, box, place)
+    assert end is not None
+    # The box is 90 mm deep; what 20 frames of 2 mm and 1° leave open is 0.5 mm and 0.2°.
+    aside = 0.03 * math.tan(angle)
+    assert math.degrees(end.turn) == pytest.approx(math.degrees(aside / 0.045), abs=0.5)
+    moved = place.after(end).p - place.p
+    assert moved[:2] == pytest.approx([0.03, aside], abs=6e-4)
 
 
 @pytest.mark.parametrize(
