@@ -113,6 +113,10 @@ CODES: dict[str, Status] = {
     # The store of the service, and bundles of its runs.
     "store_in_use": Status(USAGE, 409),
     "bad_store": _CALLER,
+    "store_locked": Status(INTERNAL, 503),
+    "store_full": Status(INTERNAL, 503),
+    "store_not_writable": Status(INTERNAL, 503),
+    "unreadable": Status(INTERNAL, 500),
     "unknown_run": Status(USAGE, 404),
     "run_under_way": Status(USAGE, 409),
     "bad_cursor": _CALLER,
@@ -135,6 +139,7 @@ CODES: dict[str, Status] = {
     "bad_table": _CALLER,
     # Requests over HTTP that get no further than the door.
     "bad_request": _CALLER,
+    "bad_range": Status(USAGE, 416),
     "bad_json": _CALLER,
     "wrong_token": Status(USAGE, 401),
     "wrong_origin": Status(USAGE, 403),

@@ -24,8 +24,8 @@ from planner.types.marks import Mark
 from sim.views.run_story import ContactMark, Ghost, StoryLine
 
 Source = Literal["camera", "stated"]
-RunKind = Literal["execute", "say"]
-RunState = Literal["queued", "running", "ended", "aborted", "cut_off", "defect"]
+RunKind = Literal["execute", "say", "unknown"]
+RunState = Literal["queued", "running", "ended", "aborted", "cut_off", "defect", "unreadable"]
 
 
 _LONGEST_PATH = 4096

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import secrets
 from collections.abc import Callable
+from threading import RLock
 from typing import TYPE_CHECKING, NamedTuple
 
 from nlcontrol.errors import ControlError, error
@@ -18,6 +19,7 @@ LIFE = 600.0
 MOST_OFFERED = 100
 """Plans that wait at a time; before one more, the oldest expires."""
 
+_DROPPED = "the session was stopped or reset since"
 _MOST_PAST = 10_000
 """Identifiers of plans that are over, of which it is still told why."""
 
@@ -39,21 +41,32 @@ class OfferedPlan(NamedTuple):
 class OfferedPlans:
     """Plans of a session by their identifiers.
 
+    Threads may share it; no method waits.
+
     Args:
         clock: by which they expire [s].
+
+    Attributes:
+        era: how often all of them were dropped; a plan that was asked for in an earlier one is
+            none any more.
     """
 
     def __init__(self, clock: Callable[[], float]) -> None:
+        self.era = 0
         self._clock = clock
+        self._turn = RLock()
         self._waiting: dict[str, OfferedPlan] = {}
         self._past: dict[str, ControlError] = {}
 
-    def offer(self, proposal: Proposal, state: WorldState) -> str:
-        """Offers a plan, and returns its identifier."""
-        while len(self._waiting) >= MOST_OFFERED:
-            self._end(next(iter(self._waiting)), _expired("newer plans have taken its place"))
+    def offer(self, proposal: Proposal, state: WorldState, era: int) -> str:
+        """Offers a plan that was asked for in an era, and returns its identifier."""
         plan_id = f"plan-{secrets.token_hex(8)}"
-        self._waiting[plan_id] = OfferedPlan(proposal, state, self._clock() + LIFE)
+        with self._turn:
+            while len(self._waiting) >= MOST_OFFERED:
+                self._end(next(iter(self._waiting)), _expired("newer plans have taken its place"))
+            self._waiting[plan_id] = OfferedPlan(proposal, state, self._clock() + LIFE)
+            if era != self.era:
+                self._end(plan_id, _expired(_DROPPED))
         return plan_id
 
     def waiting(self, plan_id: str) -> OfferedPlan:
@@ -62,12 +75,14 @@ class OfferedPlans:
         Raises:
             ControlError: `unknown_plan`, `used_plan`, `expired_plan`.
         """
-        plan = self._waiting.get(plan_id)
-        if plan is not None and plan.until <= self._clock():
-            self._end(plan_id, _expired(f"it was made more than {LIFE / 60:g} min ago"))
-        elif plan is not None:
-            return plan
-        raise self._past.get(plan_id) or error(
+        with self._turn:
+            plan = self._waiting.get(plan_id)
+            if plan is not None and plan.until > self._clock():
+                return plan
+            if plan is not None:
+                self._end(plan_id, _expired(f"it was made more than {LIFE / 60:g} min ago"))
+            past = self._past.get(plan_id)
+        raise past or error(
             "unknown_plan",
             "no plan of that identifier was made in this session",
             suggestions=("plan the sentence, and execute the `plan_id` of that offer",),
@@ -80,15 +95,18 @@ class OfferedPlans:
             "this plan was carried out before, and a plan is carried out once",
             suggestions=("plan the sentence again, and execute the `plan_id` of that offer",),
         )
-        self._end(plan_id, told)
+        with self._turn:
+            self._end(plan_id, told)
 
     def drop(self) -> None:
-        """Lets all plans expire."""
-        for plan_id in list(self._waiting):
-            self._end(plan_id, _expired("the session was stopped or reset since"))
+        """Lets all plans expire, and those that are being made."""
+        with self._turn:
+            self.era += 1
+            for plan_id in list(self._waiting):
+                self._end(plan_id, _expired(_DROPPED))
 
     def _end(self, plan_id: str, reason: ControlError) -> None:
-        del self._waiting[plan_id]
+        self._waiting.pop(plan_id, None)
         self._past[plan_id] = reason
         if len(self._past) > _MOST_PAST:
             del self._past[next(iter(self._past))]

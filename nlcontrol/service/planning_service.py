@@ -11,13 +11,13 @@ import secrets
 import threading
 import time
 from collections.abc import AsyncIterator
-from concurrent.futures import Future
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack, suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Self
 
-from nlcontrol.errors import error
+from nlcontrol.errors import ControlError, error
 from nlcontrol.service.run_files import RunFiles
 from nlcontrol.service.service_settings import ServiceSettings
 from nlcontrol.service.store.run_store import RunStore
@@ -42,6 +42,9 @@ if TYPE_CHECKING:
     from nlcontrol.session.frame_documents import Frames
     from objectmodels import ObjectModel
 
+MOST_WAITING = 64
+"""Callers that wait for a process at once; the next ones wait for them."""
+
 _TICK = 1.0  # between looks for idle sessions [s]
 
 
@@ -50,6 +53,9 @@ class PlanningService:
 
     Args:
         settings: of the service.
+
+    Attributes:
+        waiting_room: threads for those who wait for a process, a disk or a run; nobody else's.
     """
 
     def __init__(self, settings: ServiceSettings | None = None) -> None:
@@ -63,6 +69,7 @@ class PlanningService:
         self._planners = PlannerPool(settings.planners, settings.queue, settings.request_time)
         self._runs = LiveRuns(self._store, settings.workers, settings.queue)
         self._files = RunFiles(self._store, settings.request_time)
+        self.waiting_room = ThreadPoolExecutor(MOST_WAITING, "waiting")
         self._lock = threading.RLock()
         self._sessions: dict[str, LiveSession] = {}
         self._spare: WorkerProcess | None = None
@@ -92,6 +99,9 @@ class PlanningService:
         for process in processes:
             process.wait()
         self._planners.close()
+        self.waiting_room.shutdown(wait=False, cancel_futures=True)
+        with suppress(ControlError):  # it was told to the log when it was tried
+            self._runs.write_ends()
         self._resources.close()
 
     def __enter__(self) -> Self:
@@ -195,12 +205,10 @@ class PlanningService:
         return self._session(session_id).call(method, **arguments)
 
     def stop_session(self, session_id: str) -> None:
-        """Asks the run of a session to come to rest; its plans are dropped."""
+        """Asks the run of a session to come to rest; its plans are dropped. Waits for nothing."""
         session = self._session(session_id)
         session.require_process()
-        asked = session.process.call("stop")
-        with suppress(TimeoutError):  # a long search goes on; it will be heard after it
-            asked.result(self.settings.request_time)
+        session.process.call("stop")
 
     def close_session(self, session_id: str) -> None:
         """Closes a session; its run comes to rest first, but not for longer than `stop_time`."""
@@ -283,15 +291,20 @@ class PlanningService:
         return self._runs.wait(run_id, timeout)
 
     def stop_run(self, run_id: str) -> None:
-        """Asks a run to let go and come to rest; raises `unknown_run`."""
+        """Asks a run to let go and come to rest, if it is under way; waits for nothing."""
         self._runs.stop(run_id)
 
     def abort_run(self, run_id: str) -> None:
-        """Ends the process of a run at once, its session with it; raises `unknown_run`."""
+        """Ends the process of a run that is under way, its session with it; waits for nothing."""
         self._runs.abort(run_id)
+
+    def live_run(self, run_id: str) -> RunInfo | None:
+        """A run that is under way, as it is now; None if it is not. Waits for nothing."""
+        return self._runs.live_info(run_id)
 
     def delete_run(self, run_id: str) -> None:
         """Removes a run that has ended; raises `unknown_run`, `run_under_way`."""
+        self._runs.write_ends()
         self._store.delete_run(run_id)
 
     def trace_file(self, run_id: str) -> Path:
@@ -313,8 +326,7 @@ class PlanningService:
     # --- inside ----------------------------------------------------------------------------------
 
     def _session(self, session_id: str) -> LiveSession:
-        with self._lock:
-            session = self._sessions.get(session_id)
+        session = self._sessions.get(session_id)  # without a lock: a stop comes by here
         if session is None:
             raise error(
                 "unknown_session",

@@ -249,11 +249,12 @@ class Session:
             ControlError: `busy`.
         """
         with self._idle(), self.controller.last_look.kept():
+            era = self._plans.era
             proposal = self.conversation.plan(said)
             state = self.controller.look()
             plan_id = None
             if proposal.intention is not None and self.executes:
-                plan_id = self._plans.offer(proposal, state)
+                plan_id = self._plans.offer(proposal, state, era)
             return Offer(
                 plan_id=plan_id,
                 expires_in=None if plan_id is None else LIFE,
@@ -267,6 +268,7 @@ class Session:
     ) -> SessionRun:
         """Begins to carry out a sentence by the plan that was approved; see `PlanningSession`."""
         with self._idle():
+            era = self._plans.era
             self._require_robot()
             plan = self._plans.waiting(plan_id)
             tolerances = Tolerances.of(self.controller.cell.vision)
@@ -277,7 +279,7 @@ class Session:
                 return self.conversation.execute(plan.proposal, on_event=tell, stop=stop)
 
             text, digest = plan.proposal.result.text, belief_digest(plan.state)
-            return self._begin("execute", execute, text, on_event, plan_id, digest)
+            return self._begin("execute", execute, text, on_event, era, plan_id, digest)
 
     def say(
         self,
@@ -292,6 +294,7 @@ class Session:
             ControlError: `approval_required`, `busy`, `no_robot`.
         """
         with self._idle():
+            era = self._plans.era
             self._require_robot()
             if self.spec.approval == "plan":
                 raise error(
@@ -303,7 +306,7 @@ class Session:
             def say(tell: Callable[[Event], None], stop: StopToken) -> Result:
                 return self.conversation.say(said, motion=motion, on_event=tell, stop=stop)
 
-            return self._begin("say", say, text_of(said), on_event)
+            return self._begin("say", say, text_of(said), on_event, era)
 
     def _begin(
         self,
@@ -311,10 +314,11 @@ class Session:
         deed: Deed,
         text: str,
         on_event: Callable[[Event], object] | None,
+        era: int,
         plan_id: str | None = None,
         digest: str | None = None,
     ) -> SessionRun:
-        self._run = SessionRun(
+        self._run = run = SessionRun(
             deed,
             session_id=self.session_id,
             kind=kind,
@@ -323,16 +327,21 @@ class Session:
             on_event=on_event,
             request=lambda result: run_request(self.controller, result, digest),
         )
-        return self._run
+        if self._plans.era != era:  # it was stopped while it was being begun
+            run.stop()
+        return run
 
     # --- stop and begin anew -------------------------------------------------------------------
 
     def stop(self) -> None:
-        """Asks what is being carried out to let go and come to rest; plans are dropped."""
-        with self._own_turn:
-            self._plans.drop()
-            if self._run is not None:
-                self._run.stop()
+        """Asks what is being carried out to let go and come to rest; plans are dropped.
+
+        It waits for nothing, and may be called from any thread: what is asked for meanwhile is
+        asked for before this, so that a run that is just being begun is stopped as well.
+        """
+        self._plans.drop()
+        if (run := self._run) is not None:
+            run.stop()
 
     def reset(self) -> None:
         """Puts everything back as it was at the beginning; see `PlanningSession`."""

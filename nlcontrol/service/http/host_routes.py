@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from typing import TYPE_CHECKING, Any
 
 from fastapi import APIRouter, Request
@@ -110,18 +111,19 @@ class ObjectDescription(Document):
 
 
 @ROUTER.get("/health", operation_id="health", response_model=Health)
-def health(service: Service) -> Response:
+async def health(service: Service) -> Response:
     """Tells that the service is there, and what it has to do."""
     return document_response(Health(**service.health()))
 
 
 @ROUTER.post("/login", operation_id="login", status_code=204)
-def log_in(body: LoginBody, request: Request) -> Response:
+async def log_in(body: LoginBody, request: Request) -> Response:
     """Gives a browser the cookie that stands for the token; there is none where none is needed."""
     login: BrowserLogin | None = request.app.state.login
     if login is None:
         return Response(status_code=204)
     if not login.accepts(body.secret):
+        await asyncio.sleep(login.penalty())
         raise error(
             "wrong_token",
             "that is not the token of this service, and no code of a login that is still good",

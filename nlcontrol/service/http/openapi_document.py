@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from pydantic import BaseModel
 
 _SCHEMAS = "#/components/schemas/"
+_OF_NAMES = frozenset({"properties", "patternProperties", "$defs", "dependentSchemas"})
 
 PROBLEMS: dict[int | str, dict[str, Any]] = {
     "4XX": {
@@ -70,15 +71,20 @@ def _described_schemas(routers: Iterable[APIRouter]) -> dict[str, Any]:
 
 
 def _leave_out_object_defaults(schema: Any) -> None:
-    """Leaves out defaults that are objects, of which generators of clients can make nothing."""
-    if isinstance(schema, dict):
-        if isinstance(schema.get("default"), dict):
-            del schema["default"]
-        for part in schema.values():
-            _leave_out_object_defaults(part)
-    elif isinstance(schema, list):
+    """Leaves out defaults that are objects, of which generators of clients can make nothing.
+
+    A schema has keywords, and under some of them names that are anybody's: `default` may be one.
+    """
+    if isinstance(schema, list):
         for part in schema:
             _leave_out_object_defaults(part)
+    elif isinstance(schema, dict):
+        if isinstance(schema.get("default"), dict):
+            del schema["default"]
+        for keyword, part in schema.items():
+            parts = part.values() if keyword in _OF_NAMES and isinstance(part, dict) else [part]
+            for each in parts:
+                _leave_out_object_defaults(each)
 
 
 def _models(routers: Iterable[APIRouter]) -> Iterator[type[BaseModel]]:

@@ -77,9 +77,10 @@ class Problem(DocumentPart):
     faults: tuple[Fault, ...] = ()
 
 
-_OF_REQUESTS: dict[int, tuple[str, str]] = {
+OF_REQUESTS: dict[int, tuple[str, str]] = {
     400: ("bad_request", "see GET /v1/openapi.json for what is taken here"),
     404: ("unknown_path", "GET /v1/openapi.json lists every path"),
+    416: ("bad_range", "leave out the header Range"),
     405: ("wrong_method", "the header Allow says which methods this path has"),
 }
 """Code and suggestion of what the router itself refuses, by status."""
@@ -118,11 +119,19 @@ def problem_response(problem: Problem, headers: Mapping[str, str] | None = None)
     )
 
 
+def defect() -> Problem:
+    """The problem document of a defect, of which the log alone says more."""
+    hint = "the log of the service says more; tell whoever runs it"
+    message = "this is a defect of nlcontrol"
+    return problem_of(ErrorInfo(code="internal", message=message, suggestions=(hint,)))
+
+
 def answer_problems(app: FastAPI) -> None:
     """Lets an application answer with problem documents, whatever it refuses."""
     app.add_exception_handler(ControlError, _answer_error)
     app.add_exception_handler(RequestValidationError, _answer_faults)
     app.add_exception_handler(HTTPException, _answer_http_exception)
+    app.add_exception_handler(Exception, _answer_defect)
 
 
 async def _answer_error(_: Request, raised: Exception) -> Response:
@@ -130,9 +139,13 @@ async def _answer_error(_: Request, raised: Exception) -> Response:
     return problem_response(problem_of(raised.info))
 
 
+async def _answer_defect(_: Request, raised: Exception) -> Response:
+    return problem_response(defect())  # which is raised on, for the guard to log it
+
+
 async def _answer_http_exception(_: Request, raised: Exception) -> Response:
     assert isinstance(raised, HTTPException), "it is registered for these"
-    code, hint = _OF_REQUESTS.get(raised.status_code, _OF_REQUESTS[400])
+    code, hint = OF_REQUESTS.get(raised.status_code, OF_REQUESTS[400])
     info = ErrorInfo(code=code, message=str(raised.detail), suggestions=(hint,))
     return problem_response(problem_of(info, status=raised.status_code), raised.headers)
 
@@ -144,7 +157,7 @@ async def _answer_faults(_: Request, raised: Exception) -> Response:
         code="bad_request",
         message=f"{faults[0].path}: {faults[0].message}",
         path=faults[0].path,
-        suggestions=(_OF_REQUESTS[400][1],),
+        suggestions=(OF_REQUESTS[400][1],),
     )
     return problem_response(problem_of(info, status=422, faults=faults))
 

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import gzip
+from collections.abc import Callable
+from pathlib import Path
 from typing import Annotated
 
 from fastapi import APIRouter, Header, Query, Request
-from starlette.responses import FileResponse, Response
+from starlette.responses import Response
 
 from nlcontrol.service.documents import RunInfo, RunPage
 from nlcontrol.service.http.event_streams import STREAM_CONTENT, EventList, stream_events
 from nlcontrol.service.http.openapi_document import PROBLEMS
 from nlcontrol.service.http.request_bodies import AfterNumber, RunId
-from nlcontrol.service.http.service_access import Service, document_response
+from nlcontrol.service.http.service_access import Service, document_response, waited
+from nlcontrol.service.planning_service import PlanningService
 
 REPLAY_POLICY = (
     "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; "
@@ -75,13 +78,11 @@ async def events(
     response_class=Response,
     responses={200: {"content": {"application/octet-stream": {}}}},
 )
-def trace(run_id: RunId, service: Service) -> Response:
+async def trace(run_id: RunId, service: Service) -> Response:
     """Sends what happened over time, as a file of NumPy (.npz)."""
-    return FileResponse(
-        service.trace_file(run_id),
-        media_type="application/octet-stream",
-        filename=f"{run_id}.npz",
-    )
+    content = await _content(service, service.trace_file, run_id)
+    headers = {"Content-Disposition": f'attachment; filename="{run_id}.npz"'}
+    return Response(content, media_type="application/octet-stream", headers=headers)
 
 
 @ROUTER.get(
@@ -90,11 +91,11 @@ def trace(run_id: RunId, service: Service) -> Response:
     response_class=Response,
     responses={200: {"content": {"application/zip": {}}}},
 )
-def bundle(run_id: RunId, service: Service) -> Response:
+async def bundle(run_id: RunId, service: Service) -> Response:
     """Sends all that it takes to reproduce the run, as a ZIP file."""
-    return FileResponse(
-        service.bundle(run_id), media_type="application/zip", filename=f"{run_id}.zip"
-    )
+    content = await _content(service, service.bundle, run_id)
+    headers = {"Content-Disposition": f'attachment; filename="{run_id}.zip"'}
+    return Response(content, media_type="application/zip", headers=headers)
 
 
 @ROUTER.get(
@@ -103,13 +104,11 @@ def bundle(run_id: RunId, service: Service) -> Response:
     response_class=Response,
     responses={200: {"content": {"text/html": {}}}},
 )
-def replay(run_id: RunId, service: Service) -> Response:
+async def replay(run_id: RunId, service: Service) -> Response:
     """Sends a page that shows the run; its scripts can reach neither this service nor others."""
-    return FileResponse(
-        service.replay_file(run_id),
-        media_type="text/html",
-        headers={"Content-Security-Policy": REPLAY_POLICY},
-    )
+    content = await _content(service, service.replay_file, run_id)
+    headers = {"Content-Security-Policy": REPLAY_POLICY}
+    return Response(content, media_type="text/html", headers=headers)
 
 
 @ROUTER.get(
@@ -118,9 +117,9 @@ def replay(run_id: RunId, service: Service) -> Response:
     response_class=Response,
     responses={200: {"content": {"application/json": {"schema": {"type": "object"}}}}},
 )
-def recording(run_id: RunId, request: Request, service: Service) -> Response:
+async def recording(run_id: RunId, request: Request, service: Service) -> Response:
     """Sends what a replay shows, for the viewer of the page at `/`; its form may change."""
-    packed = service.recording_file(run_id).read_bytes()
+    packed = await _content(service, service.recording_file, run_id)
     if "gzip" not in request.headers.get("accept-encoding", ""):
         return Response(gzip.decompress(packed), media_type="application/json")
     headers = {"Content-Encoding": "gzip", "Vary": "Accept-Encoding"}
@@ -128,17 +127,17 @@ def recording(run_id: RunId, request: Request, service: Service) -> Response:
 
 
 @ROUTER.post("/{run_id}/stop", operation_id="stop_run", response_model=RunInfo)
-def stop(run_id: RunId, service: Service) -> Response:
+async def stop(run_id: RunId, service: Service) -> Response:
     """Asks a run to let go and come to rest; its result is then `cancelled`."""
     service.stop_run(run_id)
-    return document_response(service.run(run_id))
+    return await _as_it_is(run_id, service)
 
 
 @ROUTER.post("/{run_id}/abort", operation_id="abort_run", response_model=RunInfo)
-def abort(run_id: RunId, service: Service) -> Response:
+async def abort(run_id: RunId, service: Service) -> Response:
     """Ends the process of a run; its session is then lost."""
     service.abort_run(run_id)
-    return document_response(service.run(run_id))
+    return await _as_it_is(run_id, service)
 
 
 @ROUTER.delete("/{run_id}", operation_id="delete_run", status_code=204)
@@ -146,3 +145,16 @@ def delete_run(run_id: RunId, service: Service) -> Response:
     """Forgets a run that has ended, its events and its files."""
     service.delete_run(run_id)
     return Response(status_code=204)
+
+
+async def _as_it_is(run_id: str, service: PlanningService) -> Response:
+    """A run as it is now; of one that is under way nothing is waited for."""
+    info = service.live_run(run_id)
+    if info is None:
+        info = await waited(service, service.run, run_id)
+    return document_response(info)
+
+
+async def _content(service: PlanningService, file: Callable[[str], Path], run_id: str) -> bytes:
+    """A file of a run, read whole before the answer begins: the run may be deleted meanwhile."""
+    return await waited(service, lambda: file(run_id).read_bytes())

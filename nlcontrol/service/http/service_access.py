@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
 from concurrent.futures import Future
-from typing import TYPE_CHECKING, Annotated
+from functools import partial
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 from fastapi import Depends, Request
 from starlette.responses import Response
@@ -19,6 +21,9 @@ if TYPE_CHECKING:
 
     from nlcontrol.service.http.request_bodies import SaidBody
     from nlcontrol.service.service_settings import ServiceSettings
+
+
+Answer = TypeVar("Answer")
 
 
 def planning_service(request: Request) -> PlanningService:
@@ -45,6 +50,14 @@ class SessionList(Document):
 async def answer_of(future: Future[bytes]) -> Response:
     """The answer of a worker, which is JSON already."""
     return Response(await asyncio.wrap_future(future), media_type="application/json")
+
+
+async def waited(
+    service: PlanningService, asked: Callable[..., Answer], *arguments: Any, **options: Any
+) -> Answer:
+    """The answer to what waits for a process or a disk, in the waiting room of the service."""
+    call = partial(asked, *arguments, **options)
+    return await asyncio.get_running_loop().run_in_executor(service.waiting_room, call)
 
 
 def document_response(document: BaseModel, status: int = 200) -> Response:

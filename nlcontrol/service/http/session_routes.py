@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from fastapi import APIRouter, Request
-from fastapi.concurrency import run_in_threadpool
 from starlette.responses import Response
 
 from nlcontrol.questions.push_prediction import PushPrediction
@@ -38,6 +37,7 @@ from nlcontrol.service.http.service_access import (
     answer_of,
     document_response,
     require_bounded_sentence,
+    waited,
 )
 from nlcontrol.service.live_documents import SceneGeometry
 
@@ -49,26 +49,26 @@ async def open_session(spec: SessionBody, request: Request, service: Service) ->
     """Opens a session: a table, a robot and a conversation."""
     if request.app.state.http_settings.approve:
         spec = spec.model_copy(update={"approval": "plan"})
-    info = await run_in_threadpool(service.open_session, spec)
+    info = await waited(service, service.open_session, spec)
     if await request.is_disconnected():  # nobody knows its name, and it would keep others out
-        await run_in_threadpool(service.close_session, info.session_id)
+        service.close_session(info.session_id)
     return document_response(info, 201)
 
 
 @ROUTER.get("", operation_id="list_sessions", response_model=SessionList)
-def list_sessions(service: Service) -> Response:
+async def list_sessions(service: Service) -> Response:
     """Lists the sessions that are open."""
     return document_response(SessionList(sessions=tuple(service.sessions())))
 
 
 @ROUTER.get("/{session_id}", operation_id="read_session", response_model=SessionInfo)
-def read_session(session_id: SessionId, service: Service) -> Response:
+async def read_session(session_id: SessionId, service: Service) -> Response:
     """Tells how a session is."""
     return document_response(service.session(session_id))
 
 
 @ROUTER.delete("/{session_id}", operation_id="close_session", status_code=204)
-def close_session(session_id: SessionId, service: Service) -> Response:
+async def close_session(session_id: SessionId, service: Service) -> Response:
     """Closes a session; what is being carried out in it is stopped first."""
     service.close_session(session_id)
     return Response(status_code=204)
@@ -129,8 +129,8 @@ async def execute(
     session_id: SessionId, body: PlanIdBody, service: Service, key: IdempotencyKey = None
 ) -> Response:
     """Begins to carry out the plan that was approved; the robot looks again first."""
-    info = await run_in_threadpool(
-        service.begin_run, session_id, plan_id=body.plan_id, idempotency_key=key
+    info = await waited(
+        service, service.begin_run, session_id, plan_id=body.plan_id, idempotency_key=key
     )
     return document_response(info, 202)
 
@@ -143,14 +143,14 @@ async def say(
 ) -> Response:
     """Begins to do what a sentence says, planned and executed at one go."""
     require_bounded_sentence(body, service.settings)
-    info = await run_in_threadpool(
-        service.begin_run, session_id, idempotency_key=key, **body.arguments
+    info = await waited(
+        service, service.begin_run, session_id, idempotency_key=key, **body.arguments
     )
     return document_response(info, 202)
 
 
 @ROUTER.post("/{session_id}/stop", operation_id="session_stop", status_code=204)
-def stop(session_id: SessionId, service: Service) -> Response:
+async def stop(session_id: SessionId, service: Service) -> Response:
     """Asks what is being carried out to let go and come to rest; plans are dropped."""
     service.stop_session(session_id)
     return Response(status_code=204)

@@ -13,6 +13,7 @@ import uvicorn
 
 from nlcontrol.errors import error
 from nlcontrol.interruption import SIGNALS
+from nlcontrol.service.http.http_connection import connection_class
 from nlcontrol.service.http.service_app import service_app
 
 if TYPE_CHECKING:
@@ -102,7 +103,8 @@ def serve(
     """
     config = uvicorn.Config(
         service_app(service, settings, login),
-        http="h11",
+        # Beyond what is told 429, so that a flood of connections ends somewhere.
+        http=connection_class(4 * (settings.requests + settings.listeners)),
         ws="none",
         lifespan="off",
         log_config=None,
@@ -110,8 +112,6 @@ def serve(
         server_header=False,
         proxy_headers=False,
         backlog=_BACKLOG,
-        # Beyond what is told 429, so that a flood of idle connections ends somewhere.
-        limit_concurrency=4 * (settings.requests + settings.listeners),
         h11_max_incomplete_event_size=_HEADER_BYTES,
         timeout_graceful_shutdown=_LAST_ANSWERS,
     )

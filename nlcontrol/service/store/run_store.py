@@ -22,7 +22,7 @@ from typing import Any, NoReturn
 from nlcontrol.errors import ErrorInfo, error
 from nlcontrol.service.documents import NumberedEvent, RunInfo, RunPage, SessionSpec
 from nlcontrol.service.store.store_folder import FileKind, StoreFolder
-from nlcontrol.service.store.store_schema import open_database
+from nlcontrol.service.store.store_schema import open_database, store_error
 from nlcontrol.session.events import Event
 from objectmodels.files.file_writing import replace_file
 
@@ -242,10 +242,7 @@ class RunStore:
                 "SELECT number, event FROM events WHERE run = ? AND number > ? ORDER BY number",
                 *(self._number(run_id), after),
             )
-        return tuple(
-            NumberedEvent(number=number, event=Event.model_validate_json(text))
-            for number, text in rows
-        )
+        return tuple(filter(None, (_event(number, text) for number, text in rows)))
 
     # --- files ---------------------------------------------------------------------------------
 
@@ -270,7 +267,7 @@ class RunStore:
             ControlError: `unknown_run`.
         """
         path = self._file(run_id, kind)
-        return path if path.exists() else None
+        return path if path.is_file() else None
 
     def _file(self, run_id: str, kind: FileKind) -> Path:
         with self._turn:
@@ -323,20 +320,20 @@ class RunStore:
                     if self._database.in_transaction:
                         self._database.execute("ROLLBACK")
                     raise
-            except sqlite3.OperationalError as raised:  # such as a disk that is full
-                raise error(
-                    "system_error",
-                    f"the store cannot be written: {raised}",
-                    suggestions=("free some space on its disk",),
-                ) from raised
+            except sqlite3.Error as raised:
+                raise store_error(self._folder.path, "cannot be written", raised) from raised
 
     def _all(self, query: str, *values: object) -> list[Any]:
         with self._turn:
-            return self._database.execute(query, values).fetchall()
+            if self._database.in_transaction:  # which tells of it
+                return self._database.execute(query, values).fetchall()
+            try:
+                return self._database.execute(query, values).fetchall()
+            except sqlite3.Error as raised:
+                raise store_error(self._folder.path, "cannot be read", raised) from raised
 
     def _one(self, query: str, *values: object) -> Any:
-        with self._turn:
-            return self._database.execute(query, values).fetchone()
+        return next(iter(self._all(query, *values)), None)
 
     def _number(self, run_id: str) -> int:
         row = self._one("SELECT number FROM runs WHERE run_id = ?", run_id)
@@ -352,7 +349,7 @@ class RunStore:
         )
 
 
-_SELECT = """SELECT number, document,
+_SELECT = """SELECT number, run_id, session_id, ended_at, document,
     (SELECT coalesce(max(events.number), 0) FROM events WHERE run = runs.number) FROM runs"""
 
 _KEYED = """SELECT run_id, request FROM runs JOIN idempotency_keys ON run = number
@@ -362,6 +359,13 @@ _CUT_OFF = ErrorInfo(
     code="cut_off",
     message="the service ended while this was queued or carried out",
     suggestions=("look at the table, and say it again",),
+)
+
+
+_UNREADABLE = ErrorInfo(
+    code="unreadable",
+    message="what the store has of this run is damaged",
+    suggestions=("delete the run", "see what its files have"),
 )
 
 
@@ -376,8 +380,25 @@ def _row(info: RunInfo) -> dict[str, object]:
     }
 
 
-def _run_info(row: tuple[int, str, int]) -> RunInfo:
-    return RunInfo.model_validate_json(row[1]).model_copy(update={"events": row[2]})
+def _run_info(row: tuple[int, str, str, float | None, str, int]) -> RunInfo:
+    """The run of a row; one whose document is damaged is told as that, and takes no other along."""
+    _, run_id, session_id, ended_at, document, events = row
+    try:
+        info = RunInfo.model_validate_json(document)
+    except ValueError:
+        info = RunInfo(
+            run_id=str(run_id), session_id=str(session_id), kind="unknown", state="unreadable",
+            text="", asked_at=0.0, ended_at=ended_at or 0.0, error=_UNREADABLE,
+        )  # fmt: skip
+    return info.model_copy(update={"events": events})
+
+
+def _event(number: int, text: str) -> NumberedEvent | None:
+    """The event of a row; None if the row is damaged."""
+    try:
+        return NumberedEvent(number=number, event=Event.model_validate_json(text))
+    except ValueError:
+        return None
 
 
 def _refuse_run(run_id: str) -> NoReturn:

@@ -7,9 +7,10 @@ never changed once it has been released: what is to be different is a further st
 from __future__ import annotations
 
 import sqlite3
+from contextlib import ExitStack
 from pathlib import Path
 
-from nlcontrol.errors import error
+from nlcontrol.errors import ControlError, error
 
 MIGRATIONS: tuple[tuple[str, ...], ...] = (
     (
@@ -59,19 +60,70 @@ def open_database(path: Path) -> sqlite3.Connection:
     Raises:
         ControlError: `bad_store`.
     """
-    connection = sqlite3.connect(path, isolation_level=None, check_same_thread=False)
-    try:
-        connection.execute("PRAGMA journal_mode = WAL")
-        connection.execute("PRAGMA synchronous = NORMAL")
-        connection.execute("PRAGMA foreign_keys = ON")
-        _migrate(connection)
-    except sqlite3.DatabaseError as raised:
-        connection.close()
-        raise _bad_store(path, f"cannot be opened: {raised}") from raised
-    except ValueError as raised:
-        connection.close()
-        raise _bad_store(path, str(raised)) from raised
+    with ExitStack() as resources:
+        try:
+            connection = sqlite3.connect(path, isolation_level=None, check_same_thread=False)
+            resources.callback(connection.close)
+            connection.execute("PRAGMA journal_mode = WAL")
+            connection.execute("PRAGMA synchronous = NORMAL")
+            connection.execute("PRAGMA foreign_keys = ON")
+            _require_sound(connection)
+            _migrate(connection)
+            _require_tables(connection)
+        except sqlite3.Error as raised:
+            raise store_error(path, "cannot be opened", raised) from raised
+        except ValueError as raised:
+            raise _bad_store(path, str(raised)) from raised
+        resources.pop_all()
     return connection
+
+
+def store_error(path: Path, what: str, raised: sqlite3.Error) -> ControlError:
+    """The error of a database that does not do what is asked, by the cause that SQLite names.
+
+    Args:
+        path: of the database.
+        what: did not go.
+        raised: by SQLite.
+    """
+    cause = getattr(raised, "sqlite_errorcode", None)
+    cause = None if cause is None else cause & 0xFF  # without what extends it
+    message = f"the store {path} {what}: {raised}"
+    for causes, code, hint in _CURES:
+        if cause in causes:
+            return error(code, message, suggestions=(hint,))
+    return _bad_store(path, f"{what}: {raised}")
+
+
+_CURES: tuple[tuple[frozenset[int], str, str], ...] = (
+    (
+        frozenset({sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED}),
+        "store_locked",
+        "end the program that has its file runs.sqlite open",
+    ),
+    (frozenset({sqlite3.SQLITE_FULL}), "store_full", "free some space on its disk"),
+    (
+        frozenset({sqlite3.SQLITE_READONLY, sqlite3.SQLITE_PERM, sqlite3.SQLITE_CANTOPEN}),
+        "store_not_writable",
+        "let this user write to its folder, or give another one with --store",
+    ),
+)
+"""What SQLite tells, the code of it, and what to do."""
+
+
+def _require_sound(connection: sqlite3.Connection) -> None:
+    (told,) = connection.execute("PRAGMA quick_check(1)").fetchone()
+    if told != "ok":
+        raise ValueError(f"is damaged: {told}")
+
+
+def _require_tables(connection: sqlite3.Connection) -> None:
+    """Looks for the tables that the steps have made."""
+    there = {name for (name,) in connection.execute("SELECT name FROM sqlite_master")}
+    said = (statement.split() for step in MIGRATIONS for statement in step)
+    missing = sorted({words[2] for words in said if words[:2] == ["CREATE", "TABLE"]} - there)
+    if missing:
+        raise ValueError(f"is damaged: its table {missing[0]} is gone")
 
 
 def _migrate(connection: sqlite3.Connection) -> None:
@@ -97,6 +149,8 @@ def _migrate(connection: sqlite3.Connection) -> None:
     connection.execute("COMMIT")
 
 
-def _bad_store(path: Path, message: str) -> Exception:
-    hints = ("give another folder with --store", "take the version of nlcontrol that wrote it")
+def _bad_store(path: Path, message: str) -> ControlError:
+    damaged = "move the folder away: a new store is begun in its place"
+    earlier = "take the version of nlcontrol that wrote it"
+    hints = ("give another folder with --store", earlier if "version" in message else damaged)
     return error("bad_store", f"the store {path} {message}", suggestions=hints)

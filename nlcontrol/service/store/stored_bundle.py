@@ -46,10 +46,14 @@ def bundle_file(store: RunStore, run_id: str) -> Path:
 
 
 def _request(store: RunStore, info: RunInfo) -> RunRequest:
-    """The request of a run; without a recipe if its process did not come to write one."""
+    """The request of a run; without a recipe if there is none that can be read."""
     path = store.file(info.run_id, "request")
+    why_not = f"it was not carried out to its end: {info.state}"
     if path is not None:
-        return RunRequest.model_validate_json(path.read_bytes())
+        try:
+            return RunRequest.model_validate_json(path.read_bytes())
+        except ValueError:
+            why_not = "its request in the store is damaged"
     spec = store.session_spec(info.session_id)
     return RunRequest(
         text=info.text,
@@ -58,5 +62,5 @@ def _request(store: RunStore, info: RunInfo) -> RunRequest:
         versions=installed_versions(),
         platform=platform_name(),
         recipe=None,
-        why_not=f"it was not carried out to its end: {info.state}",
+        why_not=why_not,
     )

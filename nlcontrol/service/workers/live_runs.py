@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import json
+import logging
 import secrets
 import threading
 import time
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncIterator, Iterator, Mapping
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from nlcontrol.errors import INTERNAL, ControlError, ErrorInfo, error
@@ -15,6 +17,7 @@ from nlcontrol.service.documents import NumberedEvent, RunInfo
 from nlcontrol.service.workers.bell import Bell
 from nlcontrol.service.workers.session_host import RunEnd
 from nlcontrol.service.workers.simulation_queue import SimulationQueue
+from nlcontrol.service.workers.worker_process import daemon_timer
 from nlcontrol.session.events import Event
 
 if TYPE_CHECKING:
@@ -25,6 +28,11 @@ if TYPE_CHECKING:
 ENDING = 10.0
 """Longest time that the end of a run is waited for before the next one begins [s]."""
 
+WRITTEN_AGAIN = 2.0
+"""Time after which an end that the store did not take is written again [s]."""
+
+LOGGER = logging.getLogger("nlcontrol.service")
+
 
 class LiveRun:
     """A run that has not ended.
@@ -34,6 +42,7 @@ class LiveRun:
         session: in which it is carried out.
         changed: rung at each change.
         ended: set at its end.
+        unwritten: events that the store has not taken yet.
         has_turn: it may simulate.
         is_ending: nothing moves any more; its trace and its result are on their way.
         is_aborted: its process is being ended.
@@ -44,11 +53,15 @@ class LiveRun:
         self.info: RunInfo | None = None
         self.changed = Bell()
         self.ended = threading.Event()
+        self.unwritten: list[NumberedEvent] = []
         self.has_turn = self.is_ending = self.is_aborted = False
 
 
 class LiveRuns:
-    """All that are queued or under way.
+    """All that are queued or under way, and those whose end the store has not taken yet.
+
+    What happens counts, whether or not it can be written: an end that the store refuses is told as
+    it is, and written again until it is there. Nothing is written under the lock.
 
     Args:
         store: where they are noted.
@@ -60,6 +73,8 @@ class LiveRuns:
         self._store = store
         self._lock = threading.RLock()
         self._runs: dict[str, LiveRun] = {}
+        self._unwritten: dict[str, LiveRun] = {}
+        self._writing = threading.Lock()
         self.queue = SimulationQueue(workers, queue, self._note_place)
 
     # --- from the caller -----------------------------------------------------------------------
@@ -67,7 +82,7 @@ class LiveRuns:
     def begin(self, session: LiveSession, asked: Mapping[str, Any], key: str | None) -> RunInfo:
         """Begins a run, or lets it wait for its turn; see `PlanningService.begin_run`."""
         request = hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).digest()
-        with session.beginning:
+        with session.beginning():
             if key is not None:
                 known = self._store.run_of_key(session.session_id, key, request)
                 if known is not None:
@@ -85,7 +100,11 @@ class LiveRuns:
             try:
                 self.queue.enter(run.run_id, lambda: self._give_turn(run))
                 begun = session.call("begin_run", **asked).result()
-                self._note_begin(run, RunInfo.model_validate_json(begun), key, request)
+                try:
+                    self._note_begin(run, RunInfo.model_validate_json(begun), key, request)
+                except BaseException:
+                    session.call("drop_run").result()  # it waits in the process for its turn
+                    raise
             except BaseException:
                 self._forget(run)
                 raise
@@ -93,14 +112,16 @@ class LiveRuns:
 
     def run(self, run_id: str) -> RunInfo:
         """A run as it is now; raises `unknown_run`."""
-        with self._lock:
-            live = self._runs.get(run_id)
-            return live.info if live is not None and live.info else self._store.run(run_id)
+        return self.live_info(run_id) or self._store.run(run_id)
+
+    def live_info(self, run_id: str) -> RunInfo | None:
+        """The run as it is now if the store does not have it so; waits for nothing."""
+        live = self._runs.get(run_id) or self._unwritten.get(run_id)
+        return None if live is None else live.info
 
     def as_it_is(self, stored: RunInfo) -> RunInfo:
         """A run of the store, with its place and state as they are now."""
-        live = self._runs.get(stored.run_id)
-        return live.info if live is not None and live.info else stored
+        return self.live_info(stored.run_id) or stored
 
     def wait(self, run_id: str, timeout: float | None) -> RunInfo:
         """The run once it has ended, or as it is after a time [s]; raises `unknown_run`."""
@@ -110,17 +131,32 @@ class LiveRuns:
         return self.run(run_id)
 
     def stop(self, run_id: str) -> None:
-        """Asks a run to come to rest; nothing if it has ended already."""
-        live = self._live(run_id)
+        """Asks a run to come to rest; nothing if it is not under way. Waits for nothing."""
+        live = self._runs.get(run_id)
         if live is not None and not live.session.is_lost:
             live.session.process.call("stop_run")
 
     def abort(self, run_id: str) -> None:
-        """Ends the process of a run; nothing if it has ended already."""
-        live = self._live(run_id)
+        """Ends the process of a run; nothing if it is not under way. Waits for nothing."""
+        live = self._runs.get(run_id)
         if live is not None:
             live.is_aborted = True
             live.session.process.kill()
+
+    def write_ends(self) -> None:
+        """Writes the ends that the store has not taken yet.
+
+        Raises:
+            ControlError: it still does not.
+        """
+        with self._writing:
+            for run in list(self._unwritten.values()):
+                assert run.info is not None, "it has ended"
+                with _absence_passed():
+                    self._store.add_events(run.run_id, run.unwritten)
+                    self._store.put_run(run.info)
+                with self._lock:
+                    self._unwritten.pop(run.run_id, None)
 
     async def events(self, run_id: str, after: int = 0) -> AsyncIterator[NumberedEvent]:
         """Events of a run after a number, as they happen, until it has ended."""
@@ -129,9 +165,12 @@ class LiveRuns:
             while True:
                 changed.clear()
                 has_ended = self._live(run_id) is None
-                for each in self._store.events(run_id, after):
-                    yield each
-                    after = each.number
+                run = live or self._unwritten.get(run_id)
+                fresh = [] if run is None else list(run.unwritten)
+                for each in (*self._store.events(run_id, after), *fresh):
+                    if each.number > after:
+                        yield each
+                        after = each.number
                 if has_ended:
                     return
                 await changed.wait()
@@ -177,7 +216,7 @@ class LiveRuns:
             ControlError: `unknown_run`.
         """
         run = self._runs.get(run_id)
-        if run is None:
+        if run is None and run_id not in self._unwritten:
             self._store.run(run_id)
         return run
 
@@ -210,7 +249,13 @@ class LiveRuns:
         with self._lock:
             if run.info is None or run.info.state != "queued" or not run.has_turn:
                 return
-            self._put(run, state="running", place=None, begun_at=time.time())
+            changes = {"state": "running", "place": None, "begun_at": time.time()}
+            run.info = info = run.info.model_copy(update=changes)
+        try:
+            self._store.put_run(info)
+        except ControlError as raised:  # it was noted as one that waits
+            LOGGER.error("a run that begins to move is not noted: %s", raised.info.message)
+        run.changed.ring()
         run.session.process.call("take_turn")
 
     def _note_place(self, run_id: str, place: int | None) -> None:
@@ -225,38 +270,55 @@ class LiveRuns:
             assert run.info is not None, "it was begun"
             number = run.info.events + 1
             run.info = run.info.model_copy(update={"events": number})
+            run.unwritten.append(NumberedEvent(number=number, event=event))
         run.is_ending = event.kind == "ended"
-        self._store.add_events(run.run_id, [NumberedEvent(number=number, event=event)])
+        try:
+            self._store.add_events(run.run_id, run.unwritten)
+            run.unwritten.clear()
+        except ControlError as raised:
+            LOGGER.error("events of a run are kept for later: %s", raised.info.message)
         run.changed.ring()
 
     def _end(self, run: LiveRun, state: RunState, end: RunEnd) -> None:
-        changes = {"result": end.result, "error": end.error, "ended_at": time.time()}
-        try:
-            with self._lock:  # who sees that it has ended may begin the next one
-                self._put(run, state=state, place=None, **changes)
-                self._free_session(run)
-        finally:
-            self._forget(run)
+        """Ends a run; who sees that it has ended may begin the next one."""
+        changes = {"state": state, "place": None, "ended_at": time.time()}
+        with self._lock:
+            assert run.info is not None, "it was begun"
+            run.info = run.info.model_copy(
+                update={**changes, "result": end.result, "error": end.error}
+            )
+            self._unwritten[run.run_id] = run
+        self._write_ends()
+        self._forget(run)
 
-    def _put(self, run: LiveRun, **changes: object) -> None:
-        assert run.info is not None, "it was begun"
-        run.info = run.info.model_copy(update=changes)
-        self._store.put_run(run.info)
-        run.changed.ring()
+    def _write_ends(self) -> None:
+        """Writes the ends that are not written, now or later."""
+        try:
+            self.write_ends()
+        except ControlError as raised:
+            LOGGER.error("the end of a run is kept for later: %s", raised.info.message)
+            daemon_timer(WRITTEN_AGAIN, self._write_ends)
 
     def _forget(self, run: LiveRun) -> None:
         """Lets the next one begin in the place of a run that has ended."""
         with self._lock:
             self._runs.pop(run.run_id, None)
-            self._free_session(run)
+            if run.session.run_id == run.run_id:
+                run.session.run_id = None
+                run.session.note_use()
         self.queue.leave(run.run_id)
         run.ended.set()
         run.changed.ring()
 
-    def _free_session(self, run: LiveRun) -> None:
-        if run.session.run_id == run.run_id:
-            run.session.run_id = None
-            run.session.note_use()
+
+@contextmanager
+def _absence_passed() -> Iterator[None]:
+    """Context in which it is all the same that the store has no such run, or none any more."""
+    try:
+        yield
+    except ControlError as raised:
+        if raised.code != "unknown_run":
+            raise
 
 
 def _busy(run_id: str) -> ControlError:

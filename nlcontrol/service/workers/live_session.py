@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import threading
 import time
+from collections.abc import Iterator
 from concurrent.futures import Future, InvalidStateError
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
 from nlcontrol.errors import ControlError, error
@@ -33,7 +34,6 @@ class LiveSession:
 
     Attributes:
         run_id: of the run that is under way or queued.
-        beginning: held while a run is begun.
         is_lost: its process has ended.
         frames: rung at each pose frame; `frame` is the last one, as JSON.
     """
@@ -47,7 +47,7 @@ class LiveSession:
     ) -> None:
         self.session_id, self.spec, self.process = session_id, spec, process
         self.run_id: str | None = None
-        self.beginning = threading.Lock()
+        self._beginning, self._begins = threading.Lock(), 0
         self.is_lost = False
         self.frames = Bell()
         self.frame: bytes | None = None
@@ -71,6 +71,18 @@ class LiveSession:
     def note_use(self) -> None:
         """Puts off the end of an idle session."""
         self._used_at = time.monotonic()
+
+    @contextmanager
+    def beginning(self) -> Iterator[None]:
+        """Context in which a run is begun, one after the other; raises `queue_full`."""
+        if self._begins >= MOST_CALLS:
+            raise _queue_full(self._begins)
+        self._begins += 1
+        try:
+            with self._beginning:
+                yield
+        finally:
+            self._begins -= 1
 
     def info(self) -> SessionInfo:
         """The session as it is now."""
@@ -106,12 +118,7 @@ class LiveSession:
         """
         self.require_process()
         if len(self._calls) >= MOST_CALLS:
-            raise error(
-                "queue_full",
-                f"{len(self._calls)} calls of this session are open",
-                suggestions=("wait for the answers",),
-                numbers={"waiting": float(len(self._calls)), "retry_after": 1.0},
-            )
+            raise _queue_full(len(self._calls))
         limit = self._settings.request_time
         answer: Future[bytes] = Future()
         answer.set_running_or_notify_cancel()
@@ -154,3 +161,12 @@ class LiveSession:
             except ControlError as lost:
                 return lost
         return raised
+
+
+def _queue_full(calls: int) -> ControlError:
+    return error(
+        "queue_full",
+        f"{calls} calls of this session are open",
+        suggestions=("wait for the answers",),
+        numbers={"waiting": float(calls), "retry_after": 1.0},
+    )

@@ -32,6 +32,8 @@ _FIRST_SENTENCES = (
 class PlannerHost:
     """Answers calls about tables; nothing is remembered from one to the next."""
 
+    urgent: frozenset[str] = frozenset()
+
     def __init__(self, tell: Tell) -> None:
         self._lock = Lock()
         self._registry = (

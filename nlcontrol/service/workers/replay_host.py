@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 class ReplayHost:
     """Makes replays, which takes the engine."""
 
+    urgent: frozenset[str] = frozenset()
+
     def __init__(self, tell: Tell) -> None:
         pass
 

@@ -51,6 +51,8 @@ class SessionHost:
         tell: tells the service something by topic.
     """
 
+    urgent = frozenset({"stop", "stop_run", "take_turn"})
+
     def __init__(self, tell: Tell) -> None:
         self._tell = tell
         self._session: Session | None = None
@@ -82,6 +84,8 @@ class SessionHost:
                 return b"{}"
             case "stop" | "stop_run":
                 return self._stop(session=method == "stop")
+            case "drop_run":
+                return self._drop_run()
             case "geometry":
                 return self.poses.geometry().model_dump_json().encode()
             case "tell_poses":
@@ -120,11 +124,18 @@ class SessionHost:
 
     def _stop(self, *, session: bool) -> bytes:
         """Asks the run to come to rest, be it before its turn; with the session, plans go too."""
-        if session:
+        if session and self._session is not None:
             self.session.stop()
         elif self._run is not None:
             self._run.stop()
         self._turn.set()
+        return b"{}"
+
+    def _drop_run(self) -> bytes:
+        """Ends a run that is not to begin, before anything has moved."""
+        self._stop(session=False)
+        if self._run is not None:
+            self._run.join()
         return b"{}"
 
     def _tell_event(self, event: Event) -> None:

@@ -20,7 +20,13 @@ Tell = Callable[[str, bytes], None]
 
 
 class Host(Protocol):
-    """Object that answers the calls of a worker, several at a time."""
+    """Object that answers the calls of a worker, several at a time.
+
+    Attributes:
+        urgent: methods that wait for nothing, and that are done in the order of all calls.
+    """
+
+    urgent: frozenset[str]
 
     def answer(self, method: str, arguments: Mapping[str, Any]) -> bytes:
         """The answer to a call, as JSON.
@@ -67,15 +73,20 @@ class _Worker:
     def answer_calls(self) -> None:
         """Reads calls for ever; raises what closes the pipe."""
         while True:
-            call = self._connection.recv()
-            threading.Thread(target=self._answer, args=(call,), daemon=True).start()
+            call: Call = self._connection.recv()
+            # What is urgent is done here; its answer may have to wait until others are written.
+            done = self._answer(call) if call.method in self._host.urgent else None
+            threading.Thread(target=self._send_answer, args=(call, done), daemon=True).start()
 
-    def _answer(self, call: Call) -> None:
+    def _send_answer(self, call: Call, done: Answer | None) -> None:
+        self._send(done or self._answer(call))
+
+    def _answer(self, call: Call) -> Answer:
         try:
-            content, ok = self._host.answer(call.method, call.arguments), True
+            return Answer(call.number, self._host.answer(call.method, call.arguments), ok=True)
         except Exception as raised:
-            content, ok = exception_info(raised).model_dump_json().encode(), False
-        self._send(Answer(call.number, content, ok))
+            info = exception_info(raised).model_dump_json().encode()
+            return Answer(call.number, info, ok=False)
 
     def _send(self, message: Ready | Answer | Told) -> None:
         try:

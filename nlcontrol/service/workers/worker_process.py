@@ -12,6 +12,7 @@ import itertools
 import logging
 import multiprocessing
 import os
+import queue
 import signal
 import sys
 import threading
@@ -44,8 +45,15 @@ DEAF_TO = (signal.SIGINT, signal.SIGTERM)
 robot does is to be stopped by the service, in order."""
 
 
+MOST_UNSENT = 64
+"""Calls that wait to be written to one worker; one that does not read delays nobody else."""
+
+
 class WorkerProcess:
     """A process of its own, with a host that answers calls. It may be called while it starts.
+
+    No method but `wait` and `pid` waits for anything: calls are written by a thread of the worker's
+    own, so that one that hangs holds up none but its own callers.
 
     Args:
         make_host: a function of a module, or a class, that makes the host in the process.
@@ -68,7 +76,9 @@ class WorkerProcess:
         self._numbers = itertools.count(1)
         self._lock = threading.Lock()
         self._calls: dict[int, Future[bytes]] = {}
-        self._ended = False
+        self._unsent: queue.Queue[Call | None] = queue.Queue(MOST_UNSENT)
+        self._ended = self._is_unwanted = False
+        self._pid: int | None = None
         self._connection, there = _CONTEXT.Pipe()
         environment = dict(os.environ) | dict.fromkeys(_LONE_THREAD, "1")
         self._process: BaseProcess = _CONTEXT.Process(
@@ -82,8 +92,8 @@ class WorkerProcess:
     def pid(self) -> int:
         """Number of the process; waits until it is started."""
         self._is_started.wait()
-        assert self._process.pid is not None, "it could not be started"
-        return self._process.pid
+        assert self._pid is not None, "it could not be started"
+        return self._pid
 
     def call(self, method: str, **arguments: Any) -> Future[bytes]:
         """Calls a method of the host; the answer is a JSON document.
@@ -93,22 +103,26 @@ class WorkerProcess:
         future: Future[bytes] = Future()
         future.set_running_or_notify_cancel()
         number = next(self._numbers)
+        failure = lost_error()
         with self._lock:
             if not self._ended:
-                self._calls[number] = future
-                with suppress(OSError):  # it has just ended, which its reader will notice
-                    self._connection.send(Call(number, method, arguments))
-                return future
-        future.set_exception(lost_error())
+                try:
+                    self._unsent.put_nowait(Call(number, method, arguments))
+                    self._calls[number] = future
+                    return future
+                except queue.Full:
+                    failure = _deaf_error()
+        future.set_exception(failure)
         return future
 
     def kill(self) -> None:
-        """Ends the process at once."""
-        self._is_started.wait()
-        if self._process.pid is not None and not self._ended:
-            # By its number: `Process.kill` takes it for ended where what it was forked from has.
-            with suppress(ProcessLookupError):
-                os.kill(self._process.pid, signal.SIGKILL)
+        """Ends the process at once; one that is about to start, as soon as it has."""
+        with self._lock:
+            self._is_unwanted = True
+            if self._pid is not None and not self._ended:
+                # By its number: `Process.kill` takes it for ended where what forked it has.
+                with suppress(ProcessLookupError):
+                    os.kill(self._pid, signal.SIGKILL)
 
     def wait(self, timeout: float | None = None) -> bool:
         """Waits [s] until the process has ended and that was told; returns True if so."""
@@ -121,22 +135,39 @@ class WorkerProcess:
             with _surroundings():
                 self._process.start()
             atexit.register(self.kill)  # it does not end by SIGTERM
+        with self._lock:
+            self._pid = self._process.pid
         self._is_started.set()
         there.close()
+        if self._is_unwanted:
+            self.kill()
+        writer = threading.Thread(target=self._write, daemon=True)
+        writer.start()
         with suppress(EOFError, OSError):
             while True:
                 self._take(self._connection.recv())
         self.kill()
-        if self._process.pid is not None:
+        if self._pid is not None:
             self._process.join()
+        self._process.close()  # its descriptors with it
         atexit.unregister(self.kill)
         with self._lock:
             self._ended = True
             calls, self._calls = self._calls, {}
-            self._connection.close()
+        while not self._unsent.empty():
+            self._unsent.get_nowait()
+        self._unsent.put(None)
+        writer.join()
+        self._connection.close()
         for future in calls.values():
             _settle(future, lost_error())
         _log_failures(self.on_end)
+
+    def _write(self) -> None:
+        """Writes calls to the pipe, which blocks while the process does not read."""
+        with suppress(OSError):  # it has just ended, which its reader will notice
+            while (call := self._unsent.get()) is not None:
+                self._connection.send(call)
 
     def _take(self, message: object) -> None:
         match message:
@@ -173,6 +204,15 @@ def lost_error() -> ControlError:
         "worker_lost",
         "the process that worked on this has ended unexpectedly",
         suggestions=("ask again; a session that is lost is to be opened anew",),
+    )
+
+
+def _deaf_error() -> ControlError:
+    return error(
+        "queue_full",
+        f"the process that works on this takes no calls, and {MOST_UNSENT} wait for it already",
+        suggestions=("ask again in a few seconds", "close its session"),
+        numbers={"waiting": float(MOST_UNSENT), "retry_after": 2.0},
     )
 
 

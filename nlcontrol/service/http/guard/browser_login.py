@@ -9,10 +9,14 @@ from __future__ import annotations
 import hashlib
 import hmac
 import secrets
+import time
 
 from starlette.requests import cookie_parser
 
 LOGIN_PATH = "/v1/login"
+
+LONGEST_PENALTY, FORGOTTEN = 5.0, 30.0
+"""Time by which a wrong guess is answered late at most, and after which one is forgotten [s]."""
 
 
 class BrowserLogin:
@@ -24,6 +28,7 @@ class BrowserLogin:
 
     def __init__(self, token: str) -> None:
         self._token = token
+        self._guesses, self._guessed_at = 0.0, time.monotonic()
         self._code: str | None = secrets.token_urlsafe(24)
         self._value = hmac.new(token.encode(), b"cookie of nlcontrol", hashlib.sha256).hexdigest()
         # Cookies do not know ports: each service on a machine has a name of its own.
@@ -43,6 +48,13 @@ class BrowserLogin:
             self._code = None
             return True
         return self.is_token(secret)
+
+    def penalty(self) -> float:
+        """Time by which a wrong guess is answered late [s]: the more of them of late, the later."""
+        now = time.monotonic()
+        self._guesses = max(0.0, self._guesses - (now - self._guessed_at) / FORGOTTEN) + 1.0
+        self._guessed_at = now
+        return float(min(LONGEST_PENALTY, 0.1 * 2.0 ** min(self._guesses - 1.0, 10.0)))
 
     def is_token(self, secret: str) -> bool:
         """True for the token."""

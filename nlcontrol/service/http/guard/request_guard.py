@@ -11,8 +11,9 @@ from __future__ import annotations
 import asyncio
 import logging
 import time
-from collections.abc import Mapping
-from contextlib import suppress
+from collections.abc import AsyncIterator, Mapping
+from contextlib import asynccontextmanager, suppress
+from http import HTTPStatus
 from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
@@ -23,12 +24,14 @@ from nlcontrol.errors import ControlError, ErrorInfo, error
 from nlcontrol.service.http.guard.browser_login import LOGIN_PATH, BrowserLogin
 from nlcontrol.service.http.http_settings import LOOPBACK, HttpSettings
 from nlcontrol.service.http.problem_documents import (
-    Problem,
+    OF_REQUESTS,
+    defect,
     problem_of,
     problem_response,
 )
 
 if TYPE_CHECKING:
+    from starlette.responses import Response
     from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 
@@ -43,6 +46,9 @@ SECURITY_HEADERS: Mapping[str, str] = {
     "X-Frame-Options": "DENY",
 }
 """Headers of every answer that does not set them itself."""
+
+STRANGERS = 16
+"""Requests without the token that may be under way where there is one: pages, and logins."""
 
 _READING = ("GET", "HEAD")
 _LONGEST_PATH = 200  # of a path in the log [characters]
@@ -83,7 +89,8 @@ class RequestGuard:
         self.login = login
         self._body_bytes = body_bytes
         self._hosts = {*LOOPBACK, settings.host.lower(), *(name.lower() for name in settings.hosts)}
-        self._under_way = 0
+        self._owners = _Room(settings.requests)
+        self._strangers = _Room(STRANGERS, gives_way=True)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answers a request; there are no sockets here."""
@@ -96,43 +103,47 @@ class RequestGuard:
 
     async def _answer(self, scope: Scope, receive: Receive, send: Send) -> None:
         answer = _Answer(send, is_head=scope["method"] == "HEAD")
-        self._under_way += 1
         try:
-            received = await self._admit(scope, receive)
-            asked = {**scope, "method": "GET"} if answer.is_head else scope
-            await self._app(asked, received, answer.send)
+            headers = Headers(scope=scope)
+            self._require_host(headers)
+            opens_page = scope["method"] in _READING and scope["path"] == "/"
+            _require_own_page(headers, opens_page=opens_page)
+            async with self._room(scope["path"], headers).entered():
+                reads = scope["method"] in _READING
+                received = await self._read_body(headers, receive, reads=reads)
+                asked = {**scope, "method": "GET"} if answer.is_head else scope
+                await self._app(asked, received, answer.send)
         except _CallerGone:
             answer.is_done = True
         except ControlError as raised:
-            await problem_response(problem_of(raised.info))(scope, receive, answer.send)
+            if answer.status == 0:
+                await problem_response(problem_of(raised.info))(scope, receive, answer.send)
         except Exception:
             if not answer.is_done:
                 LOGGER.exception("a request failed")
                 if answer.status == 0:
-                    await problem_response(_defect())(scope, receive, answer.send)
+                    await problem_response(defect())(scope, receive, answer.send)
         finally:
-            self._under_way -= 1
             _log(scope, answer)
 
-    async def _admit(self, scope: Scope, receive: Receive) -> Receive:
-        """The body of a request that may pass.
+    def _room(self, path: str, headers: Headers) -> _Room:
+        """Where a request may wait: who has the token is kept out by nobody who has not.
 
         Raises:
-            ControlError: it may not.
+            ControlError: `wrong_token`.
         """
-        if self._under_way > self._settings.requests:
+        if self.login is None or self._bears_token(headers):
+            return self._owners
+        if path.startswith("/v1/") and path != LOGIN_PATH:
             raise error(
-                "too_many_requests",
-                f"{self._settings.requests} requests are under way already",
-                suggestions=("ask again in a second",),
-                numbers={"retry_after": 1.0},
+                "wrong_token",
+                "this service needs its token",
+                suggestions=(
+                    "send the header Authorization: Bearer with the token",
+                    "in a browser, open the link that the server has printed",
+                ),
             )
-        headers = Headers(scope=scope)
-        self._require_host(headers)
-        _require_own_page(headers, opens_page=scope["method"] in _READING and scope["path"] == "/")
-        if scope["path"].startswith("/v1/") and scope["path"] != LOGIN_PATH:
-            self._require_token(headers)
-        return await self._read_body(headers, receive, reads=scope["method"] in _READING)
+        return self._strangers
 
     def _require_host(self, headers: Headers) -> None:
         names = headers.getlist("host")
@@ -143,21 +154,13 @@ class RequestGuard:
                 suggestions=("call it by the URL that `nlcontrol serve` has printed",),
             )
 
-    def _require_token(self, headers: Headers) -> None:
-        """Refuses a request that bears neither the token nor the cookie of a login."""
-        if self.login is None:
-            return
+    def _bears_token(self, headers: Headers) -> bool:
+        """It bears the token, or the cookie of a login."""
+        assert self.login is not None, "there is a token"
         kind, _, token = headers.get("authorization", "").partition(" ")
-        bears_token = kind.lower() == "bearer" and self.login.is_token(token.strip())
-        if not bears_token and not self.login.knows(headers.get("cookie", "")):
-            raise error(
-                "wrong_token",
-                "this service needs its token",
-                suggestions=(
-                    "send the header Authorization: Bearer with the token",
-                    "in a browser, open the link that the server has printed",
-                ),
-            )
+        if kind.lower() == "bearer" and self.login.is_token(token.strip()):
+            return True
+        return self.login.knows(headers.get("cookie", ""))
 
     async def _read_body(self, headers: Headers, receive: Receive, *, reads: bool) -> Receive:
         body = await self._whole_body(headers, receive)
@@ -204,6 +207,48 @@ class RequestGuard:
         )
 
 
+class _Room:
+    """Requests that are under way, up to a number.
+
+    Args:
+        places: of them.
+        gives_way: where all are taken, the one that has taken the longest makes room for the next.
+    """
+
+    def __init__(self, places: int, *, gives_way: bool = False) -> None:
+        self._places, self._gives_way = places, gives_way
+        self._inside: dict[asyncio.Timeout, None] = {}
+
+    @asynccontextmanager
+    async def entered(self) -> AsyncIterator[None]:
+        """Context of one more; raises `too_many_requests`."""
+        if len(self._inside) >= self._places:
+            if not self._gives_way:
+                raise self._full()
+            first = next(iter(self._inside))
+            del self._inside[first]
+            first.reschedule(asyncio.get_running_loop().time())
+        limit = asyncio.timeout(None)
+        try:
+            async with limit:
+                self._inside[limit] = None
+                yield
+        except TimeoutError:
+            if limit.expired():
+                raise self._full() from None
+            raise
+        finally:
+            self._inside.pop(limit, None)
+
+    def _full(self) -> ControlError:
+        return error(
+            "too_many_requests",
+            f"{self._places} requests are under way already",
+            suggestions=("ask again in a second",),
+            numbers={"retry_after": 1.0},
+        )
+
+
 class _Answer:
     """The answer on its way, with the headers that all answers bear.
 
@@ -225,13 +270,19 @@ class _Answer:
         if message["type"] == "http.response.start":
             self.status = message["status"]
             headers = MutableHeaders(scope=message)
+            is_plain = headers.get("content-type", "").startswith("text/plain")
+            refusal = _refusal(self.status) if is_plain and self.status >= 400 else None
+            if refusal is not None:
+                message["headers"] = refusal.raw_headers
+                headers = MutableHeaders(scope=message)
             for name, value in SECURITY_HEADERS.items():
                 headers.setdefault(name, value)
             if self.status == 401:
                 headers["WWW-Authenticate"] = "Bearer"
             await self._send(message)
-            if self.is_head:
-                await self._send({"type": "http.response.body", "body": b""})
+            if self.is_head or refusal is not None:
+                body = b"" if self.is_head or refusal is None else bytes(refusal.body)
+                await self._send({"type": "http.response.body", "body": body})
                 self.is_done = True
         elif not self.is_done:
             await self._send(message)
@@ -239,11 +290,13 @@ class _Answer:
             raise _HeadAnswered
 
 
-def _defect() -> Problem:
-    """The problem document of a defect, of which the log alone says more."""
-    hint = "the log of the service says more; tell whoever runs it"
-    message = "this is a defect of nlcontrol"
-    return problem_of(ErrorInfo(code="internal", message=message, suggestions=(hint,)))
+def _refusal(status: int) -> Response:
+    """The problem document in the place of what another layer refuses in plain text."""
+    if status >= 500:
+        return problem_response(defect())
+    code, hint = OF_REQUESTS.get(status, OF_REQUESTS[400])
+    info = ErrorInfo(code=code, message=HTTPStatus(status).phrase, suggestions=(hint,))
+    return problem_response(problem_of(info, status=status))
 
 
 def _host_name(host: str) -> str:

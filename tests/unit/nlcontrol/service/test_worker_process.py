@@ -22,6 +22,8 @@ from tests.unit.nlcontrol.service.processes import parent
 class Reporter:
     """Tells of its process what it is asked for."""
 
+    urgent: frozenset[str] = frozenset()
+
     def __init__(self, tell: Tell) -> None:
         pass
 

@@ -1,0 +1,91 @@
+"""A connection of the server: it has so long to say what it wants, and gives way if it does not.
+
+A connection that has not sent the whole head of a request costs a descriptor and nothing else. It
+is closed when its time is over; in a full house the one that has waited longest is closed for one
+that comes, so that who asks at once is always heard.
+"""
+
+from __future__ import annotations
+
+import asyncio
+
+import h11
+from uvicorn.protocols.http.h11_impl import H11Protocol
+
+from nlcontrol.errors import ErrorInfo
+from nlcontrol.service.http.problem_documents import MEDIA_TYPE, problem_of
+
+HEAD_TIME = 10.0
+"""Time in which the head of a request has to arrive, and for which a connection may idle [s]."""
+
+
+def connection_class(most: int, head_time: float = HEAD_TIME) -> type[H11Protocol]:
+    """The class of the connections of one server.
+
+    Args:
+        most: connections at once.
+        head_time: in which each has to say what it wants [s].
+    """
+
+    class HttpConnection(H11Protocol):
+        """One of them."""
+
+        waits_since = 0.0
+        _timer: asyncio.TimerHandle | None = None
+
+        @property
+        def waits(self) -> bool:
+            """No request of it is under way."""
+            return self.cycle is None or self.cycle.response_complete
+
+        def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+            super().connection_made(transport)
+            self._watch()
+            if len(self.connections) > most:
+                waiting = [c for c in self.connections if isinstance(c, HttpConnection) and c.waits]
+                min(waiting, key=lambda c: c.waits_since).transport.abort()
+
+        def data_received(self, data: bytes) -> None:
+            super().data_received(data)
+            self._watch()
+
+        def on_response_complete(self) -> None:
+            super().on_response_complete()
+            self._watch()
+
+        def connection_lost(self, exc: Exception | None) -> None:
+            self._stop_watching()
+            super().connection_lost(exc)
+
+        def send_400_response(self, msg: str) -> None:
+            """Refuses what is no HTTP, with a problem document as all else."""
+            hint = "send a request of HTTP/1.1, its head within 32 kB"
+            info = ErrorInfo(code="bad_request", message=msg, suggestions=(hint,))
+            body = problem_of(info, status=400).model_dump_json(exclude_defaults=True).encode()
+            headers = [
+                ("content-type", MEDIA_TYPE),
+                ("content-length", str(len(body))),
+                ("connection", "close"),
+            ]
+            for event in (
+                h11.Response(status_code=400, headers=headers, reason=b"Bad Request"),
+                h11.Data(data=body),
+                h11.EndOfMessage(),
+            ):
+                self.transport.write(self.conn.send(event) or b"")
+            self.transport.close()
+
+        def _watch(self) -> None:
+            """Counts the time for which nothing is under way."""
+            if not self.waits:
+                self._stop_watching()
+            elif self._timer is None:
+                self.waits_since = self.loop.time()
+                self._timer = self.loop.call_later(head_time, self.transport.abort)
+
+        def _stop_watching(self) -> None:
+            if self._timer is not None:
+                self._timer.cancel()
+                self._timer = None
+
+    return HttpConnection
