@@ -1,4 +1,4 @@
-"""Control-C and SIGTERM on the command line.
+"""Control-C, SIGTERM and the end of the terminal (SIGHUP) on the command line.
 
 A signal ends the command where it is. Where that would leave a robot in the midst of something, the
 first one asks for a stop, and only the second ends it. One that comes before the program is loaded
@@ -13,7 +13,9 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import NoReturn
 
-EXIT_CODES = {signal.SIGINT: 130, signal.SIGTERM: 143}
+EXIT_CODES = {signal.SIGINT: 130, signal.SIGTERM: 143} | (
+    {signal.SIGHUP: 129} if hasattr(signal, "SIGHUP") else {}
+)
 """Exit codes of a command that a signal has ended, as shells expect them."""
 
 
@@ -33,7 +35,7 @@ class Terminated(SystemExit):
 
 
 class Signals:
-    """Both signals of one process.
+    """These signals in one process.
 
     Attributes:
         received: those that came since they were last waited for.
@@ -50,7 +52,7 @@ class Signals:
         return EXIT_CODES[signal.Signals(self.received[0])] if self.received else 130
 
     def hold(self) -> None:
-        """Takes both signals from now on, and lets them wait."""
+        """Takes all of them from now on, and lets them wait."""
         self._wait = self._held = True
         for number in EXIT_CODES:
             signal.signal(number, self._take)

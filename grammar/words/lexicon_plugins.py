@@ -15,12 +15,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cache
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import entry_points
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
 from grammar.words.lexicon import Lexicon, default_lexicon
+from objectmodels.files.plugin_loading import PluginError, package_name, place_of, taken_in
 
 GROUP = "nlcontrol.lexicon"
 
@@ -34,17 +35,18 @@ _KEYS = frozenset({"verbs", "terminals", "adjectives", "names"})
 def installed_lexicon() -> tuple[Lexicon, tuple[str, ...]]:
     """The lexicon with the words of the installed plug-ins, and what is wrong with the others."""
     lexicon, problems = default_lexicon(), []
-    for point in sorted(entry_points(group=GROUP), key=lambda p: (_package_name(p), p.name)):
+    for point in sorted(entry_points(group=GROUP), key=lambda p: (package_name(p), p.name)):
         try:
-            lexicon = lexicon.with_words(**_plug_in_words(point.load()))
-        except Exception as error:  # a plug-in may fail in any way
-            place = f"plug-in {point.name!r} of {_package_name(point)}"
-            problems.append(f"{place}: {type(error).__name__}: {error}")
+            words = taken_in(point, _plug_in_words)
+            lexicon = lexicon.with_words(**words)
+        except (PluginError, ValueError, TypeError, KeyError) as failure:
+            told = failure if isinstance(failure, PluginError) else _told(failure)
+            problems.append(f"{place_of(point)}: {told}")
     return lexicon, tuple(problems)
 
 
-def _package_name(point: EntryPoint) -> str:
-    return point.dist.name if point.dist else point.value.partition(":")[0]
+def _told(failure: Exception) -> str:
+    return f"{type(failure).__name__}: {failure}"
 
 
 def _plug_in_words(thing: object) -> Mapping[str, Any]:

@@ -12,6 +12,8 @@ import unicodedata
 from collections.abc import Iterable
 from typing import Any
 
+from grammar.words.lexicon import default_lexicon
+
 _INVISIBLE = {"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"}
 _QUOTES = str.maketrans(dict.fromkeys('“”„‟"«»', "'"))
 
@@ -36,9 +38,14 @@ class ForeignNames:
 
     def __init__(self, names: Iterable[str]) -> None:
         known = sorted({name for name in names if name.strip()}, key=len, reverse=True)
-        one_of = "|".join(map(re.escape, known))
+        plain = default_lexicon().reserved_words
+        # What is a word of the language as well is a name behind its article alone.
+        one_of = "|".join(
+            rf"(?<=\bthe ){re.escape(name)}" if name.casefold() in plain else re.escape(name)
+            for name in known
+        )
         # What is quoted already is left as it is: by us, or by who wrote the sentence.
-        quoted = rf"[\"'“](?:{one_of})[\"'”]"
+        quoted = rf"[\"'“](?:{'|'.join(map(re.escape, known))})[\"'”]"
         self._found = re.compile(rf"{quoted}|(?<!\w)(?:{one_of})(?!\w)", re.I) if known else None
         self._names = {name.casefold() for name in known}
 

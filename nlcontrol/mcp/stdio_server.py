@@ -6,6 +6,7 @@ runs, and what else is written to standard output, by whatever library, goes to 
 
 from __future__ import annotations
 
+import json
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator
@@ -75,7 +76,19 @@ class _Lines(anyio.AsyncFile[str]):
 
     async def readline(self) -> str:
         """The next line; empty at the end."""
-        return await to_thread.run_sync(self.wrapped.readline, abandon_on_cancel=True)
+        line = await to_thread.run_sync(self.wrapped.readline, abandon_on_cancel=True)
+        return _whole_characters(line)
+
+
+def _whole_characters(line: str) -> str:
+    """A line of JSON without escaped halves of characters, which nothing could answer in UTF-8."""
+    if "\\ud" not in line.lower():
+        return line
+    try:
+        text = json.dumps(json.loads(line), ensure_ascii=False)
+    except ValueError:
+        return line  # which its reader refuses
+    return text.encode("utf-16", "surrogatepass").decode("utf-16", "replace") + "\n"
 
 
 async def _serve(server: Server[Any], output: TextIOWrapper) -> None:

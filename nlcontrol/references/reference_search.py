@@ -351,7 +351,7 @@ def _pronoun_object(ref: ObjectRef, around: Surroundings, spoken: Spoken, alone:
         )
     name = _first_spoken_of(spoken.it, ref, around)
     if name not in around.names and not alone:
-        raise _not_on_table(f"'{ref.text}', the {name},", ref, around)
+        raise _not_on_table(f"'{ref.text}', the {name},", name, ref, around)
     return name
 
 
@@ -373,7 +373,7 @@ def _model_elsewhere(ref: ObjectRef, around: Surroundings, alone: bool) -> str:
         if any(name_words(name) in meant for name in (model.name, *model.synonyms)):
             if alone:
                 return model.name
-            raise _not_on_table(f"'{ref.text}'", ref, around)
+            raise _not_on_table(f"'{ref.text}'", model.name, ref, around)
     guess = likely_name(ref.text, around.on_table) or likely_name(
         reference_noun(ref), around.on_table
     )
@@ -386,12 +386,12 @@ def _model_elsewhere(ref: ObjectRef, around: Surroundings, alone: bool) -> str:
     )
 
 
-def _not_on_table(what: str, ref: ObjectRef, around: Surroundings) -> ControlError:
+def _not_on_table(what: str, name: str, ref: ObjectRef, around: Surroundings) -> ControlError:
     return error(
         "not_on_table",
         f"{what} is known, but there is none on the table; there is: {_names_on_table(around)}",
         span=whole_span(ref.spans),
-        suggestions=around.names,
+        suggestions=(*around.names, f'put it there: --put "{name}@0.45,0.18"'),
     )
 
 

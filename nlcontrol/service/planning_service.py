@@ -45,6 +45,7 @@ if TYPE_CHECKING:
 MOST_WAITING = 64
 """Callers that wait for a process at once; the next ones wait for them."""
 
+_MOST_GONE = 1000  # sessions of which it is still told why they are gone
 _TICK = 1.0  # between looks for idle sessions [s]
 
 
@@ -72,6 +73,7 @@ class PlanningService:
         self.waiting_room = ThreadPoolExecutor(MOST_WAITING, "waiting")
         self._lock = threading.RLock()
         self._sessions: dict[str, LiveSession] = {}
+        self._gone: dict[str, str] = {}
         self._spare: WorkerProcess | None = None
         self._closed = threading.Event()
 
@@ -153,13 +155,15 @@ class PlanningService:
     def open_session(self, spec: SessionSpec) -> SessionInfo:
         """Opens a session; waits until its table is there.
 
+        Where all places are taken, the session that was left alone the longest makes room.
+
         Raises:
             ControlError: `unknown_scene`, `too_many_sessions`; what is wrong with the table.
         """
         self._require_scene(spec)
         session_id = f"session-{secrets.token_hex(8)}"
         with self._lock:
-            self._require_room()
+            self._make_room()
             process = self._spare or WorkerProcess(SessionHost)
             self._spare = None
             session = LiveSession(session_id, spec, process, self.settings)
@@ -330,8 +334,9 @@ class PlanningService:
         if session is None:
             raise error(
                 "unknown_session",
-                f"there is no open session {session_id[:80]!r}",
-                suggestions=("open a new one: it was closed, or nothing was asked of it for long",),
+                f"there is no open session {session_id[:80]!r}: "
+                + self._gone.get(session_id, "it was closed, or nothing was asked of it for long"),
+                suggestions=("open a new one",),
             )
         return session
 
@@ -348,14 +353,27 @@ class PlanningService:
     def _most_sessions(self) -> int:
         return 1 if self.settings.executor is not None else self.settings.sessions
 
-    def _require_room(self) -> None:
-        if len(self._sessions) >= self._most_sessions:
+    def _make_room(self) -> None:
+        """Gives the place of the session that was left alone the longest to the next one.
+
+        Raises:
+            ControlError: `too_many_sessions` if none was.
+        """
+        if len(self._sessions) < self._most_sessions:
+            return
+        left = [s for s in self._sessions.values() if s.is_left_alone]
+        if not left:
             raise error(
                 "too_many_sessions",
-                f"{len(self._sessions)} sessions are open, and no more are allowed",
+                f"{len(self._sessions)} sessions are in use, and no more are allowed",
                 suggestions=("close one", "ask again when one has ended"),
                 numbers={"sessions": float(self._most_sessions), "retry_after": 30.0},
             )
+        gone = max(left, key=lambda session: session.idle_for)
+        self._gone[gone.session_id] = f"it was unused for {gone.idle_for:.0f} s and made room"
+        while len(self._gone) > _MOST_GONE:
+            del self._gone[next(iter(self._gone))]
+        self._end_session(gone)
 
     def _keep_spare(self) -> None:
         """Keeps a process ready for the next session, so that it opens quickly."""

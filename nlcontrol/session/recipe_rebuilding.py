@@ -92,6 +92,10 @@ def _first_controller(recipe: Recipe) -> Controller:
                 name: model_from_document(document, "recipe", kinds)
                 for name, document in recipe.beliefs.items()
             }
+            names = {item.name for item in controller.cell.objects}
+            if names != controller.models.keys():
+                odd = ", ".join(sorted(names ^ controller.models.keys())[:5])
+                raise ValueError(f"its beliefs are not of the scene's objects: {odd}")
     except (ValueError, TypeError, ControlError) as raised:
         raise _bad_recipe(str(raised)) from raised
     return controller

@@ -9,14 +9,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from importlib.metadata import EntryPoint, entry_points
+from itertools import islice
 from os import PathLike
 from pathlib import Path
 
 from objectmodels.errors import ModelError
+from objectmodels.files.plugin_loading import PluginError, package_name, place_of, taken_in
 from objectmodels.models.object_model import ObjectModel
 
 GROUP = "nlcontrol.objectmodels"
 """Entry points of other packages that bring object models."""
+
+MOST_OFFERS = 10_000
+"""Models that one plug-in may bring."""
 
 Offer = type[ObjectModel] | ObjectModel | Path
 """What a plug-in brings, one at a time."""
@@ -37,17 +42,17 @@ def plugin_offers(entry: str | None = None) -> Iterator[tuple[str, Offer | Model
     """
     found: list[tuple[str, Offer | ModelError]] = []
     for point in _entry_points(entry):
-        place = f"plug-in {point.name!r} of {_package_name(point)}"
+        place = place_of(point)
         try:
-            found += [(place, offer) for offer in _offers_from(point.load())]
-        except Exception as error:  # a plug-in may fail in any way
-            found.append((place, _plugin_error(place, error)))
+            found += [(place, offer) for offer in taken_in(point, _offers)]
+        except PluginError as failure:
+            found.append((place, _plugin_error(place, failure)))
     yield from sorted(found, key=lambda offer: not isinstance(offer[1], type))
 
 
 def _entry_points(entry: str | None) -> list[EntryPoint]:
-    installed = sorted(entry_points(group=GROUP), key=lambda p: (_package_name(p), p.name))
-    named = [point for point in installed if entry in (None, point.name, _package_name(point))]
+    installed = sorted(entry_points(group=GROUP), key=lambda p: (package_name(p), p.name))
+    named = [point for point in installed if entry in (None, point.name, package_name(point))]
     if named or entry is None:
         return named
     if ":" in entry:
@@ -60,8 +65,12 @@ def _entry_points(entry: str | None) -> list[EntryPoint]:
     )
 
 
-def _package_name(point: EntryPoint) -> str:
-    return point.dist.name if point.dist else point.value.partition(":")[0]
+def _offers(thing: object) -> list[Offer]:
+    """All offers in what an entry point names; raises ValueError if they do not end."""
+    found = list(islice(_offers_from(thing), MOST_OFFERS + 1))
+    if len(found) > MOST_OFFERS:
+        raise ValueError(f"it offers more than {MOST_OFFERS} models")
+    return found
 
 
 def _offers_from(thing: object) -> Iterator[Offer]:
@@ -85,13 +94,14 @@ def _offers_from(thing: object) -> Iterator[Offer]:
         )
 
 
-def _plugin_error(place: str, error: Exception) -> ModelError:
-    if isinstance(error, ModelError):
+def _plugin_error(place: str, failure: PluginError) -> ModelError:
+    cause = failure.__cause__
+    if isinstance(cause, ModelError):
         return ModelError(
-            error.code, f"{place}: {error.message}", path=error.path, suggestions=error.suggestions
+            cause.code, f"{place}: {cause.message}", path=cause.path, suggestions=cause.suggestions
         )
     return ModelError(
         "broken_plugin",
-        f"{place} failed: {type(error).__name__}: {error}",
+        f"{place} failed: {failure}",
         suggestions=("mend or uninstall the package",),
     )

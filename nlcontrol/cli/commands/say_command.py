@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -154,8 +155,9 @@ def _require_names(
     ctx: click.Context, param: click.Parameter, nouns: tuple[str, ...]
 ) -> tuple[str, ...]:
     for noun in nouns:
-        if not noun.strip() or not noun.isprintable():
-            raise click.BadParameter(f"{noun!r} is no name", ctx, param)
+        if re.fullmatch(r"\w[\w' -]*", noun) is None:
+            message = f"{noun!r} is no name: letters, digits, blanks and hyphens make one"
+            raise click.BadParameter(message, ctx, param)
     return nouns
 
 

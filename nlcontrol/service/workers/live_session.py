@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import threading
 import time
 from collections.abc import Iterator
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from nlcontrol.errors import ControlError, error
 from nlcontrol.service.documents import SessionInfo
+from nlcontrol.service.offered_plans import LIFE
 from nlcontrol.service.workers.bell import Bell
 from nlcontrol.service.workers.worker_process import daemon_timer, time_limit_error
 
@@ -21,6 +23,9 @@ if TYPE_CHECKING:
 
 MOST_CALLS = 8
 """Calls of one session that may be open at once."""
+
+LEFT_ALONE = 60.0
+"""Time after which a session that nobody uses may make room for another one [s]."""
 
 
 class LiveSession:
@@ -53,6 +58,7 @@ class LiveSession:
         self.frame: bytes | None = None
         self._settings = settings
         self._used_at = time.monotonic()
+        self._planned_at = -LIFE
         self._calls: set[Future[bytes]] = set()
 
     @property
@@ -63,10 +69,20 @@ class LiveSession:
     @property
     def expires_in(self) -> float:
         """Time until it is closed if nothing is asked of it [s]; all of it while it is used."""
-        limit = self._settings.idle_time
+        return max(0.0, self._settings.idle_time - self.idle_for)
+
+    @property
+    def idle_for(self) -> float:
+        """Time for which nobody has used it [s]."""
         if self.run_id is not None or self._calls or self.frames.listeners:
             self.note_use()
-        return max(0.0, limit - (time.monotonic() - self._used_at))
+        return time.monotonic() - self._used_at
+
+    @property
+    def is_left_alone(self) -> bool:
+        """It may make room for another one: unused for long, and no plan waits to be approved."""
+        waits = time.monotonic() - self._planned_at < LIFE
+        return self.is_lost or (self.idle_for >= LEFT_ALONE and not waits)
 
     def note_use(self) -> None:
         """Puts off the end of an idle session."""
@@ -136,6 +152,10 @@ class LiveSession:
             self._calls.discard(call)
             self.note_use()
             raised = call.exception()
+            if method == "plan" and raised is None and _OFFERED.search(call.result()):
+                self._planned_at = time.monotonic()
+            elif method in _ENDS_PLANS:
+                self._planned_at = -LIFE
             with suppress(InvalidStateError):
                 if raised is None:
                     answer.set_result(call.result())
@@ -161,6 +181,10 @@ class LiveSession:
             except ControlError as lost:
                 return lost
         return raised
+
+
+_ENDS_PLANS = ("begin_run", "reset")
+_OFFERED = re.compile(rb'"plan_id":\s*"')
 
 
 def _queue_full(calls: int) -> ControlError:
