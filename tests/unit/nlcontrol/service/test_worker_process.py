@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import sys
 from collections.abc import Mapping
 from functools import partial
@@ -12,9 +13,10 @@ from typing import Any
 
 import pytest
 
+from nlcontrol.errors import ControlError
 from nlcontrol.service.workers.planner_host import warm_up
 from nlcontrol.service.workers.worker_host import Tell
-from nlcontrol.service.workers.worker_process import WorkerProcess
+from nlcontrol.service.workers.worker_process import MOST_UNSENT, WorkerProcess
 from tests.patience import PATIENCE, wait_until
 from tests.unit.nlcontrol.service.processes import parent
 
@@ -72,3 +74,32 @@ def test_another_process_is_forked_from_if_the_first_has_ended() -> None:
     assert json.loads(worker.call("warmth").result(PATIENCE)) == {"warm_ups": 1}  # it goes on
     worker.kill()
     assert worker.wait(PATIENCE)
+
+
+def _descriptors() -> int:
+    return len(list(Path("/proc/self/fd").iterdir()))
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="descriptors are counted by /proc")
+def test_a_worker_leaves_no_descriptor() -> None:
+    asked("warmth")
+    before = _descriptors()
+    for _ in range(5):
+        asked("warmth")
+    assert _descriptors() == before
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="a process is halted by a signal")
+def test_a_worker_that_does_not_read_holds_up_nobody_but_its_callers() -> None:
+    worker = WorkerProcess(Reporter)
+    worker.call("warmth").result(PATIENCE)
+    os.kill(worker.pid, signal.SIGSTOP)
+    waiting = [worker.call("warmth", padding="x" * 10**6) for _ in range(MOST_UNSENT + 2)]
+    refused = waiting[-1].exception(PATIENCE)
+    assert isinstance(refused, ControlError)
+    assert refused.code == "queue_full"
+    worker.kill()
+    assert worker.wait(PATIENCE)
+    lost = waiting[0].exception(PATIENCE)
+    assert isinstance(lost, ControlError)
+    assert lost.code == "worker_lost"

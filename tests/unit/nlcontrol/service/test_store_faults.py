@@ -1,0 +1,230 @@
+"""A store that is locked, full or damaged: each has its code, and costs no more than it must."""
+
+from __future__ import annotations
+
+import sqlite3
+import threading
+import time
+from collections.abc import Iterator
+from concurrent.futures import Future
+from pathlib import Path
+from typing import Any, cast
+
+import pytest
+
+from nlcontrol.errors import ControlError, error
+from nlcontrol.service.documents import RunInfo, SessionSpec
+from nlcontrol.service.service_settings import ServiceSettings
+from nlcontrol.service.store.run_store import RunStore
+from nlcontrol.service.store.stored_bundle import bundle_file
+from nlcontrol.service.workers import live_runs
+from nlcontrol.service.workers.live_runs import LiveRuns
+from nlcontrol.service.workers.live_session import LiveSession
+from nlcontrol.service.workers.session_host import RunEnd
+from nlcontrol.service.workers.worker_process import WorkerProcess
+from tests.patience import wait_until
+from tests.unit.nlcontrol.service.test_run_store import ended_info, event, run_info
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """Of a store with two runs that have ended."""
+    store = RunStore(tmp_path / "store")
+    for name in ("first", "second"):
+        store.add_run(run_info(name))
+        store.add_events(name, [event(1), event(2)])
+        store.put_run(ended_info(name))
+        with store.write_file(name, "request") as path:
+            path.write_text("{}")
+    store.close()
+    return tmp_path / "store"
+
+
+@pytest.fixture
+def store(folder: Path) -> Iterator[RunStore]:
+    opened = RunStore(folder)
+    yield opened
+    opened.close()
+
+
+def damage(folder: Path, statement: str) -> None:
+    with sqlite3.connect(folder / "runs.sqlite") as database:
+        database.execute(statement)
+    database.close()
+
+
+def test_a_damaged_run_takes_no_other_along(folder: Path) -> None:
+    damage(folder, "UPDATE runs SET document = '{' WHERE run_id = 'first'")
+    store = RunStore(folder)
+    told = {info.run_id: info for info in store.runs().runs}
+    assert told["second"].state == "ended"
+    broken = told["first"]
+    assert (broken.state, broken.error and broken.error.code) == ("unreadable", "unreadable")
+    assert len(store.events("first")) == 2
+    store.delete_run("first")
+    assert [info.run_id for info in store.runs().runs] == ["second"]
+    store.close()
+
+
+def test_a_damaged_event_and_a_damaged_request_cost_themselves(folder: Path) -> None:
+    damage(folder, "UPDATE events SET event = 'no JSON' WHERE run = 1 AND number = 1")
+    store = RunStore(folder)
+    assert store.events("first") == (event(2),)
+    assert bundle_file(store, "first").is_file()  # its request is no RunRequest
+    trace = store.file("second", "request")
+    assert trace is not None
+    trace.unlink()
+    trace.mkdir()
+    assert store.file("second", "request") is None
+    store.close()
+
+
+def _zero_half(folder: Path) -> None:
+    with (folder / "runs.sqlite").open("r+b") as file:
+        size = file.seek(0, 2)
+        file.seek(size // 2)
+        file.write(bytes(size - size // 2))
+
+
+def _make_folder(folder: Path) -> None:
+    (folder / "runs.sqlite").unlink()
+    (folder / "runs.sqlite").mkdir()
+
+
+@pytest.mark.parametrize(
+    ("harm", "code"),
+    [
+        (_zero_half, "bad_store"),
+        (lambda folder: damage(folder, "DROP TABLE events"), "bad_store"),
+        (_make_folder, "store_not_writable"),
+        (lambda folder: (folder / "runs.sqlite").write_bytes(b"no database" * 99), "bad_store"),
+    ],
+)
+def test_a_damaged_store_is_told_as_it_is_opened(folder: Path, harm: Any, code: str) -> None:
+    harm(folder)
+    with pytest.raises(ControlError) as raised:
+        RunStore(folder)
+    assert raised.value.code == code
+    assert raised.value.info.suggestions
+
+
+def test_a_locked_and_a_full_store_have_their_codes(
+    store: RunStore, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    database = store._database
+    database.execute("PRAGMA busy_timeout = 10")
+    other = sqlite3.connect(folder / "runs.sqlite", isolation_level=None)
+    other.execute("BEGIN IMMEDIATE")
+    assert _code(store) == "store_locked"
+    other.execute("ROLLBACK")
+    other.close()
+    (pages,) = database.execute("PRAGMA page_count").fetchone()
+    database.execute(f"PRAGMA max_page_count = {pages}")
+    assert _code(store, "x" * 10**6) == "store_full"
+    database.execute("PRAGMA max_page_count = 1000000")
+    store.add_run(run_info("third"))
+
+
+def _code(store: RunStore, text: str = "") -> str:
+    with pytest.raises(ControlError) as raised:
+        store.add_run(run_info("third", text=text))
+    return raised.value.code
+
+
+# --- runs beside a store that fails -----------------------------------------------------------
+
+
+class Process:
+    """A process of a session as runs see it: it begins what it is asked to."""
+
+    def __init__(self) -> None:
+        self.called: list[str] = []
+
+    def call(self, method: str, **arguments: Any) -> Future[bytes]:
+        self.called.append(method)
+        future: Future[bytes] = Future()
+        begun = run_info("", state="running", begun_at=1.0).model_dump_json().encode()
+        future.set_result(begun if method == "begin_run" else b"{}")
+        return future
+
+
+@pytest.fixture
+def process() -> Process:
+    return Process()
+
+
+@pytest.fixture
+def session(process: Process) -> LiveSession:
+    worker = cast("WorkerProcess", process)
+    return LiveSession("session", SessionSpec(), worker, ServiceSettings())
+
+
+ASKED = {"plan_id": None, "said": "push it", "motion": None}
+
+
+def _failing(*_: object, **__: object) -> None:
+    raise error("store_full", "it is full", suggestions=("free some space",))
+
+
+def test_a_run_that_cannot_be_noted_leaves_no_ghost(
+    store: RunStore, session: LiveSession, process: Process, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    runs = LiveRuns(store, workers=1, queue=1)
+    with monkeypatch.context() as patch:
+        patch.setattr(store, "add_run", _failing)
+        with pytest.raises(ControlError) as raised:
+            runs.begin(session, ASKED, None)
+    assert raised.value.code == "store_full"
+    assert process.called == ["begin_run", "drop_run"]
+    assert session.run_id is None
+    assert runs.begin(session, ASKED, None).state == "running"
+
+
+def test_an_end_that_cannot_be_written_is_told_and_written_later(
+    store: RunStore, session: LiveSession, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(live_runs, "WRITTEN_AGAIN", 0.01)
+    runs = LiveRuns(store, workers=1, queue=1)
+    run = runs.begin(session, ASKED, None)
+    with monkeypatch.context() as patch:
+        patch.setattr(store, "put_run", _failing)
+        patch.setattr(store, "add_events", _failing)
+        runs.take(session, "event", event(1).event.model_dump_json().encode())
+        runs.take(session, "ended", RunEnd(error=None).model_dump_json().encode())
+        assert runs.run(run.run_id).state == "ended"
+        assert session.run_id is None
+        page = [runs.as_it_is(info).state for info in store.runs("s").runs]
+        assert "queued" not in page[1:]
+    wait_until(lambda: store.run(run.run_id).state == "ended", "the end in the store")
+    assert len(store.events(run.run_id)) == 1
+
+
+def test_a_stop_takes_no_lock(store: RunStore, session: LiveSession, process: Process) -> None:
+    """Neither that of the store nor that of the runs, which others may hold for long."""
+    runs = LiveRuns(store, workers=1, queue=1)
+    run = runs.begin(session, ASKED, None)
+    held, done = threading.Event(), threading.Event()
+
+    def hold() -> None:
+        with store._turn, runs._lock, runs._writing:
+            held.set()
+            done.wait()
+
+    holder = threading.Thread(target=hold)
+    holder.start()
+    held.wait()
+    runs.stop(run.run_id)
+    assert process.called[-1] == "stop_run"
+    info: RunInfo | None = runs.live_info(run.run_id)
+    assert info is not None
+    done.set()
+    holder.join()
+
+
+def test_the_clock_of_an_unreadable_run_is_none(folder: Path) -> None:
+    damage(folder, "UPDATE runs SET document = 'null', ended_at = NULL WHERE run_id = 'first'")
+    store = RunStore(folder)
+    info = store.run("first")
+    assert info.ended_at is not None
+    assert info.asked_at <= time.time()
+    store.close()
