@@ -38,11 +38,17 @@ def connection_class(most: int, head_time: float = HEAD_TIME) -> type[H11Protoco
             """No request of it is under way."""
             return self.cycle is None or self.cycle.response_complete
 
+        @property
+        def is_open(self) -> bool:
+            """Nobody has ended it."""
+            return not self.transport.is_closing()
+
         def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
             super().connection_made(transport)
             self._watch()
-            if len(self.connections) > most:
-                waiting = [c for c in self.connections if isinstance(c, HttpConnection) and c.waits]
+            there = [c for c in self.connections if isinstance(c, HttpConnection) and c.is_open]
+            if len(there) > most:
+                waiting = [c for c in there if c.waits]
                 min(waiting, key=lambda c: c.waits_since).transport.abort()
 
         def data_received(self, data: bytes) -> None:

@@ -235,3 +235,19 @@ def test_a_file_of_words_is_read_within_limits(
 
 def test_the_limit_is_that_of_the_table() -> None:
     assert LIMITS["lexicon_file"].most == plugins.MOST_BYTES
+
+
+@pytest.mark.parametrize("name", ["push", "it", "and", "toppling it", "Away"])
+def test_words_of_the_language_are_no_names(install: Install, name: str) -> None:
+    install(odd=f"WORDS = {{'names': [{name!r}]}}")
+    lexicon, problems = plugins.installed_lexicon()
+    assert lexicon == default_lexicon()
+    assert len(problems) == 1
+    assert name.casefold() in problems[0]
+
+
+def test_words_that_end_the_program_are_skipped(install: Install) -> None:
+    install(odd="raise SystemExit(3)", scoots=SCOOT)
+    _, problems = plugins.installed_lexicon()
+    assert len(problems) == 1
+    assert action("shimmy the mug away") == "slide"

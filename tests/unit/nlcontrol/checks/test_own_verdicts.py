@@ -14,7 +14,7 @@ from grammar.frames import command as g
 from nlcontrol.checks import own_verdicts
 from nlcontrol.checks.felt_pushes import Place, felt_end
 from nlcontrol.checks.own_accounts import Knowledge
-from nlcontrol.checks.verdicts import Check
+from nlcontrol.checks.verdicts import Check, compare
 from objectmodels import BoxModel
 from planner.types.defaults import DEFAULTS
 from sim.cell.cell_description import Vision
@@ -234,3 +234,13 @@ def test_touch_tells_a_slide_from_a_fall_where_nobody_sees_it(
     fell = one(_verdicts(frame_of(g.Topple()), dark, box), "tilt at the end")
     assert fell.verdict == ("held" if fades else "not_held")
     assert slid.verdict == ("unknown" if fades else "held")
+
+
+@pytest.mark.parametrize(("spread", "verdict"), [(1.0, "unknown"), (0.01, "not_held")])
+def test_a_narrow_band_in_a_wide_range_is_not_denied(spread: float, verdict: str) -> None:
+    """Of draws that are spread by a radian, hardly one turns by 8° ± 3°."""
+    clause = g.Rotate(angle=0.14)
+    mean = compare(clause, "about", "turned", 0.14, 0.0, 0.05, "rad")
+    values = spread * np.linspace(-2.0, 2.0, 40)
+    drawn = [compare(clause, "about", "turned", 0.14, float(v), 0.05, "rad") for v in values]
+    assert own_verdicts.ToldClause(mean, drawn, hidden=False).verdict().verdict == verdict

@@ -361,3 +361,45 @@ def test_an_offer_is_drawn_where_it_is_believed_to_be(session: Session) -> None:
 
 def test_what_names_no_object_on_the_table_is_not_drawn(session: Session) -> None:
     assert session.plan("push the unicorn away").drawing is None
+
+
+def test_a_stop_does_not_wait_for_a_plan_and_drops_it(
+    session: Session, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What is being planned when the stop comes was asked for before it."""
+    begun, stopped = threading.Event(), threading.Event()
+    plan = session.conversation.plan
+
+    def slow(said: object) -> object:
+        begun.set()
+        assert stopped.wait(PATIENCE)
+        return plan(said)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(session.conversation, "plan", slow)
+    found: list[str] = []
+    planner = threading.Thread(target=lambda: found.append(planned(session, AWAY)))
+    planner.start()
+    begun.wait(PATIENCE)
+    session.stop()  # here it would wait for ever
+    stopped.set()
+    planner.join(PATIENCE)
+    with pytest.raises(ControlError) as raised:
+        session.execute(found[0])
+    assert raised.value.code == "expired_plan"
+
+
+def test_a_run_that_is_being_begun_as_the_stop_comes_is_stopped(
+    session: Session, robot: PlayedExecutor, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plan_id = planned(session, AWAY)
+    look = session.controller.look
+
+    def stopped_meanwhile() -> object:
+        session.stop()
+        return look()
+
+    waiting = session._plans.waiting(plan_id)
+    monkeypatch.setattr(session._plans, "waiting", lambda _: waiting)
+    monkeypatch.setattr(session.controller, "look", stopped_meanwhile)
+    run = session.execute(plan_id)
+    assert run.result(PATIENCE).status == "cancelled"

@@ -11,10 +11,12 @@ import pytest
 from pydantic import Field
 
 from objectmodels import BoxModel, ModelError, ObjectModel, Polygon, Registry, sides
+from objectmodels.files import plugin_loading
 from objectmodels.geometry.side_faces import Face
 from objectmodels.registry import plugin_offers
 from objectmodels.registry.model_files import save_model
 from objectmodels.registry.user_folder import user_folder
+from tests.patience import PATIENCE
 
 BOX = BoxModel(name="crate", size=(0.1, 0.1, 0.2), mass=1.0, friction=0.4)
 
@@ -189,3 +191,40 @@ def test_one_name_or_synonym_calls_one_model() -> None:
         registry.find_one("can")
     assert error.value.code == "ambiguous_object"
     assert "soup can or crate" in str(error.value)
+
+
+ODD = {
+    "leaves": "raise SystemExit(3)",
+    "closes": "raise GeneratorExit",
+    "sleeps": "import time; time.sleep(600)",
+    "endless": "from itertools import repeat; from tests.unit.objectmodels.registry."
+    "test_model_plugins import BOX; OFFER = repeat(BOX)",
+}
+
+
+@pytest.mark.parametrize("kind", ODD)
+def test_a_plug_in_that_does_not_behave_costs_itself(
+    kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(plugin_loading, "LOADING_TIME", 0.5 if kind == "sleeps" else PATIENCE)
+    (tmp_path / f"odd_{kind}.py").write_text(ODD[kind])
+    points = [EntryPoint("odd", f"odd_{kind}:OFFER", plugin_offers.GROUP)]
+    monkeypatch.setattr(plugin_offers, "entry_points", lambda group: points)
+    ((_, failure),) = plugin_offers.plugin_offers()
+    assert isinstance(failure, ModelError)
+    assert failure.code == "broken_plugin"
+
+
+def test_what_a_plug_in_prints_stays_out_of_standard_output(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.syspath_prepend(tmp_path)
+    code = "import os; print('hello'); os.write(1, b'there'); OFFER = ()"
+    (tmp_path / "odd_prints.py").write_text(code)
+    points = [EntryPoint("odd", "odd_prints:OFFER", plugin_offers.GROUP)]
+    monkeypatch.setattr(plugin_offers, "entry_points", lambda group: points)
+    assert list(plugin_offers.plugin_offers()) == []
+    said = capfd.readouterr()
+    assert said.out == ""
+    assert "there" in said.err
