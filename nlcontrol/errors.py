@@ -139,7 +139,6 @@ CODES: dict[str, Status] = {
     "bad_table": _CALLER,
     # Requests over HTTP that get no further than the door.
     "bad_request": _CALLER,
-    "bad_range": Status(USAGE, 416),
     "bad_json": _CALLER,
     "wrong_token": Status(USAGE, 401),
     "wrong_origin": Status(USAGE, 403),

@@ -80,7 +80,6 @@ class Problem(DocumentPart):
 OF_REQUESTS: dict[int, tuple[str, str]] = {
     400: ("bad_request", "see GET /v1/openapi.json for what is taken here"),
     404: ("unknown_path", "GET /v1/openapi.json lists every path"),
-    416: ("bad_range", "leave out the header Range"),
     405: ("wrong_method", "the header Allow says which methods this path has"),
 }
 """Code and suggestion of what the router itself refuses, by status."""
