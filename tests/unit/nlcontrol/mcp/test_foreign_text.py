@@ -49,3 +49,9 @@ def test_a_marked_sentence_can_be_said() -> None:
 def test_what_does_not_show_is_left_out() -> None:
     assert visible_text(" a\u200b\tb\x07\u2028c ") == "a b c"
     assert ForeignNames(()).sentence_with_marks("a\nb") == "a b"
+
+
+def test_a_name_that_is_a_word_of_the_language_is_one_behind_its_article() -> None:
+    names = ForeignNames(("can",))
+    told = "plans can be made: the can slides"
+    assert names.sentence_with_marks(told) == "plans can be made: the “can” slides"

@@ -16,6 +16,7 @@ import pytest
 from mcp.client.client import Client
 from mcp.client.stdio import StdioServerParameters
 
+from nlcontrol.mcp import stdio_server
 from tests.architecture.product import ROOT
 from tests.fakes.counted_executor import FOLDER_VARIABLE, MOTIONS, first_poses, write_poses
 from tests.patience import PATIENCE
@@ -166,3 +167,18 @@ def test_without_the_extra_it_says_how_to_install_it() -> None:
     assert "mcp" in tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"][
         "optional-dependencies"
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("line", "read"),
+    [
+        ('{"text": "a\\ud800b"}\n', {"text": "a\ufffdb"}),
+        ('{"text": "\\ud83e\\udd16"}\n', {"text": "\U0001f916"}),
+        ('{"text": "\\\\ud800"}\n', {"text": "\\ud800"}),
+    ],
+)
+def test_half_of_a_character_is_read_as_none(line: str, read: dict[str, str]) -> None:
+    """What JSON can say and UTF-8 cannot would never be answered."""
+    whole = stdio_server._whole_characters(line)
+    assert json.loads(whole) == read
+    assert json.dumps(json.loads(whole), ensure_ascii=False).encode()

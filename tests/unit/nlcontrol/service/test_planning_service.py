@@ -16,6 +16,7 @@ import pytest
 from nlcontrol.errors import ControlError
 from nlcontrol.service.documents import SessionInfo, SessionSpec, TableSpec
 from nlcontrol.service.planning_service import PlanningService
+from nlcontrol.service.workers import live_session
 from tests.patience import wait_until
 from tests.service_process import patient_settings
 from tests.unit.nlcontrol.service.processes import descendants, parent
@@ -56,6 +57,25 @@ def test_a_session_remembers_and_a_call_without_one_does_not(
     assert why["status"] == "answered"
     there = json.loads(service.call_planner("ask", TableSpec(), said="why?").result())
     assert there["error"]["code"] == "nothing_before"
+
+
+def test_a_session_that_is_left_alone_makes_room_unless_its_plan_waits(
+    service: PlanningService, session: SessionInfo, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    other = service.open_session(SessionSpec(seed=1))
+    offer = json.loads(service.call_session(other.session_id, "plan", said=PUSH).result())
+    assert offer["plan_id"]
+    monkeypatch.setattr(live_session, "LEFT_ALONE", 0.0)
+    third = service.open_session(SessionSpec(seed=2))
+    open_now = {each.session_id for each in service.sessions()}
+    assert open_now == {other.session_id, third.session_id}
+    with pytest.raises(ControlError) as raised:
+        service.call_session(session.session_id, "ask", said="why?")
+    assert raised.value.code == "unknown_session"
+    assert "made room" in raised.value.info.message
+    for each in open_now:
+        service.close_session(each)
+    wait_until(lambda: not service.sessions())
 
 
 def test_sessions_are_limited_and_a_closed_one_is_gone(

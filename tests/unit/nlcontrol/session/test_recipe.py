@@ -91,6 +91,7 @@ def test_a_recipe_of_something_else_is_refused() -> None:
         {"defaults": {"no": 1}},
         {"registry": ({"format": "box/9"},)},
         {"deeds": (Deed(begun=7.0),)},
+        {"beliefs": {}},
     )
     for changes in broken:
         with pytest.raises(ControlError) as raised:

@@ -64,3 +64,12 @@ def test_every_body_takes_nothing_unknown(document: dict[str, Any]) -> None:
 def test_the_server_sends_both_schemas(http: httpx.Client, document: dict[str, Any]) -> None:
     assert http.get("/v1/openapi.json").json() == document
     assert http.get("/v1/schema").json()["$defs"].keys() >= {"Result", "Command"}
+
+
+def test_a_property_called_default_stays(document: dict[str, Any], http: httpx.Client) -> None:
+    """It is a name, where a default of an object is a keyword, which is left out."""
+    row = document["components"]["schemas"]["Row"]
+    said = {"text": "push the ice tea box away"}
+    answer = http.post("/v1/parse", json=said).json()
+    for each in answer["explanation"]:
+        assert each.keys() <= row["properties"].keys()
