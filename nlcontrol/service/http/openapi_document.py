@@ -20,6 +20,21 @@ if TYPE_CHECKING:
 _SCHEMAS = "#/components/schemas/"
 _OF_NAMES = frozenset({"properties", "patternProperties", "$defs", "dependentSchemas"})
 
+_SECURITY: dict[str, dict[str, str]] = {
+    "token": {
+        "type": "http",
+        "scheme": "bearer",
+        "description": "The token of the service, where it has one.",
+    },
+    "login": {
+        "type": "apiKey",
+        "in": "cookie",
+        "name": "nlcontrol",
+        "description": "The cookie that a browser gets for the token; its name begins so.",
+    },
+}
+"""Ways to bear the token; none is needed where the service has none."""
+
 PROBLEMS: dict[int | str, dict[str, Any]] = {
     "4XX": {
         "description": "A mistake of the caller.",
@@ -40,6 +55,8 @@ def openapi_document(app: FastAPI, routers: Iterable[APIRouter]) -> dict[str, An
             separate_input_output_schemas=False,
         )
         document["components"]["schemas"] |= _described_schemas(routers)
+        document["components"]["securitySchemes"] = _SECURITY
+        document["security"] = [{}, *({name: []} for name in _SECURITY)]
         _make_bodies_objects(document)
         app.openapi_schema = document
     return app.openapi_schema

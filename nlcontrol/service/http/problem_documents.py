@@ -13,8 +13,8 @@ from starlette.responses import Response
 
 from nlcontrol.errors import ControlError, ErrorInfo
 from nlcontrol.json_document import DocumentPart
-from objectmodels.errors import printable
-from objectmodels.files.validation_faults import short_text
+from objectmodels.errors import printable, suggest
+from objectmodels.files.validation_faults import classes_in, short_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -149,16 +149,30 @@ async def _answer_http_exception(_: Request, raised: Exception) -> Response:
     return problem_response(problem_of(info, status=raised.status_code), raised.headers)
 
 
-async def _answer_faults(_: Request, raised: Exception) -> Response:
+async def _answer_faults(request: Request, raised: Exception) -> Response:
     assert isinstance(raised, RequestValidationError), "it is registered for these"
-    faults = _faults(raised.errors())
+    complaints = raised.errors()
+    faults = _faults(complaints)
     info = ErrorInfo(
         code="bad_request",
         message=f"{faults[0].path}: {faults[0].message}",
         path=faults[0].path,
-        suggestions=(OF_REQUESTS[400][1],),
+        suggestions=_meant(request, complaints[0]) or (OF_REQUESTS[400][1],),
     )
     return problem_response(problem_of(info, status=422, faults=faults))
+
+
+def _meant(request: Request, complaint: Mapping[str, Any]) -> tuple[str, ...]:
+    """Keys of the body that one which is not known may have meant, as suggestions."""
+    body = getattr(request.scope.get("route"), "body_field", None)
+    if complaint["type"] != "extra_forbidden" or body is None:
+        return ()
+    keys = {
+        field.alias or name
+        for model in classes_in(body.field_info.annotation)
+        for name, field in model.model_fields.items()
+    }
+    return tuple(f"did you mean '{key}'?" for key in suggest(str(complaint["loc"][-1]), keys))
 
 
 def _faults(complaints: Sequence[Mapping[str, Any]]) -> tuple[Fault, ...]:

@@ -73,3 +73,14 @@ def test_a_property_called_default_stays(document: dict[str, Any], http: httpx.C
     answer = http.post("/v1/parse", json=said).json()
     for each in answer["explanation"]:
         assert each.keys() <= row["properties"].keys()
+
+
+def test_the_token_is_a_security_scheme(document: dict[str, Any]) -> None:
+    schemes = document["components"]["securitySchemes"]
+    assert schemes["token"]["scheme"] == "bearer"
+    assert {} in document["security"]  # none is needed where there is no token
+
+
+def test_a_key_that_is_misspelt_is_told_with_the_one_that_is_meant(http: httpx.Client) -> None:
+    problem = http.post("/v1/parse", json={"txt": "push the mug away"}).json()
+    assert problem["suggestions"] == ["did you mean 'text'?"]
