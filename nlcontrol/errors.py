@@ -132,6 +132,7 @@ CODES: dict[str, Status] = {
     "used_plan": Status(NO_PLAN, 409),
     "expired_plan": Status(NO_PLAN, 410),
     "stale_plan": Status(NO_PLAN, 409),
+    "other_sentence": Status(NO_PLAN, 409),
     "approval_required": Status(USAGE, 409),
     "busy": Status(NO_PLAN, 409),
     "no_robot": Status(USAGE, 409),

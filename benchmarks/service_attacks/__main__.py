@@ -30,6 +30,7 @@ WEIGHTS: dict[Callable[[Attacker], None], float] = {
     plans.try_forged_plan: 8,
     plans.try_used_plan: 2,
     plans.try_stale_plan: 4,
+    plans.try_other_sentence: 4,
     plans.try_foreign_plan: 4,
     plans.try_dropped_plan: 3,
     plans.try_to_say: 6,

@@ -57,6 +57,18 @@ def try_stale_plan(a: Attacker) -> None:
         a.server.put_back()
 
 
+def try_other_sentence(a: Attacker) -> None:
+    """A fresh plan, approved under a sentence that was not planned."""
+    text = a.rng.choice((*SENTENCES, odd_text(a.rng)))
+    a.send(
+        "plan approved under another sentence",
+        "POST",
+        RUNS,
+        json={"plan_id": a.fresh_plan(), "text": f"{text} instead"},
+        expected=("other_sentence", "too_large", "bad_request", "bad_json"),
+    )
+
+
 def try_foreign_plan(a: Attacker) -> None:
     """A plan of another session, or this session's in another."""
     for plan_id in a.old_plans:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import secrets
 from collections.abc import Callable
+from textwrap import shorten
 from threading import RLock
 from typing import TYPE_CHECKING, NamedTuple
 
 from nlcontrol.errors import ControlError, error
+from objectmodels.errors import printable
 
 if TYPE_CHECKING:
     from nlcontrol.session.proposals import Proposal
@@ -29,11 +31,13 @@ class OfferedPlan(NamedTuple):
 
     Attributes:
         proposal: the sentence as it was planned.
+        text: the sentence as it was given; "" if frames came without one.
         state: what was believed then.
         until: when it expires, on the clock [s].
     """
 
     proposal: Proposal
+    text: str
     state: WorldState
     until: float
 
@@ -58,13 +62,13 @@ class OfferedPlans:
         self._waiting: dict[str, OfferedPlan] = {}
         self._past: dict[str, ControlError] = {}
 
-    def offer(self, proposal: Proposal, state: WorldState, era: int) -> str:
-        """Offers a plan that was asked for in an era, and returns its identifier."""
+    def offer(self, proposal: Proposal, text: str, state: WorldState, era: int) -> str:
+        """Offers the plan of a text that was asked for in an era, and returns its identifier."""
         plan_id = f"plan-{secrets.token_hex(8)}"
         with self._turn:
             while len(self._waiting) >= MOST_OFFERED:
                 self._end(next(iter(self._waiting)), _expired("newer plans have taken its place"))
-            self._waiting[plan_id] = OfferedPlan(proposal, state, self._clock() + LIFE)
+            self._waiting[plan_id] = OfferedPlan(proposal, text, state, self._clock() + LIFE)
             if era != self.era:
                 self._end(plan_id, _expired(_DROPPED))
         return plan_id
@@ -88,6 +92,24 @@ class OfferedPlans:
             suggestions=("plan the sentence, and execute the `plan_id` of that offer",),
         )
 
+    def approved(self, plan_id: str, text: str | None) -> OfferedPlan:
+        """The plan of an identifier, approved under a text; None approves it by its name alone.
+
+        Raises:
+            ControlError: `other_sentence`; as `waiting`.
+        """
+        plan = self.waiting(plan_id)
+        if text is not None and text != plan.text:
+            raise error(
+                "other_sentence",
+                f"this plan is for {_quoted(plan.text)}, and {_quoted(text)} was approved",
+                suggestions=(
+                    f"plan {_quoted(text)}, and execute the `plan_id` of that offer",
+                    f"approve this plan with the text {_quoted(plan.text)}",
+                ),
+            )
+        return plan
+
     def use(self, plan_id: str) -> None:
         """Notes that a plan is carried out."""
         told = error(
@@ -110,6 +132,10 @@ class OfferedPlans:
         self._past[plan_id] = reason
         if len(self._past) > _MOST_PAST:
             del self._past[next(iter(self._past))]
+
+
+def _quoted(text: str) -> str:
+    return f"“{shorten(printable(text), 200)}”"
 
 
 def _expired(why: str) -> ControlError:

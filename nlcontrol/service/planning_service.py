@@ -255,7 +255,8 @@ class PlanningService:
         Args:
             session_id: in which.
             plan_id: of an `Offer` of the session.
-            said: a sentence, or frames, if there is no plan id.
+            said: a sentence, or frames; with a plan id the text under which it was approved, if
+                that is to be compared.
             motion: that a sentence may make; see `PlanningSession.say`.
             idempotency_key: asked twice under it, the run is begun once.
 

@@ -254,7 +254,7 @@ class Session:
             state = self.controller.look()
             plan_id = None
             if proposal.intention is not None and self.executes:
-                plan_id = self._plans.offer(proposal, state, era)
+                plan_id = self._plans.offer(proposal, text_of(said), state, era)
             return Offer(
                 plan_id=plan_id,
                 expires_in=None if plan_id is None else LIFE,
@@ -264,13 +264,17 @@ class Session:
             )
 
     def execute(
-        self, plan_id: str, *, on_event: Callable[[Event], object] | None = None
+        self,
+        plan_id: str,
+        *,
+        text: str | None = None,
+        on_event: Callable[[Event], object] | None = None,
     ) -> SessionRun:
         """Begins to carry out a sentence by the plan that was approved; see `PlanningSession`."""
         with self._idle():
             era = self._plans.era
             self._require_robot()
-            plan = self._plans.waiting(plan_id)
+            plan = self._plans.approved(plan_id, text)
             tolerances = Tolerances.of(self.controller.cell.vision)
             require_unchanged(plan.state, self.controller.look(), tolerances)
             self._plans.use(plan_id)
@@ -278,8 +282,8 @@ class Session:
             def execute(tell: Callable[[Event], None], stop: StopToken) -> Result:
                 return self.conversation.execute(plan.proposal, on_event=tell, stop=stop)
 
-            text, digest = plan.proposal.result.text, belief_digest(plan.state)
-            return self._begin("execute", execute, text, on_event, era, plan_id, digest)
+            said, digest = plan.proposal.result.text, belief_digest(plan.state)
+            return self._begin("execute", execute, said, on_event, era, plan_id, digest)
 
     def say(
         self,

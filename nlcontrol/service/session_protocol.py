@@ -137,18 +137,27 @@ class PlanningSession(Protocol):
     def plan(self, said: str | Frames) -> Offer:
         """A plan of a sentence, to be approved; nothing moves."""
 
-    def execute(self, plan_id: str, *, on_event: Callable[[Event], object] | None = None) -> Run:
+    def execute(
+        self,
+        plan_id: str,
+        *,
+        text: str | None = None,
+        on_event: Callable[[Event], object] | None = None,
+    ) -> Run:
         """Begins to carry out a sentence by the plan that was approved.
 
         The robot looks again first. A plan id is used once, and expires.
 
         Args:
             plan_id: of an `Offer`.
+            text: under which the plan was approved, such as the sentence that a person saw beside
+                it; not compared if not given.
             on_event: told of every event, in the thread that carries it out.
 
         Raises:
             ControlError: `unknown_plan`, `used_plan`, `expired_plan`, `stale_plan` (something
-                moved, or is believed in another way), `busy`, `no_robot` (the table was stated).
+                moved, or is believed in another way), `other_sentence` (the text is not the one
+                that was planned), `busy`, `no_robot` (the table was stated).
         """
 
     def say(

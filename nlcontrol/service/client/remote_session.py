@@ -136,10 +136,14 @@ class Client:
         return self._document(Offer, "plans", _said_fields(said))
 
     def execute(
-        self, plan_id: str, *, on_event: Callable[[Event], object] | None = None
+        self,
+        plan_id: str,
+        *,
+        text: str | None = None,
+        on_event: Callable[[Event], object] | None = None,
     ) -> RemoteRun:
         """Begins to carry out a plan that was approved; see `PlanningSession.execute`."""
-        return self._begin_run("runs", {"plan_id": plan_id}, on_event)
+        return self._begin_run("runs", {"plan_id": plan_id, "text": text}, on_event)
 
     def say(
         self,

@@ -130,9 +130,12 @@ class PlanIdBody(RequestBody):
 
     Attributes:
         plan_id: of an offer.
+        text: that was shown to whoever approved the plan; it is refused (`other_sentence`) unless
+            it is the text that was planned. Not compared if not given.
     """
 
     plan_id: str = Field(pattern=_NAME)
+    text: str | None = None
 
 
 class ObjectBody(RequestBody):

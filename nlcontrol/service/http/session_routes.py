@@ -130,7 +130,12 @@ async def execute(
 ) -> Response:
     """Begins to carry out the plan that was approved; the robot looks again first."""
     info = await waited(
-        service, service.begin_run, session_id, plan_id=body.plan_id, idempotency_key=key
+        service,
+        service.begin_run,
+        session_id,
+        plan_id=body.plan_id,
+        said=body.text,
+        idempotency_key=key,
     )
     return document_response(info, 202)
 

@@ -114,7 +114,7 @@ class SessionHost:
             if plan_id is None:
                 run = self.session.say(said, motion=motion, on_event=self._tell_event)
             else:
-                run = self.session.execute(plan_id, on_event=self._tell_event)
+                run = self.session.execute(plan_id, text=said, on_event=self._tell_event)
             self._run = run
         except BaseException:
             self.session.controller.time_limit = self._time_limit

@@ -122,6 +122,24 @@ def test_a_plan_is_carried_out_once_and_only_where_it_was_made(session: Session)
     assert error_of(lambda: session.execute(foreign)).code == "unknown_plan"
 
 
+def test_a_plan_is_approved_by_the_text_that_was_planned_alone(
+    session: Session, robot: PlayedExecutor
+) -> None:
+    plan_id = planned(session, AWAY)
+    for other in (f"{AWAY} ", "topple the ice tea box", ""):
+        refused = error_of(lambda text=other: session.execute(plan_id, text=text))  # type: ignore[misc]
+        assert (refused.code, refused.status.http) == ("other_sentence", 409)
+        assert AWAY in refused.suggestions[-1]
+    assert robot.executed == []
+    assert session.execute(plan_id, text=AWAY).result(PATIENCE).status == "done"
+
+
+def test_the_text_that_approves_is_the_one_that_was_said(session: Session) -> None:
+    session.execute(planned(session, AWAY)).result(PATIENCE)
+    again = planned(session, "again")
+    assert session.execute(again, text="again").result(PATIENCE).status == "done"
+
+
 def test_a_plan_expires(session: Session, clock: Clock, monkeypatch: pytest.MonkeyPatch) -> None:
     early, late = planned(session, AWAY), planned(session, AWAY)
     clock.time += LIFE - 1.0
