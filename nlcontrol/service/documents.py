@@ -252,6 +252,7 @@ class RunInfo(Document):
         place: in the queue, from 1; null if it is not queued.
         text: the sentence.
         plan_id: that was approved; null for `say`.
+        scene, seed: of the session's table; null in runs of earlier versions.
         asked_at, begun_at, ended_at: on the clock, in seconds since 1970 (UTC).
         events: how many there are so far.
         result: of the sentence, once it has ended.
@@ -265,6 +266,8 @@ class RunInfo(Document):
     place: int | None = Field(default=None, ge=1)
     text: str
     plan_id: str | None = None
+    scene: str | None = None
+    seed: int | None = None
     asked_at: float
     begun_at: float | None = None
     ended_at: float | None = None

@@ -328,6 +328,7 @@ class Session:
             kind=kind,
             text=text,
             plan_id=plan_id,
+            table=self.spec,
             on_event=on_event,
             request=lambda result: run_request(self.controller, result, digest),
         )

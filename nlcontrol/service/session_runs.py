@@ -9,7 +9,7 @@ from threading import Condition, Thread
 from typing import TYPE_CHECKING
 
 from nlcontrol.errors import ControlError, ErrorInfo, exception_info
-from nlcontrol.service.documents import NumberedEvent, RunInfo, RunKind
+from nlcontrol.service.documents import NumberedEvent, RunInfo, RunKind, TableSpec
 from sim.supervision import StopToken
 
 if TYPE_CHECKING:
@@ -30,6 +30,7 @@ class SessionRun:
         kind: of the run.
         text: the sentence.
         plan_id: that was approved.
+        table: on which.
         on_event: told of every event, in the thread of the run.
         request: makes the request of what has just been carried out.
 
@@ -45,6 +46,7 @@ class SessionRun:
         kind: RunKind,
         text: str,
         plan_id: str | None = None,
+        table: TableSpec,
         on_event: Callable[[Event], object] | None = None,
         request: Callable[[Result], RunRequest],
     ) -> None:
@@ -63,6 +65,8 @@ class SessionRun:
             state="running",
             text=text,
             plan_id=plan_id,
+            scene=table.scene,
+            seed=table.seed,
             asked_at=now,
             begun_at=now,
         )
