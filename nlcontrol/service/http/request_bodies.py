@@ -27,6 +27,15 @@ IdempotencyKey = Annotated[
 AfterNumber = Annotated[
     int, Query(ge=0, le=2**53, description="Number of the last event that is known already.")
 ]
+IdleTime = Annotated[
+    float | None,
+    Query(
+        gt=0.0,
+        le=60.0,
+        description="Closes it only once nobody has used it for so long [s], and not if somebody"
+        " takes it up again meanwhile, or a run is under way.",
+    ),
+]
 ObjectPath = Annotated[
     str, Path(max_length=100, description="Name or synonym of an object model of the host.")
 ]

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import asyncio
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
 from fastapi import APIRouter, Request
 from starlette.responses import Response
 
+from nlcontrol.errors import ControlError
 from nlcontrol.questions.push_prediction import PushPrediction
 from nlcontrol.results.result import Result
 from nlcontrol.service.documents import (
@@ -21,6 +26,7 @@ from nlcontrol.service.http.openapi_document import PROBLEMS
 from nlcontrol.service.http.request_bodies import (
     ExplainedBody,
     IdempotencyKey,
+    IdleTime,
     LookBody,
     MapBody,
     ObjectBody,
@@ -40,6 +46,16 @@ from nlcontrol.service.http.service_access import (
     waited,
 )
 from nlcontrol.service.live_documents import SceneGeometry
+
+if TYPE_CHECKING:
+    from nlcontrol.service.planning_service import PlanningService
+
+_LOOKS = 24
+"""Looks at a session that is to be closed once it is idle, two in that time: what was asked of it
+last, such as a plan, may take longer."""
+
+_CLOSING: set[asyncio.Task[None]] = set()
+"""Kept from being collected before they end."""
 
 ROUTER = APIRouter(prefix="/v1/sessions", tags=["sessions"], responses=PROBLEMS)
 
@@ -68,10 +84,26 @@ async def read_session(session_id: SessionId, service: Service) -> Response:
 
 
 @ROUTER.delete("/{session_id}", operation_id="close_session", status_code=204)
-async def close_session(session_id: SessionId, service: Service) -> Response:
+async def close_session(session_id: SessionId, service: Service, idle: IdleTime = None) -> Response:
     """Closes a session; what is being carried out in it is stopped first."""
-    service.close_session(session_id)
+    if idle is None:
+        service.close_session(session_id)
+        return Response(status_code=204)
+    service.session(session_id)
+    closing = asyncio.create_task(_close_unused(service, session_id, idle))
+    _CLOSING.add(closing)
+    closing.add_done_callback(_CLOSING.discard)
     return Response(status_code=204)
+
+
+async def _close_unused(service: PlanningService, session_id: str, idle: float) -> None:
+    """Closes a session that nobody uses for a time [s]; it stays if somebody takes it up again."""
+    with suppress(ControlError):  # it may have been closed meanwhile
+        for _ in range(_LOOKS):
+            await asyncio.sleep(idle / 2)
+            if service.settings.idle_time - service.session(session_id).expires_in >= idle:
+                service.close_session(session_id)
+                return
 
 
 @ROUTER.post("/{session_id}/look", operation_id="session_look", response_model=TableView)
