@@ -1,13 +1,19 @@
-// Calls of the service, one method for each route. A refused call rejects with its problem document;
+// Calls of the service, one method for each route. A refused call rejects with its problem document,
+// one that got no answer with a document of its own (`no_answer`);
 // an older call of the same kind is given up, and rejects with an `AbortError`.
 
 export const EVENT_KINDS = [
   "understood", "planned", "phase", "contact", "force", "replanned", "lesson", "verdict", "ended",
 ];
 
+const GRACE = 5; // for which a session that was given back waits for a reload [s]
+const NO_ANSWER = { code: "no_answer", detail: "The service does not answer." };
+const GATEWAYS = new Set([502, 503, 504]); // of a proxy, before a service that does not answer
+
 export class ServiceApi {
   sessionId = null; // in which sentences are said
   table = {}; // scene and seed of that session
+  onGap = () => {}; // called when a stream is cut off
   #underWay = new Map(); // what gives up a call, by its kind
 
   // -- the host -----------------------------------------------------------------------------------
@@ -28,6 +34,19 @@ export class ServiceApi {
     this.table = { scene, seed };
   }
 
+  // Says nothing further there.
+  forget() {
+    this.sessionId = null;
+  }
+
+  // Gives the session back when the page goes, which may be a reload: it ends unless it is taken up
+  // again, or something is carried out in it.
+  giveBack() {
+    if (!this.sessionId) return;
+    const path = `/v1/sessions/${this.sessionId}?idle=${GRACE}`;
+    fetch(path, { method: "DELETE", keepalive: true }).catch(() => {});
+  }
+
   session = (id = this.sessionId) => this.#call("session", "GET", `/sessions/${id}`);
   closeSession = (id = this.sessionId) => this.#call("close", "DELETE", `/sessions/${id}`);
   geometry = () => this.#call("geometry", "GET", this.#path("geometry"));
@@ -36,14 +55,15 @@ export class ServiceApi {
   ask = (text) => this.#call("ask", "POST", this.#path("ask"), { text, explain: true });
   plan = (text) => this.#call("plan", "POST", this.#path("plans"), { text, explain: true });
   // Reading needs the names of the table alone, and need not wait for what the session does.
-  parse = (text) => this.#call("parse", "POST", "/parse", { text, table: this.table });
+  parse = (text, table = this.table) => this.#call("parse", "POST", "/parse", { text, table });
   predict = (push) => this.#call("predict", "POST", this.#path("predict"), push);
   map = (face) => this.#call("map", "POST", this.#path("map"), face);
   affordances = (object, table) => this.#call("affordances", "POST", "/affordances", { object, table });
 
   // -- runs ---------------------------------------------------------------------------------------
 
-  execute = (planId) => this.#begin("runs", { plan_id: planId });
+  // The plan of a sentence; under any other the service refuses it.
+  execute = (planId, text) => this.#begin("runs", { plan_id: planId, text });
   say = (text) => this.#begin("say", { text });
   run = (id) => this.#call(`run ${id}`, "GET", `/runs/${id}`);
   runs = (search = {}) => this.#call("runs", "GET", `/runs?${new URLSearchParams(search)}`);
@@ -67,6 +87,7 @@ export class ServiceApi {
       });
     }
     source.addEventListener("error", () => {
+      this.onGap();
       if (source.readyState === EventSource.CLOSED) onEnd();
     });
     return () => source.close();
@@ -76,6 +97,7 @@ export class ServiceApi {
   live(onFrame, id = this.sessionId) {
     const source = new EventSource(`/v1/sessions/${id}/live`);
     source.addEventListener("poses", ({ data }) => onFrame(JSON.parse(data)));
+    source.addEventListener("error", () => this.onGap());
     return () => source.close();
   }
 
@@ -100,8 +122,14 @@ export class ServiceApi {
       options.headers["Content-Type"] = "application/json";
       options.body = JSON.stringify(body);
     }
-    const response = await fetch(`/v1${path}`, options);
-    const text = await response.text();
+    let [response, text] = [];
+    try {
+      response = await fetch(`/v1${path}`, options);
+      text = await response.text();
+    } catch (problem) {
+      throw isGivenUp(problem) ? problem : NO_ANSWER;
+    }
+    if (GATEWAYS.has(response.status)) throw NO_ANSWER;
     const document = text ? JSON.parse(text) : null;
     if (!response.ok) throw document;
     return document;

@@ -2,7 +2,7 @@
 
 import { element } from "../elements.js";
 import { typeText } from "../sentence/sentence_reading.js";
-import { isGivenUp } from "../service_api.js";
+import { tellProblem } from "../problems.js";
 
 const VERBS = { slide: "push", topple: "topple", tilt: "tilt", turn: "turn" };
 const WAYS = { away: "away", toward: "toward me", left: "to the left", right: "to the right" };
@@ -19,7 +19,7 @@ export function affordanceList(state, api, name) {
       list.replaceChildren(...affordances.map((each) => item(state, api, name, each)));
     } catch (problem) {
       list.replaceChildren();
-      if (!isGivenUp(problem)) state.set({ problem });
+      tellProblem(state, problem);
     }
   });
   return folded;

@@ -1,8 +1,9 @@
 // Runs that have ended: looked at again, taken along as bundles, deleted.
 
 import { element } from "../elements.js";
-import { links } from "../run/run_panel.js";
-import { isGivenUp } from "../service_api.js";
+import { tellProblem } from "../problems.js";
+import { links, statusText } from "../run/run_panel.js";
+import { showRun } from "../run/show_run.js";
 
 const PAGE = 20; // runs that are asked for at once
 
@@ -22,7 +23,7 @@ export function historyPanel(state, api) {
       more.hidden = !cursor;
       none.hidden = list.children.length > 0;
     } catch (problem) {
-      if (!isGivenUp(problem)) state.set({ problem });
+      tellProblem(state, problem);
     }
   };
   more.addEventListener("click", () => load(cursor));
@@ -34,7 +35,7 @@ export function historyPanel(state, api) {
 function item(state, api, run) {
   const when = new Date(1000 * run.asked_at);
   const made = element("li", {});
-  const open = element("button", { type: "button", class: "run", onclick: () => show(state, api, run) },
+  const open = element("button", { type: "button", class: "run", onclick: () => showRun(state, api, run) },
     run.text || "(frames)");
   const drop = element("button", { type: "button", class: "drop", "aria-label": `Delete the run: ${run.text}` }, "Delete");
   drop.addEventListener("click", async () => {
@@ -51,20 +52,17 @@ function item(state, api, run) {
       await api.deleteRun(run.run_id);
       made.remove();
     } catch (problem) {
-      state.set({ problem });
+      tellProblem(state, problem);
     }
   });
   made.append(open, element("span", { class: "asked" },
-    `${run.result?.status.replaceAll("_", " ") ?? run.state.replaceAll("_", " ")} · `,
+    [statusText(run), tableText(run), ""].filter((each) => each !== null).join(" · "),
     element("time", { datetime: when.toISOString() }, when.toLocaleString())),
   element("span", { class: "files" }, ...links(api, run), drop));
   return made;
 }
 
-// Shows a run of before; one that is under way goes on and stays where it is.
-function show(state, api, run) {
-  const now = state.get("run");
-  if (now && now.ended_at === null) return;
-  state.set({ run: null, result: null, offer: null, answer: null, events: [] });
-  state.set({ run, text: run.text, result: run.result });
+// The table of a run; null of one that an earlier version has kept.
+function tableText({ scene, seed }) {
+  return scene === null ? null : `${scene}, seed ${seed}`;
 }

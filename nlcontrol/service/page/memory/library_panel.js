@@ -6,7 +6,7 @@ import { openSession } from "../open_session.js";
 import { affordanceList } from "./affordance_list.js";
 import { ObjectView } from "./object_view.js";
 import { parameterTable } from "./parameter_table.js";
-import { isGivenUp } from "../service_api.js";
+import { tellProblem } from "../problems.js";
 
 export function libraryPanel(state, api, view) {
   const objects = element("ul", { class: "chips", "aria-label": "Objects" });
@@ -21,7 +21,7 @@ export function libraryPanel(state, api, view) {
       shown.hidden = false;
       if (onTable) followObject(view.viewer, onTable);
     } catch (problem) {
-      if (!isGivenUp(problem)) state.set({ problem });
+      tellProblem(state, problem);
     }
   };
   state.on(["objects", "table"], () => {

@@ -1,30 +1,24 @@
-// What is approved is done: the plan of the offer, exactly that one.
+// What is approved is done: the plan of the offer, exactly that one, under the sentence in the field.
 
-import { isGivenUp } from "../service_api.js";
+import { tellProblem } from "../problems.js";
 
-// Begins to carry out the plan that is offered.
+// Begins to carry out the plan that is offered, if the field says what was planned.
 export async function carryOut(state, api) {
   const { plan_id: planId } = state.get("offer") ?? {};
-  if (!planId) return;
+  if (!planId || !state.isAsShown) return;
   try {
     state.set({ problem: null });
-    state.set({ run: await api.execute(planId), events: [], result: null });
+    state.set({ run: await api.execute(planId, state.get("text")), events: [], result: null });
   } catch (problem) {
-    if (!isGivenUp(problem)) state.set({ problem });
+    tellProblem(state, problem);
   }
 }
 
 // Plans the same sentence from how everything stands now.
 export async function planAgain(state, api) {
-  const { text } = state.get("offer").result;
   try {
-    state.set({ problem: null, offer: await api.plan(text) });
+    state.set({ problem: null, offer: await api.plan(state.get("said")) });
   } catch (problem) {
-    if (!isGivenUp(problem)) state.set({ problem });
+    tellProblem(state, problem);
   }
-}
-
-// True while something is carried out, or waits for its turn.
-export function isUnderWay(run) {
-  return run?.state === "queued" || run?.state === "running";
 }

@@ -6,24 +6,29 @@ import { ViewLabels } from "./view_labels.js";
 import {
   COLOURS, cornersAt, heightMark, inWorld, lengthMark, poseOf, tiltMark,
 } from "./table_marks.js";
-import { isUnderWay } from "./approval.js";
+import { isUnderWay } from "../app_state.js";
 import { millimetres, newtons } from "./quantities.js";
 
-// Draws each offer in the viewer of the table; what is to be approved goes when it is carried out.
+// Draws each offer in the viewer of the table; what is to be approved goes when it is carried out, and
+// when the field says something else.
 export function sketchOffers(state, view) {
   let sketch = null;
+  let drawn = [];
   const draw = () => {
+    const isDone = isUnderWay(state.get("run")) || Boolean(state.get("result"));
+    const offer = isDone || state.isAsShown ? state.get("offer") : null;
+    const wanted = [view.viewer, offer, isDone];
+    if (wanted.every((each, i) => each === drawn[i])) return;
+    drawn = wanted;
     sketch?.remove();
     sketch = null;
-    const { drawing, result } = state.get("offer") ?? {};
+    const { drawing, result } = offer ?? {};
     if (!view.viewer) return;
     view.viewer.setGhosts(drawing?.ghosts ?? []);
-    if (drawing && !isUnderWay(state.get("run")) && !state.get("result")) {
-      sketch = new OfferSketch(view.viewer, drawing, result, state.get("table"));
-    }
+    if (drawing && !isDone) sketch = new OfferSketch(view.viewer, drawing, result, state.get("table"));
   };
   view.addEventListener("viewer", draw);
-  state.on(["offer", "run", "result"], draw);
+  state.on(["offer", "run", "result", "text", "said"], draw);
 }
 
 class OfferSketch {

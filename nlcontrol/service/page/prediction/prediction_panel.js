@@ -13,6 +13,10 @@ export function predictionPanel(state, api, view) {
     panel.hidden = !told.length;
     content.replaceChildren(...told);
   });
+  state.on(["text", "said"], () => {
+    panel.dataset.stale = String(!state.isAsShown);
+    panel.inert = !state.isAsShown;
+  });
   sketchOffers(state, view);
   return panel;
 }

@@ -1,6 +1,7 @@
 // The run of the session: its events as they come, and its end.
 
-import { isGivenUp } from "../service_api.js";
+import { isUnderWay } from "../app_state.js";
+import { tellProblem } from "../problems.js";
 
 const ASK_EVERY = 1000; // for the place of a run in the queue [ms]
 
@@ -16,7 +17,7 @@ export function followRun(state, api) {
     end();
     end = () => {};
     followed = run?.run_id;
-    if (run && run.ended_at === null) end = follow(state, api, run.run_id);
+    if (isUnderWay(run)) end = follow(state, api, run.run_id);
   });
 }
 
@@ -44,6 +45,22 @@ function follow(state, api, id) {
   };
 }
 
+// Takes what the store says of a run that was under way when the service was lost.
+export async function settleRun(state, api) {
+  const run = state.get("run");
+  if (!isUnderWay(run)) return;
+  let now = null;
+  try {
+    now = await api.run(run.run_id);
+  } catch (problem) {
+    if (problem.code !== "unknown_run") throw problem;
+    now = { ...run, state: "cut_off", ended_at: Date.now() / 1e3 };
+  }
+  if (state.get("run")?.run_id !== run.run_id) return;
+  state.set({ run: null }); // its stream may have ended: it is followed anew
+  state.set({ run: now, result: now.result });
+}
+
 async function finish(state, api, id) {
   try {
     let run = await api.run(id);
@@ -52,11 +69,12 @@ async function finish(state, api, id) {
       run = await api.run(id);
     }
     if (state.get("run")?.run_id === id) state.set({ run, result: run.result });
+    if (!state.get("session")) return;
     const session = await api.session();
+    if (session.state === "lost") throw { code: "session_lost" };
     state.set({ session });
     if (session.state === "idle") state.set({ table: await api.look() });
   } catch (problem) {
-    const goesOn = problem.code === "busy"; // the next run is quicker than the look
-    if (!goesOn && !isGivenUp(problem)) state.set({ problem });
+    if (problem.code !== "busy") tellProblem(state, problem); // the next run is quicker than the look
   }
 }

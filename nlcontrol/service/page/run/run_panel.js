@@ -1,7 +1,8 @@
 // The run as it happens, and its verdict.
 
 import { element, section } from "../elements.js";
-import { isGivenUp } from "../service_api.js";
+import { isUnderWay } from "../app_state.js";
+import { tellProblem } from "../problems.js";
 import { askedText, doubtText, valueText, VERDICTS, wordsOf } from "./check_text.js";
 import { followRun } from "./follow_run.js";
 import { lightWords, saidWords } from "./said_words.js";
@@ -28,7 +29,7 @@ export function runPanel(state, api) {
   document.addEventListener("keydown", (event) => {
     if (event.key === "Escape" && !event.defaultPrevented && isUnderWay(state.get("run"))) ask();
   });
-  state.on(["run", "result", "understanding"], () => {
+  state.on(["run", "result", "understanding", "connection"], () => {
     const run = state.get("run");
     panel.hidden = !isUnderWay(run) && !state.get("result") && !LOST[run?.state];
     if (panel.hidden) return;
@@ -37,7 +38,7 @@ export function runPanel(state, api) {
     badge.hidden = isUnderWay(run);
     badge.dataset.ok = String(Boolean(run.result?.ok));
     badge.dataset.status = run.result?.status ?? "";
-    stop.hidden = !isUnderWay(run);
+    stop.hidden = !isUnderWay(run) || state.get("connection") === "no_answer";
     if (stop.hidden) stop.disabled = false;
     files.replaceChildren(...(isUnderWay(run) ? [] : links(api, run)));
   });
@@ -53,17 +54,13 @@ export function runPanel(state, api) {
   return panel;
 }
 
-function isUnderWay(run) {
-  return Boolean(run) && run.ended_at === null;
-}
-
 async function stopRun(state, api, button) {
   button.disabled = true;
   try {
     await api.stop(state.get("run").run_id);
   } catch (problem) {
     button.disabled = false;
-    if (!isGivenUp(problem)) state.set({ problem });
+    tellProblem(state, problem);
   }
 }
 
@@ -73,7 +70,8 @@ function rowsOf(state, text) {
   return state.get("result")?.explanation ?? (read?.text === text ? read.explanation : []) ?? [];
 }
 
-function statusText(run) {
+// How a run ended, in a word or two.
+export function statusText(run) {
   if (run.result) return WORDS[run.result.status];
   return LOST[run.state] ?? "";
 }

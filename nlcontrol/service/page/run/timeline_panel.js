@@ -1,7 +1,9 @@
 // Below the 3-D view: force and phases of a run, live or of a recording that is played.
 
 import { PlayControls, showPill } from "/viewer/play_controls.js";
+import { isUnderWay } from "../app_state.js";
 import { element } from "../elements.js";
+import { tellProblem } from "../problems.js";
 
 const LEAST = 8; // time that a live curve shows [s]
 const PRESSED = ["touch", "push"]; // phases in which a force is kept below its limit
@@ -31,7 +33,7 @@ export function timelinePanel(state, api, view, tablePlayer) {
   let lines = null;
   state.on(["run", "events", "result"], () => {
     const run = state.get("run");
-    const underWay = Boolean(run) && run.ended_at === null;
+    const underWay = isUnderWay(run);
     if (!underWay && !state.get("result")) panel.hidden = true;
     const events = state.get("events");
     if (!underWay || !events.length) return;
@@ -44,7 +46,7 @@ export function timelinePanel(state, api, view, tablePlayer) {
   });
   tablePlayer.addEventListener("live", ({ detail: { time } }) => {
     const run = state.get("run");
-    if (!lines || !run || run.ended_at !== null) return;
+    if (!lines || !isUnderWay(run)) return;
     const felt = lines.felt[lines.times.findLastIndex((each) => each <= time - begin)] ?? 0;
     controls.timeline.show(Math.min(Math.max(time - begin, 0), lines.end), felt, { hurry: true });
     const { live } = tablePlayer;
@@ -93,6 +95,6 @@ async function showRecording(state, api, tablePlayer) {
     const recording = await api.recording(run.run_id);
     if (state.get("run") === run && state.get("result")) tablePlayer.show(recording);
   } catch (problem) {
-    if (problem.name !== "AbortError") state.set({ problem });
+    tellProblem(state, problem);
   }
 }

@@ -1,5 +1,6 @@
 // The table that is spoken of: its scene and seed, whether plans are looked at first, and its link.
 
+import { addressOf } from "../address.js";
 import { element } from "../elements.js";
 import { openSession } from "../open_session.js";
 
@@ -47,8 +48,5 @@ function shareButton(state) {
 }
 
 export function shareLink(state) {
-  const link = new URL(location.pathname, location.origin);
-  const said = { say: state.get("text").trim(), scene: state.get("scene"), seed: state.get("seed") };
-  for (const [key, value] of Object.entries(said)) link.searchParams.set(key, String(value));
-  return link.href;
+  return addressOf({ text: state.get("text").trim(), scene: state.get("scene"), seed: state.get("seed") });
 }
