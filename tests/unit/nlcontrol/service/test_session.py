@@ -416,8 +416,8 @@ def test_a_run_that_is_being_begun_as_the_stop_comes_is_stopped(
         session.stop()
         return look()
 
-    waiting = session._plans.waiting(plan_id)
-    monkeypatch.setattr(session._plans, "waiting", lambda _: waiting)
+    waiting = session._plans.approved(plan_id, None)
+    monkeypatch.setattr(session._plans, "approved", lambda *_: waiting)
     monkeypatch.setattr(session.controller, "look", stopped_meanwhile)
     run = session.execute(plan_id)
     assert run.result(PATIENCE).status == "cancelled"
