@@ -19,7 +19,7 @@ from nlcontrol.service.planning_service import PlanningService
 if TYPE_CHECKING:
     from pydantic import BaseModel
 
-    from nlcontrol.service.http.request_bodies import SaidBody
+    from nlcontrol.service.methods import SaidBody
     from nlcontrol.service.service_settings import ServiceSettings
 
 

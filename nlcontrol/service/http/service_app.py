@@ -4,29 +4,32 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fastapi import FastAPI
+from fastapi import APIRouter, FastAPI
 
 from nlcontrol import __version__
 from nlcontrol.service.http import (
     host_routes,
     page_routes,
-    planning_routes,
     run_routes,
     session_routes,
 )
 from nlcontrol.service.http.event_streams import Listeners
 from nlcontrol.service.http.guard.request_guard import RequestGuard
-from nlcontrol.service.http.openapi_document import openapi_document
+from nlcontrol.service.http.openapi_document import PROBLEMS, openapi_document
 from nlcontrol.service.http.problem_documents import answer_problems
+from nlcontrol.service.http.question_routes import add_questions_alone
 
 if TYPE_CHECKING:
     from nlcontrol.service.http.guard.browser_login import BrowserLogin
     from nlcontrol.service.http.http_settings import HttpSettings
     from nlcontrol.service.planning_service import PlanningService
 
+_PLANNING = APIRouter(prefix="/v1", tags=["planning"], responses=PROBLEMS)
+add_questions_alone(_PLANNING)
+
 ROUTERS = (
     host_routes.ROUTER,
-    planning_routes.ROUTER,
+    _PLANNING,
     session_routes.ROUTER,
     run_routes.ROUTER,
     page_routes.ROUTER,

@@ -10,29 +10,17 @@ from fastapi import APIRouter, Request
 from starlette.responses import Response
 
 from nlcontrol.errors import ControlError
-from nlcontrol.questions.push_prediction import PushPrediction
-from nlcontrol.results.result import Result
 from nlcontrol.service.documents import (
-    Affordances,
-    FaceMap,
-    Offer,
     RunInfo,
     SessionInfo,
-    TableView,
-    Understanding,
 )
 from nlcontrol.service.http.event_streams import STREAM_CONTENT, stream_poses
 from nlcontrol.service.http.openapi_document import PROBLEMS
+from nlcontrol.service.http.question_routes import add_questions_of_session
 from nlcontrol.service.http.request_bodies import (
-    ExplainedBody,
     IdempotencyKey,
     IdleTime,
-    LookBody,
-    MapBody,
-    ObjectBody,
     PlanIdBody,
-    PredictBody,
-    SaidBody,
     SayBody,
     SessionBody,
     SessionId,
@@ -106,52 +94,7 @@ async def _close_unused(service: PlanningService, session_id: str, idle: float) 
                 return
 
 
-@ROUTER.post("/{session_id}/look", operation_id="session_look", response_model=TableView)
-async def look(session_id: SessionId, service: Service, body: LookBody | None = None) -> Response:
-    """Looks at the table, or takes where everything stands from the caller."""
-    arguments = {} if body is None else body.arguments
-    return await answer_of(service.call_session(session_id, "look", **arguments))
-
-
-@ROUTER.post("/{session_id}/parse", operation_id="session_parse", response_model=Understanding)
-async def parse(session_id: SessionId, body: SaidBody, service: Service) -> Response:
-    """Reads a sentence: its frames, or why it is not understood."""
-    require_bounded_sentence(body, service.settings)
-    return await answer_of(service.call_session(session_id, "parse", **body.arguments))
-
-
-@ROUTER.post("/{session_id}/ask", operation_id="session_ask", response_model=Result)
-async def ask(session_id: SessionId, body: ExplainedBody, service: Service) -> Response:
-    """Answers a question from what is believed; nothing moves."""
-    require_bounded_sentence(body, service.settings)
-    return await answer_of(service.call_session(session_id, "ask", **body.arguments))
-
-
-@ROUTER.post("/{session_id}/predict", operation_id="session_predict", response_model=PushPrediction)
-async def predict(session_id: SessionId, body: PredictBody, service: Service) -> Response:
-    """Predicts a push at a place of a face."""
-    return await answer_of(service.call_session(session_id, "predict", **body.arguments))
-
-
-@ROUTER.post("/{session_id}/map", operation_id="session_map", response_model=FaceMap)
-async def map_face(session_id: SessionId, body: MapBody, service: Service) -> Response:
-    """Predicts pushes all over a face."""
-    return await answer_of(service.call_session(session_id, "map", **body.arguments))
-
-
-@ROUTER.post(
-    "/{session_id}/affordances", operation_id="session_affordances", response_model=Affordances
-)
-async def affordances(session_id: SessionId, body: ObjectBody, service: Service) -> Response:
-    """Lists what the robot can bring about with an object, and for the rest, why not."""
-    return await answer_of(service.call_session(session_id, "affordances", **body.arguments))
-
-
-@ROUTER.post("/{session_id}/plans", operation_id="session_plan", response_model=Offer)
-async def plan(session_id: SessionId, body: ExplainedBody, service: Service) -> Response:
-    """Plans a sentence; the offer bears the plan id with which it is executed."""
-    require_bounded_sentence(body, service.settings)
-    return await answer_of(service.call_session(session_id, "plan", **body.arguments))
+add_questions_of_session(ROUTER)
 
 
 @ROUTER.post(

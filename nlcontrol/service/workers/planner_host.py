@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from nlcontrol.service.documents import SessionSpec, TableSpec
 from nlcontrol.service.session import Session
-from nlcontrol.service.workers.session_answers import QUESTIONS, session_answer
+from nlcontrol.service.workers.session_answers import ASKED, session_answer
 from objectmodels import Registry
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ class PlannerHost:
 
     def answer(self, method: str, arguments: Mapping[str, Any]) -> bytes:
         """The answer to a method of a session, for a `table` and within a `time_limit` [s]."""
-        if method not in QUESTIONS:
+        if method not in ASKED:
             raise ValueError(f"a planner does not answer {method}")
         rest = dict(arguments)
         table, time_limit = rest.pop("table"), rest.pop("time_limit")

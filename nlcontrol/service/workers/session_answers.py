@@ -12,6 +12,7 @@ from nlcontrol.json_document import Document, document_text
 from nlcontrol.reports.word_explanation import reading_explanation
 from nlcontrol.results.result import Result, result_with
 from nlcontrol.service.documents import Offer, StatedObject, Understanding
+from nlcontrol.service.methods import QUESTIONS
 from nlcontrol.session.corrected_sentences import error_with_corrections
 from nlcontrol.session.frame_documents import text_of
 
@@ -19,10 +20,10 @@ if TYPE_CHECKING:
     from nlcontrol.service.session_protocol import PlanningSession
     from nlcontrol.session.frame_documents import Frames
 
-QUESTIONS = frozenset({"parse", "ask", "predict", "map", "affordances", "plan", "look"})
+ASKED = frozenset(question.name for question in QUESTIONS)
 """Methods that any caller may call: nothing moves."""
 
-METHODS = QUESTIONS | {"reset"}
+METHODS = ASKED | {"reset"}
 """Those of one's own session."""
 
 
