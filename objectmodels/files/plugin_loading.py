@@ -36,7 +36,7 @@ def place_of(point: EntryPoint) -> str:
 
 
 def taken_in(point: EntryPoint, read: Callable[[object], T]) -> T:
-    """What an entry point brings, as it is read from what it names.
+    """The offer of an entry point, as it is read from the object that it names.
 
     Args:
         point: of another package.

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sqlite3
 import threading
-import time
 from collections.abc import Iterator
 from concurrent.futures import Future
 from pathlib import Path
@@ -219,12 +218,3 @@ def test_a_stop_takes_no_lock(store: RunStore, session: LiveSession, process: Pr
     assert info is not None
     done.set()
     holder.join()
-
-
-def test_the_clock_of_an_unreadable_run_is_none(folder: Path) -> None:
-    damage(folder, "UPDATE runs SET document = 'null', ended_at = NULL WHERE run_id = 'first'")
-    store = RunStore(folder)
-    info = store.run("first")
-    assert info.ended_at is not None
-    assert info.asked_at <= time.time()
-    store.close()
