@@ -161,8 +161,7 @@ class Lexicon:
             names: names of objects whose words mean something else in the language ("hard drive").
 
         Raises:
-            ValueError: if a word already means something else, a terminal is unknown, or a name
-                has no word of its own.
+            ValueError: if a word already means something else, or a terminal is unknown.
         """
         more = {name: _expand_phrases(name, v) for name, v in (terminals or {}).items()}
         verbs = list(verbs)
@@ -178,8 +177,6 @@ class Lexicon:
         if unknown := sorted(set(words.values()) - set(self.adjectives.values())):
             raise ValueError(f"objects are not told apart by {', '.join(unknown)}")
         plain = {" ".join(name.casefold().replace("-", " ").split()) for name in names}
-        if taken := sorted(name for name in plain if self.reserved_words.issuperset(name.split())):
-            raise ValueError(f"words of the language are no names: {', '.join(taken)}")
         return replace(
             self,
             verbs=_merge_words("VERB", self.verbs, _expand_verbs(verbs)),

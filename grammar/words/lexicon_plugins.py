@@ -13,7 +13,7 @@ takes the language down.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import cache
 from importlib.metadata import entry_points
 from os import PathLike
@@ -38,11 +38,19 @@ def installed_lexicon() -> tuple[Lexicon, tuple[str, ...]]:
     for point in sorted(entry_points(group=GROUP), key=lambda p: (package_name(p), p.name)):
         try:
             words = taken_in(point, _plug_in_words)
+            _require_own_words(lexicon, words.get("names", ()))
             lexicon = lexicon.with_words(**words)
         except (PluginError, ValueError, TypeError, KeyError) as failure:
             told = failure if isinstance(failure, PluginError) else _told(failure)
             problems.append(f"{place_of(point)}: {told}")
     return lexicon, tuple(problems)
+
+
+def _require_own_words(lexicon: Lexicon, names: Iterable[str]) -> None:
+    """Refuses names that have no word of their own: no sentence would be read as before."""
+    plain = lexicon.reserved_words
+    if taken := sorted(name for name in names if plain.issuperset(name.casefold().split())):
+        raise ValueError(f"words of the language are no names: {', '.join(taken)}")
 
 
 def _told(failure: Exception) -> str:

@@ -28,7 +28,7 @@ _EXIT_CODES = (
     "Exit codes: 0 done and every clause held, 1 internal failure, 2 usage, 3 not understood, "
     "4 no plan (refused with its numbers) or a capability that this robot lacks, "
     "5 executed, but a clause did not hold, 6 executed, but a clause can be neither confirmed nor "
-    "denied, 130 interrupted by control-C, 143 by SIGTERM."
+    "denied, 130 interrupted by control-C, 143 by SIGTERM, 129 by SIGHUP."
 )
 
 

@@ -102,7 +102,7 @@ def test_a_target_is_never_in_the_way(
     said: str, places: Places, target: str, tmp_path: Path
 ) -> None:
     _, made = refused_plan(said, places, tmp_path)
-    assert (made.code, made.reason) == ("no_grasp_reached", "out_of_reach")
+    assert (made.code, made.reason) == ("no_way_past", "impossible")
     assert obstacles(made) == ()
     assert not any(target in each for each in made.suggestions)
 
