@@ -66,7 +66,7 @@ least lean on the way that a force would show [rad]."""
 MOST_TURN = 0.6
 """A turn under one fingertip, two standard deviations on, that is told at most [rad]."""
 
-_LEAST_LEVER = 0.005  # [m]
+_UPRIGHT = 0.9  # cosine of a tilt below which it stands on its base
 _PART = 0.15  # of the way, at its begin and at its end, over which a force is averaged
 
 
@@ -133,7 +133,7 @@ def felt_end(
         sd[2] = ALONG_SD
         if length < SHORT:
             sd = np.hypot(sd, 0.5 * np.abs(way))
-        leant = model.angle_of_no_return(place.R.inv().apply(along)[:2]) * (1.0 - least / first)
+        leant = _angle_of_no_return(model, place, along) * (1.0 - least / first)
         return FeltEnd(way, lever, turn[0], np.zeros(2), sd, turn[1], 0.0, max(leant, LEAN_SD))
     if last < GONE * first and fingers == 2:
         # It turns about the edge, to the left of the way; where its middle lies is not felt.
@@ -159,7 +159,19 @@ def _forces(
     begun, part = int(np.argmax(travel > 0.02)), int(np.argmax(travel > _PART)) + 1
     peak, late = begun + int(np.argmax(force[begun:part])), travel > 1.0 - _PART
     last = float(force[late].mean())  # the hand draws back within the window of the last samples
-    return float(force[peak]), min(float(force[peak:][~late[peak:]].min()), last), last
+    return (
+        float(force[peak]),
+        min(float(force[peak:][~late[peak:]].min(initial=np.inf)), last),
+        last,
+    )
+
+
+def _angle_of_no_return(model: ObjectModel, place: Place, along: Array) -> float:
+    """Tilt past which it falls by itself; a cube's for what does not stand on its base [rad]."""
+    up = place.R.inv().apply([0.0, 0.0, 1.0])
+    if up[2] < _UPRIGHT:
+        return 0.25 * np.pi
+    return model.angle_of_no_return(place.R.inv().apply(along)[:2])
 
 
 def _contact(model: ObjectModel, place: Place, begin: Array, along: Array) -> Array:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from benchmarks.verdicts.redrawn_frames import with_frames
 from grammar.frames import command as g
@@ -234,6 +235,29 @@ def test_touch_tells_a_slide_from_a_fall_where_nobody_sees_it(
     fell = one(_verdicts(frame_of(g.Topple()), dark, box), "tilt at the end")
     assert fell.verdict == ("held" if fades else "not_held")
     assert slid.verdict == ("unknown" if fades else "held")
+
+
+@pytest.mark.parametrize("lies", [[0.0, np.pi / 2, 0.0], [np.pi / 2, 0.0, 0.0], [np.pi, 0.0, 0.0]])
+def test_a_push_of_what_lies_on_its_side_is_felt_too(
+    make_trace: TraceMaker, box: BoxModel, lies: list[float]
+) -> None:
+    trace = make_trace(travel=(0.03, 0.0))
+    samples = np.flatnonzero(np.isin(trace.phase, ("touch", "push")))
+    place = Place(Rotation.from_rotvec(lies), trace.poses[BOX][0, 4:])
+    end = felt_end(trace, samples, box, place)
+    assert end is not None
+    assert end.way == pytest.approx([0.03, 0.0, 0.0])
+
+
+@pytest.mark.parametrize("shown", [1, 2, 3, 4])
+def test_a_push_of_few_samples_breaks_nothing(
+    make_trace: TraceMaker, box: BoxModel, shown: int
+) -> None:
+    trace = make_trace(travel=(0.03, 0.0))
+    pushing = np.flatnonzero(trace.phase == "push")
+    samples = pushing[np.linspace(0, len(pushing) - 1, shown).astype(int)]
+    end = felt_end(trace, samples, box, Place.seen(_seen(trace).sightings[BOX][:5]))
+    assert end is None or shown >= 3
 
 
 @pytest.mark.parametrize(("spread", "verdict"), [(1.0, "unknown"), (0.01, "not_held")])
