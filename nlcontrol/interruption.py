@@ -52,10 +52,15 @@ class Signals:
         return EXIT_CODES[signal.Signals(self.received[0])] if self.received else 130
 
     def hold(self) -> None:
-        """Takes all of them from now on, and lets them wait."""
+        """Takes all of them from now on, and lets them wait.
+
+        The end of the terminal stays ignored where the command was started so, as by nohup.
+        """
         self._wait = self._held = True
         for number in EXIT_CODES:
-            signal.signal(number, self._take)
+            hangs_up = number not in (signal.SIGINT, signal.SIGTERM)
+            if not (hangs_up and signal.getsignal(number) is signal.SIG_IGN):
+                signal.signal(number, self._take)
 
     def release(self) -> None:
         """Ends the command if a signal waits, and from now on with the next one.

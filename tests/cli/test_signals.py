@@ -6,7 +6,7 @@ import asyncio
 import signal
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,28 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="looks into /pro
 
 PUSH = "push the ice tea box away"
 MAP = ("map", "ice tea box", "--face", "front", "--experiment", "--workers", "2", "--spacing", "40")
+
+
+@pytest.fixture(autouse=True)
+def terminal() -> Iterator[None]:
+    """A terminal whose end is heard, also where the tests were started without one."""
+    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    yield
+    signal.signal(signal.SIGHUP, before)
+
+
+def test_the_end_of_a_terminal_stays_ignored_under_nohup() -> None:
+    kept = {number: signal.getsignal(number) for number in EXIT_CODES}
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        Signals().hold()
+        assert signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
+        signal.signal(signal.SIGHUP, signal.SIG_DFL)
+        Signals().hold()
+        assert signal.getsignal(signal.SIGHUP) not in (signal.SIG_IGN, signal.SIG_DFL)
+    finally:
+        for number, handler in kept.items():
+            signal.signal(number, handler)
 
 
 def ended(arguments: Sequence[str], *others: Any, **options: Any) -> Ending:
