@@ -212,7 +212,7 @@ class PlanningService:
         """Asks the run of a session to come to rest; its plans are dropped. Waits for nothing."""
         session = self._session(session_id)
         session.require_process()
-        session.process.call("stop")
+        session.process.command("stop")
 
     def close_session(self, session_id: str) -> None:
         """Closes a session; its run comes to rest first, but not for longer than `stop_time`."""
@@ -403,7 +403,7 @@ class PlanningService:
 
     def _ask_to_rest(self, session: LiveSession) -> None:
         if session.run_id is not None and not session.is_lost:
-            session.process.call("stop_run")
+            session.process.command("stop_run")
 
     def _end_at_rest(self, session: LiveSession) -> None:
         """Ends a session once its run has come to rest, or its time for that is over."""

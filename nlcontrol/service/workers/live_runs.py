@@ -9,7 +9,7 @@ import secrets
 import threading
 import time
 from collections.abc import AsyncIterator, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
 from nlcontrol.errors import INTERNAL, ControlError, ErrorInfo, error
@@ -103,7 +103,8 @@ class LiveRuns:
                 try:
                     self._note_begin(run, RunInfo.model_validate_json(begun), key, request)
                 except BaseException:
-                    session.call("drop_run").result()  # it waits in the process for its turn
+                    with suppress(ControlError):  # its process may have ended: there it waits
+                        session.process.command("drop_run").result()
                     raise
             except BaseException:
                 self._forget(run)
@@ -134,7 +135,7 @@ class LiveRuns:
         """Asks a run to come to rest; nothing if it is not under way. Waits for nothing."""
         live = self._runs.get(run_id)
         if live is not None and not live.session.is_lost:
-            live.session.process.call("stop_run")
+            live.session.process.command("stop_run")
 
     def abort(self, run_id: str) -> None:
         """Ends the process of a run; nothing if it is not under way. Waits for nothing."""
@@ -256,7 +257,7 @@ class LiveRuns:
         except ControlError as raised:  # it was noted as one that waits
             LOGGER.error("a run that begins to move is not noted: %s", raised.info.message)
         run.changed.ring()
-        run.session.process.call("take_turn")
+        run.session.process.command("take_turn")
 
     def _note_place(self, run_id: str, place: int | None) -> None:
         with self._lock:

@@ -52,7 +52,7 @@ class LiveSession:
     ) -> None:
         self.session_id, self.spec, self.process = session_id, spec, process
         self.run_id: str | None = None
-        self._beginning, self._begins = threading.Lock(), 0
+        self._beginning, self._begins = threading.Lock(), threading.Semaphore(MOST_CALLS)
         self.is_lost = False
         self.frames = Bell()
         self.frame: bytes | None = None
@@ -91,14 +91,13 @@ class LiveSession:
     @contextmanager
     def beginning(self) -> Iterator[None]:
         """Context in which a run is begun, one after the other; raises `queue_full`."""
-        if self._begins >= MOST_CALLS:
-            raise _queue_full(self._begins)
-        self._begins += 1
+        if not self._begins.acquire(blocking=False):
+            raise _queue_full(MOST_CALLS)
         try:
             with self._beginning:
                 yield
         finally:
-            self._begins -= 1
+            self._begins.release()
 
     def info(self) -> SessionInfo:
         """The session as it is now."""

@@ -16,7 +16,7 @@ import queue
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future, InvalidStateError
 from contextlib import contextmanager, suppress
 from multiprocessing import resource_tracker
@@ -76,7 +76,7 @@ class WorkerProcess:
         self._numbers = itertools.count(1)
         self._lock = threading.Lock()
         self._calls: dict[int, Future[bytes]] = {}
-        self._unsent: queue.Queue[Call | None] = queue.Queue(MOST_UNSENT)
+        self._unsent: queue.SimpleQueue[Call | None] = queue.SimpleQueue()
         self._ended = self._is_unwanted = False
         self._pid: int | None = None
         self._connection, there = _CONTEXT.Pipe()
@@ -100,18 +100,24 @@ class WorkerProcess:
 
         The future raises `ControlError`: what the host raised, or `worker_lost`.
         """
+        return self._asked(method, arguments, MOST_UNSENT)
+
+    def command(self, method: str) -> Future[bytes]:
+        """The same of what may not be turned away, such as a stop; in the order of all calls."""
+        return self._asked(method, {}, sys.maxsize)
+
+    def _asked(self, method: str, arguments: Mapping[str, Any], most: int) -> Future[bytes]:
         future: Future[bytes] = Future()
         future.set_running_or_notify_cancel()
         number = next(self._numbers)
         failure = lost_error()
         with self._lock:
+            if not self._ended and self._unsent.qsize() < most:
+                self._unsent.put(Call(number, method, arguments))
+                self._calls[number] = future
+                return future
             if not self._ended:
-                try:
-                    self._unsent.put_nowait(Call(number, method, arguments))
-                    self._calls[number] = future
-                    return future
-                except queue.Full:
-                    failure = _deaf_error()
+                failure = _deaf_error()
         future.set_exception(failure)
         return future
 

@@ -139,6 +139,9 @@ class Process:
     def __init__(self) -> None:
         self.called: list[str] = []
 
+    def command(self, method: str) -> Future[bytes]:
+        return self.call(method)
+
     def call(self, method: str, **arguments: Any) -> Future[bytes]:
         self.called.append(method)
         future: Future[bytes] = Future()

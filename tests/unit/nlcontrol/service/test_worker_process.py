@@ -98,6 +98,12 @@ def test_a_worker_that_does_not_read_holds_up_nobody_but_its_callers() -> None:
     refused = waiting[-1].exception(PATIENCE)
     assert isinstance(refused, ControlError)
     assert refused.code == "queue_full"
+    command = worker.command("warmth")  # as a stop: it is not turned away
+    assert not command.done()
+    os.kill(worker.pid, signal.SIGCONT)
+    assert command.result(PATIENCE)
+    os.kill(worker.pid, signal.SIGSTOP)
+    waiting = [worker.call("warmth", padding="x" * 10**6) for _ in range(3)]
     worker.kill()
     assert worker.wait(PATIENCE)
     lost = waiting[0].exception(PATIENCE)
