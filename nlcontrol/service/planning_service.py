@@ -220,6 +220,10 @@ class PlanningService:
         self._ask_to_rest(session)
         threading.Thread(target=self._end_at_rest, args=(session,), daemon=True).start()
 
+    def leave_session(self, session_id: str, after: float) -> None:
+        """Closes a session once nobody has used it for a time [s], unless it is taken up before."""
+        self._session(session_id).leave(after)
+
     def scene_geometry(self, session_id: str) -> Future[bytes]:
         """All that a viewer draws of a session (JSON of `SceneGeometry`), for `live`."""
         return self._session(session_id).call("geometry")
@@ -227,6 +231,7 @@ class PlanningService:
     async def live(self, session_id: str) -> AsyncIterator[bytes]:
         """Frames of poses for a viewer (JSON of `PoseFrame`), as long as the session is open."""
         session = self._session(session_id)
+        session.take_up()
         with session.frames.heard() as heard:
             session.tell_frames(wanted=True)
             try:

@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-import asyncio
-from contextlib import suppress
-from typing import TYPE_CHECKING
-
 from fastapi import APIRouter, Request
 from starlette.responses import Response
 
-from nlcontrol.errors import ControlError
 from nlcontrol.service.documents import (
     RunInfo,
     SessionInfo,
@@ -34,16 +29,6 @@ from nlcontrol.service.http.service_access import (
     waited,
 )
 from nlcontrol.service.live_documents import SceneGeometry
-
-if TYPE_CHECKING:
-    from nlcontrol.service.planning_service import PlanningService
-
-_LOOKS = 24
-"""Looks at a session that is to be closed once it is idle, two in that time: what was asked of it
-last, such as a plan, may take longer."""
-
-_CLOSING: set[asyncio.Task[None]] = set()
-"""Kept from being collected before they end."""
 
 ROUTER = APIRouter(prefix="/v1/sessions", tags=["sessions"], responses=PROBLEMS)
 
@@ -77,21 +62,8 @@ async def close_session(session_id: SessionId, service: Service, idle: IdleTime 
     if idle is None:
         service.close_session(session_id)
         return Response(status_code=204)
-    service.session(session_id)
-    closing = asyncio.create_task(_close_unused(service, session_id, idle))
-    _CLOSING.add(closing)
-    closing.add_done_callback(_CLOSING.discard)
+    service.leave_session(session_id, idle)
     return Response(status_code=204)
-
-
-async def _close_unused(service: PlanningService, session_id: str, idle: float) -> None:
-    """Closes a session that nobody uses for a time [s]; it stays if somebody takes it up again."""
-    with suppress(ControlError):  # it may have been closed meanwhile
-        for _ in range(_LOOKS):
-            await asyncio.sleep(idle / 2)
-            if service.settings.idle_time - service.session(session_id).expires_in >= idle:
-                service.close_session(session_id)
-                return
 
 
 add_questions_of_session(ROUTER)

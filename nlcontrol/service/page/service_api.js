@@ -26,7 +26,7 @@ export class ServiceApi {
 
   // -- a session ----------------------------------------------------------------------------------
 
-  openSession = (spec) => this.#call("session", "POST", "/sessions", spec);
+  openSession = (spec) => this.#call("open", "POST", "/sessions", spec);
 
   // Says further sentences in a session.
   enter({ session_id: id, spec: { scene, seed } }) {

@@ -58,6 +58,7 @@ class LiveSession:
         self.frame: bytes | None = None
         self._settings = settings
         self._used_at = time.monotonic()
+        self._kept_for = settings.idle_time
         self._planned_at = -LIFE
         self._calls: set[Future[bytes]] = set()
 
@@ -69,7 +70,7 @@ class LiveSession:
     @property
     def expires_in(self) -> float:
         """Time until it is closed if nothing is asked of it [s]; all of it while it is used."""
-        return max(0.0, self._settings.idle_time - self.idle_for)
+        return max(0.0, self._kept_for - self.idle_for)
 
     @property
     def idle_for(self) -> float:
@@ -87,6 +88,15 @@ class LiveSession:
     def note_use(self) -> None:
         """Puts off the end of an idle session."""
         self._used_at = time.monotonic()
+
+    def leave(self, after: float) -> None:
+        """Lets it end once it has been idle for a time [s], unless somebody takes it up again."""
+        self._kept_for = min(after, self._settings.idle_time)
+
+    def take_up(self) -> None:
+        """Notes that somebody uses the session, so that it is kept as long as any."""
+        self._kept_for = self._settings.idle_time
+        self.note_use()
 
     @contextmanager
     def beginning(self) -> Iterator[None]:
@@ -117,7 +127,7 @@ class LiveSession:
         Raises:
             ControlError: `session_lost`.
         """
-        self.note_use()
+        self.take_up()
         if self.is_lost:
             raise error(
                 "session_lost",

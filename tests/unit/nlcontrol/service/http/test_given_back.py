@@ -25,3 +25,17 @@ def test_a_session_that_is_listened_to_again_stays(robot_http: httpx.Client, ses
     with robot_http.stream("GET", f"{session}/live"):
         time.sleep(3 * IDLE)
         assert robot_http.get(session).status_code == 200
+
+
+def test_a_session_that_is_left_in_the_middle_of_a_run_ends_after_it(
+    robot_http: httpx.Client, session: str
+) -> None:
+    text = "push the ice tea box 3 cm away"
+    plan = robot_http.post(f"{session}/plans", json={"text": text}).json()["plan_id"]
+    begun = robot_http.post(f"{session}/runs", json={"plan_id": plan, "text": text})
+    assert begun.status_code == 202
+    assert robot_http.delete(session, params={"idle": 0.01}).status_code == 204
+    wait_until(lambda: robot_http.get(session).status_code == 404)
+    run = robot_http.get(f"/v1/runs/{begun.json()['run_id']}").json()
+    assert run["state"] == "ended"
+    assert run["result"]["ok"]
