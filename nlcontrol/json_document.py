@@ -5,8 +5,10 @@ A later minor version adds fields, and old readers go on. A later major one rena
 
 from __future__ import annotations
 
+import inspect
 import json
 import math
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -30,6 +32,27 @@ def document_text(content: Mapping[str, Any], indent: int | None = 2) -> str:
 def finite_or_none(value: float) -> float | None:
     """The number as JSON has it: None if it is infinite or not a number."""
     return float(value) if math.isfinite(value) else None
+
+
+def plain_json(part: Any) -> Any:
+    """The part as JSON has it, with all the documents in it."""
+    if isinstance(part, BaseModel):
+        return part.model_dump(mode="json")
+    if isinstance(part, Mapping):
+        return {key: plain_json(value) for key, value in part.items()}
+    if isinstance(part, list | tuple):
+        return [plain_json(each) for each in part]
+    return part
+
+
+def docstring_parts(docstring: str) -> tuple[str, dict[str, str]]:
+    """The text of a docstring before its sections, and what it says of each attribute."""
+    summary, _, rest = inspect.cleandoc(docstring).partition("\n\nAttributes:\n")
+    found = re.findall(r"^    ([\w, ]+): (.*(?:\n {8}.*)*)", rest, re.MULTILINE)
+    described = {
+        name: " ".join(said.split()) for names, said in found for name in names.split(", ")
+    }
+    return summary, described
 
 
 class DocumentPart(BaseModel):

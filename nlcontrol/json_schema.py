@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
-import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -15,7 +13,7 @@ from nlcontrol.batches.batch_row import BatchRow
 from nlcontrol.batches.batch_summary import BatchSummary
 from nlcontrol.batches.row_result import RowResult
 from nlcontrol.errors import ErrorInfo
-from nlcontrol.json_document import SCHEMA_VERSION
+from nlcontrol.json_document import SCHEMA_VERSION, docstring_parts
 from nlcontrol.learning.learning_reports import ExplorationReport, FitReport, Lesson
 from nlcontrol.questions.drag_prediction import DragPrediction
 from nlcontrol.questions.push_prediction import PushPrediction
@@ -54,16 +52,6 @@ def _with_descriptions(
         if told := said.get(names.get(key, key)):
             field["description"] = told
     return {**made, "description": summary} if summary else made
-
-
-def docstring_parts(docstring: str) -> tuple[str, dict[str, str]]:
-    """The text of a docstring before its sections, and what it says of each attribute."""
-    summary, _, rest = inspect.cleandoc(docstring).partition("\n\nAttributes:\n")
-    found = re.findall(r"^    ([\w, ]+): (.*(?:\n {8}.*)*)", rest, re.MULTILINE)
-    described = {
-        name: " ".join(said.split()) for names, said in found for name in names.split(", ")
-    }
-    return summary, described
 
 
 def schema() -> dict[str, Any]:

@@ -6,21 +6,44 @@ Numbers are in SI units, places in W.
 
 from __future__ import annotations
 
+from functools import singledispatch
 from typing import TYPE_CHECKING, Any
+
+from pydantic import BaseModel
 
 from nlcontrol.mcp.tool_answers import ToolAnswer, error_answer
 from nlcontrol.plan_text import deciding_figures, plan_lines
+from nlcontrol.questions.push_prediction import PushPrediction
+from nlcontrol.results.result import Result
+from nlcontrol.service.documents import Affordances, Offer, RunInfo, TableView
 from nlcontrol.text_format import quantity, words
 
 if TYPE_CHECKING:
     from nlcontrol.checks.verdicts import Check
-    from nlcontrol.questions.push_prediction import PushPrediction
-    from nlcontrol.results.result import Result
-    from nlcontrol.service.documents import Affordances, Offer, RunInfo, TableView
     from planner.affordances import Affordance
 
 
-def table_answer(view: TableView, detail: bool) -> ToolAnswer:
+@singledispatch
+def document_answer(document: BaseModel, detail: bool) -> ToolAnswer:
+    """The decisive part of a document: its text, and numbers if it has any.
+
+    Args:
+        document: that answers a question.
+        detail: the whole of it is wanted too.
+    """
+    content = document.model_dump(mode="json")
+    simple = (str, int, float, bool)
+    return ToolAnswer(
+        ok=True,
+        status="answered",
+        message=content.pop("text", "") or "the answer stands in its facts",
+        facts={name: value for name, value in content.items() if isinstance(value, simple)},
+        document=content if detail else None,
+    )
+
+
+@document_answer.register
+def _table_answer(view: TableView, detail: bool) -> ToolAnswer:
     """The table as it is believed to be."""
     figures = {"mass", "mass_sd", "friction", "friction_sd"}  # for which there are questions
     seen = [
@@ -40,16 +63,17 @@ def table_answer(view: TableView, detail: bool) -> ToolAnswer:
     )
 
 
-def offer_answer(offer: Offer, detail: bool) -> ToolAnswer:
+@document_answer.register
+def _offer_answer(offer: Offer, detail: bool) -> ToolAnswer:
     """A plan that waits to be approved, or the reason why there is none."""
     changes = {"plan_id": offer.plan_id, "expires_in": offer.expires_in}
-    return result_answer(offer.result, detail).model_copy(update=changes)
+    return _result_answer(offer.result, detail).model_copy(update=changes)
 
 
 def run_answer(info: RunInfo, detail: bool) -> ToolAnswer:
     """The outcome of a run so far."""
     if info.result is not None:
-        return result_answer(info.result, detail).model_copy(update={"run_id": info.run_id})
+        return _result_answer(info.result, detail).model_copy(update={"run_id": info.run_id})
     if info.error is not None:
         return error_answer(info.error).model_copy(
             update={"status": info.state, "run_id": info.run_id}
@@ -62,7 +86,8 @@ def run_answer(info: RunInfo, detail: bool) -> ToolAnswer:
     )
 
 
-def result_answer(result: Result, detail: bool) -> ToolAnswer:
+@document_answer.register
+def _result_answer(result: Result, detail: bool) -> ToolAnswer:
     """The outcome of a sentence."""
     answer = _outcome(result)
     return answer.model_copy(
@@ -133,7 +158,8 @@ def _execution_facts(result: Result) -> dict[str, Any]:
     return facts
 
 
-def prediction_answer(prediction: PushPrediction, detail: bool) -> ToolAnswer:
+@document_answer.register
+def _prediction_answer(prediction: PushPrediction, detail: bool) -> ToolAnswer:
     """The prediction of one push."""
     numbers = {
         name: value
@@ -154,7 +180,8 @@ def prediction_answer(prediction: PushPrediction, detail: bool) -> ToolAnswer:
     )
 
 
-def affordances_answer(found: Affordances, detail: bool) -> ToolAnswer:
+@document_answer.register
+def _affordances_answer(found: Affordances, detail: bool) -> ToolAnswer:
     """Outcomes that the robot can bring about with an object; for the others, why not."""
     can = [each for each in found.affordances if each.can]
     outcomes = dict.fromkeys(f"{each.outcome} {each.direction}".strip() for each in can)

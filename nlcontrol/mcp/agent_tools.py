@@ -6,16 +6,18 @@ of a fresh plan; without leave to move it is not even there.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
 
 from nlcontrol.errors import error
-from nlcontrol.mcp import agent_documents as documents
+from nlcontrol.json_document import docstring_parts
+from nlcontrol.mcp.agent_documents import document_answer, run_answer
 from nlcontrol.mcp.foreign_text import ForeignNames
 from nlcontrol.mcp.tool_answers import ToolAnswer, short_text
+from nlcontrol.service.methods import QUESTIONS, Question
 
 if TYPE_CHECKING:
     from nlcontrol.service.session_protocol import PlanningSession, Run
@@ -24,57 +26,20 @@ KEPT_RUNS = 20
 """Runs whose verdict can still be asked for."""
 
 Sentence = Annotated[str, Field(min_length=1, max_length=1000)]
-Name = Annotated[str, Field(min_length=1, max_length=100)]
 Identifier = Annotated[str, Field(min_length=1, max_length=200)]
+
 _Detail = Annotated[bool, Field(description="show the whole document, which may have 10 kB")]
+
+_SENTENCES = ("text",)
+"""Fields that hold a sentence: a tool takes no frames in its place."""
+
+_NOT_FOR_TOOLS = ("frames", "explain", "objects")
 
 
 class Arguments(BaseModel):
     """Arguments of a tool; none but these."""
 
     model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
-
-
-class LookArguments(Arguments):
-    """Arguments of `look`."""
-
-    detail: _Detail = False
-
-
-class AskArguments(Arguments):
-    """Arguments of `ask`."""
-
-    question: Sentence = Field(description="a question in English")
-    detail: _Detail = False
-
-
-class PredictArguments(Arguments):
-    """Arguments of `predict`."""
-
-    object: Name = Field(description="name of an object on the table")
-    face: Name = Field("front", description="the face that is pushed: front looks at the robot")
-    height_m: float = Field(description="of the contact above the table [m]", ge=0.0, le=10.0)
-    lateral_m: float = Field(
-        0.0, description="of the contact, to the right of the face's middle [m]", ge=-10.0, le=10.0
-    )
-    force_n: float | None = Field(
-        None, description="of the push [N]; without it, when it begins to move", gt=0.0, le=1000.0
-    )
-    detail: _Detail = False
-
-
-class AffordancesArguments(Arguments):
-    """Arguments of `affordances`."""
-
-    object: Name = Field(description="name of an object on the table")
-    detail: _Detail = False
-
-
-class PlanArguments(Arguments):
-    """Arguments of `plan`."""
-
-    sentence: Sentence = Field(description="what should be done, in English")
-    detail: _Detail = False
 
 
 class ExecuteArguments(Arguments):
@@ -120,34 +85,10 @@ class AgentTools:
         self.names = ForeignNames((*on_table, *known))
         self._runs: dict[str, Run] = {}
 
-    def look(self, asked: LookArguments) -> ToolAnswer:
-        """The table as it is believed to be."""
-        return documents.table_answer(self.session.look(), asked.detail)
-
-    def ask(self, asked: AskArguments) -> ToolAnswer:
+    def answer_question(self, asked: Question, given: Any) -> ToolAnswer:
         """The answer to a question; nothing moves."""
-        return documents.result_answer(
-            self.session.ask(asked.question, motion="never"), asked.detail
-        )
-
-    def predict(self, asked: PredictArguments) -> ToolAnswer:
-        """The prediction of one push; nothing moves."""
-        prediction = self.session.predict(
-            asked.object,
-            face=asked.face,
-            lateral=asked.lateral_m,
-            height=asked.height_m,
-            force=asked.force_n,
-        )
-        return documents.prediction_answer(prediction, asked.detail)
-
-    def affordances(self, asked: AffordancesArguments) -> ToolAnswer:
-        """Outcomes that the robot can bring about with an object."""
-        return documents.affordances_answer(self.session.affordances(asked.object), asked.detail)
-
-    def plan(self, asked: PlanArguments) -> ToolAnswer:
-        """A plan to be approved, or why there is none; nothing moves."""
-        return documents.offer_answer(self.session.plan(asked.sentence), asked.detail)
+        body = asked.asks.model_validate(_fields(asked, given))
+        return document_answer(getattr(self.session, asked.name)(**body.arguments), given.detail)
 
     def begin(self, asked: ExecuteArguments) -> Run:
         """Begins to carry out a plan; the run is kept for `verdict`.
@@ -181,7 +122,7 @@ class AgentTools:
             known = f"runs: {', '.join(self._runs)}" if self._runs else "execute a plan first"
             what = "nothing was executed yet" if name is None else f"there is no run “{name}”"
             raise error("unknown_run", what, suggestions=(known,))
-        return documents.run_answer(run.info(), asked.detail)
+        return run_answer(run.info(), asked.detail)
 
     def stop(self, _asked: StopArguments) -> ToolAnswer:
         """Lets go and comes to rest; plans are dropped."""
@@ -232,47 +173,58 @@ class AgentTool:
             ) from None
 
 
+def _taken(question: Question) -> Mapping[str, str]:
+    """What a tool takes: the names there of the fields of a body."""
+    assert question.tool is not None, "it is offered"
+    if question.tool.takes is not None:
+        return question.tool.takes
+    fields = question.asks.model_fields.items()
+    return {told.alias or name: name for name, told in fields if name not in _NOT_FOR_TOOLS}
+
+
+def _fields(question: Question, given: Arguments) -> dict[str, Any]:
+    """The body of a question, as JSON, from the arguments of its tool."""
+    names = {name: told.alias or name for name, told in question.asks.model_fields.items()}
+    return {names[field]: getattr(given, name) for name, field in _taken(question).items()}
+
+
+def _arguments_of(question: Question) -> type[Arguments]:
+    """The model of what a tool takes."""
+    told: dict[str, str] = {}
+    for base in reversed(question.asks.__mro__):
+        told |= docstring_parts(base.__dict__.get("__doc__") or "")[1]
+    fields: dict[str, Any] = {}
+    for name, field in _taken(question).items():
+        of_body = question.asks.model_fields[field]
+        is_sentence = field in _SENTENCES
+        kind = Sentence if is_sentence else of_body.annotation
+        taken = (kind, Field(description=told[field]), *of_body.metadata)
+        fields[name] = (
+            Annotated[taken],
+            ... if is_sentence or of_body.is_required() else of_body.default,
+        )
+    fields["detail"] = (_Detail, False)
+    made = create_model(
+        f"{question.name.capitalize()}Arguments", __base__=Arguments, __module__=__name__, **fields
+    )
+    made.__doc__ = f"Arguments of `{question.name}`."
+    return made
+
+
+def _tool_of(question: Question) -> AgentTool:
+    """The tool with which a question is asked."""
+    assert question.tool is not None, "it is offered"
+    return AgentTool(
+        question.name,
+        question.tool.title or question.name.capitalize(),
+        question.tool.description or question.told,
+        _arguments_of(question),
+        lambda tools, given: tools.answer_question(question, given),
+    )
+
+
 TOOLS: tuple[AgentTool, ...] = (
-    AgentTool(
-        "look",
-        "See the table",
-        "The objects on the table: names, places [m], headings [rad], sizes. Begin here: only "
-        "objects that stand there can be spoken of.",
-        LookArguments,
-        AgentTools.look,
-    ),
-    AgentTool(
-        "ask",
-        "Ask a question",
-        "Answers a question from what is known of the objects, with the figures behind it. Never "
-        "moves anything.",
-        AskArguments,
-        AgentTools.ask,
-    ),
-    AgentTool(
-        "predict",
-        "Predict one push",
-        "What one push on a face of an object would do: forces at which it slides and topples, "
-        "with probabilities. Moves nothing.",
-        PredictArguments,
-        AgentTools.predict,
-    ),
-    AgentTool(
-        "affordances",
-        "What can be done with an object",
-        "Outcomes that this robot can bring about with an object; for the others, why not.",
-        AffordancesArguments,
-        AgentTools.affordances,
-    ),
-    AgentTool(
-        "plan",
-        "Plan a sentence",
-        "Plans what a sentence asks for, and moves nothing. Gives a plan_id and what is predicted, "
-        "or the reason why not with the number that decided; `say` then holds whole sentences that "
-        "would do instead.",
-        PlanArguments,
-        AgentTools.plan,
-    ),
+    *(_tool_of(question) for question in QUESTIONS if question.tool is not None),
     AgentTool(
         "execute",
         "Carry out a plan",

@@ -11,8 +11,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from grammar.frames.command import Frame, Spans
-from nlcontrol.errors import ErrorInfo
+from grammar.frames.command import Command, Frame, Spans
+from nlcontrol.errors import ControlError, ErrorInfo
 from nlcontrol.json_document import Document, DocumentPart
 from nlcontrol.results.result import Result
 from nlcontrol.session.events import Event
@@ -203,6 +203,17 @@ class Understanding(Document):
     left_out: tuple[str, ...] = ()
     error: ErrorInfo | None = None
     explanation: tuple[Row, ...] = ()
+
+    def command(self) -> Command:
+        """The frames as a command; raises a `ControlError` if it was not understood."""
+        if self.error is not None:
+            raise ControlError(self.error)
+        return Command(
+            text=self.text,
+            frames=self.frames,
+            paraphrase=self.paraphrase or "",
+            asides=self.asides,
+        )
 
 
 class Offer(Document):

@@ -1,32 +1,43 @@
-"""Questions of a planning session: what each is asked, what it answers; a row a question.
+"""Questions of a planning session: what each is asked, what it answers; a method a question.
 
-Routes with and without a session, what a worker answers, and the document of the service are made
-from the rows. Nothing moves by any of them. A further question is a row here and a method of
-`nlcontrol.service.session.Session`.
+All that offers a question is made from its row: routes with and without a session, the document of
+the service, its client, the tools of language models. Nothing moves by any of them. A further
+question is a method here, and what answers it in `nlcontrol.service.session.Session`.
 """
+
+# The methods of `Questions` have no body of their own: their declaration gives them one.
+# mypy: disable-error-code="empty-body"
 
 from __future__ import annotations
 
+import inspect
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal, Self
+from functools import cache, wraps
+from typing import Annotated, Any, Literal, Self, TypeVar, cast
 
-from pydantic import BaseModel, ConfigDict, Field, SkipValidation, model_validator
+from pydantic import BaseModel, ConfigDict, Field, SkipValidation, create_model, model_validator
 
 from grammar.frames.command import Command, Frame
-from nlcontrol.json_document import DocumentPart
+from nlcontrol.json_document import DocumentPart, plain_json
 from nlcontrol.questions.push_prediction import PushPrediction
 from nlcontrol.results.result import Result
 from nlcontrol.service.documents import (
     Affordances,
     FaceMap,
     Offer,
+    StatedObject,
     StatedObjects,
     TableSpec,
     TableView,
     Understanding,
 )
+from nlcontrol.session.executor import Motion
+from nlcontrol.session.frame_documents import Frames
 
 ObjectName = Annotated[str, Field(min_length=1, max_length=100)]
+
+M = TypeVar("M", bound=Callable[..., Any])
 
 
 class RequestBody(DocumentPart):
@@ -38,6 +49,13 @@ class RequestBody(DocumentPart):
     def arguments(self) -> dict[str, Any]:
         """Arguments of a session's method, as JSON has them."""
         return self.model_dump(mode="json", exclude={"table"})
+
+    @classmethod
+    def fields_of(cls, arguments: Mapping[str, Any]) -> dict[str, Any]:
+        """The body of a request, as JSON, that asks for a method with these arguments."""
+        names = {name: told.alias or name for name, told in cls.model_fields.items()}
+        given = {names[name]: value for name, value in arguments.items() if name in names}
+        return {name: plain_json(value) for name, value in given.items() if value is not None}
 
 
 class SaidBody(RequestBody):
@@ -64,6 +82,13 @@ class SaidBody(RequestBody):
     def arguments(self) -> dict[str, Any]:
         """Arguments of a session's method, as JSON has them."""
         return {"said": self.frames if self.text is None else self.text}
+
+    @classmethod
+    def fields_of(cls, arguments: Mapping[str, Any]) -> dict[str, Any]:
+        """The body of a request, as JSON, that asks for a method with these arguments."""
+        said = arguments["said"]
+        kind = "text" if isinstance(said, str) else "frames"
+        return {**super().fields_of(arguments), kind: plain_json(said)}
 
 
 class ExplainedBody(SaidBody):
@@ -96,28 +121,22 @@ class ObjectBody(RequestBody):
     """An object.
 
     Attributes:
-        object: its name on the table, or that of a model of the registry.
+        name: the object's name on the table, or that of a model of the registry.
     """
 
-    object: ObjectName = Field(examples=["ice tea box"])
-
-    @property
-    def arguments(self) -> dict[str, Any]:
-        """Arguments of a session's method, as JSON has them."""
-        rest = self.model_dump(mode="json", exclude={"object", "table"})
-        return {"name": self.object, **rest}
+    name: ObjectName = Field(alias="object", examples=["ice tea box"])
 
 
 class PredictBody(ObjectBody):
     """A push to be predicted.
 
     Attributes:
-        face: that is touched, as the robot calls it.
-        lateral: along the face from its middle, to the right of who looks at it [m].
-        height: above the table [m].
-        direction: of the force in W; straight into the face if not given.
-        force: its size [N]; the class at the onset is told if not given.
-        friction: which coefficient at the table counts.
+        face: the face that is pushed, as the robot calls it: front looks at the robot.
+        lateral: place of the contact, to the right of the face's middle as one looks at it [m].
+        height: height of the contact above the table [m].
+        direction: direction of the force in W; straight into the face if not given.
+        force: size of the force [N]; the outcome at the onset of motion is told if not given.
+        friction: the coefficient at the table that counts.
     """
 
     face: ObjectName = "front"
@@ -150,20 +169,27 @@ class TableBody(RequestBody):
     table: TableSpec = TableSpec()
 
 
-class TableSaidBody(ExplainedBody, TableBody):
-    """A sentence or frames, and the table that it is about."""
+@cache
+def at_table(asks: type[RequestBody]) -> type[RequestBody]:
+    """The body of a request without a session: the same, and the table that it is about."""
+    made = create_model(f"Table{asks.__name__}", __base__=(asks, TableBody), __module__=__name__)
+    made.__doc__ = f"{inspect.getdoc(asks)}".partition("\n")[0]
+    return cast("type[RequestBody]", made)
 
 
-class TableObjectBody(ObjectBody, TableBody):
-    """An object, and the table on which it stands."""
+@dataclass(frozen=True)
+class Tool:
+    """A question as language models are offered it.
 
+    Attributes:
+        title: in a few words; its name if not given.
+        description: when to use it and what it answers; what it does, if not given.
+        takes: fields of the body by what they are called there; all if not given.
+    """
 
-class TablePredictBody(PredictBody, TableBody):
-    """A push to be predicted, and the table on which it is made."""
-
-
-class TableMapBody(MapBody, TableBody):
-    """A face to be mapped, and the table on which its object stands."""
+    title: str = ""
+    description: str = ""
+    takes: Mapping[str, str] | None = None
 
 
 @dataclass(frozen=True)
@@ -175,58 +201,218 @@ class Question:
         asks: body of a request to a session; it may be left out if nothing in it has to be said.
         answers: kind of the document.
         told: what it does, in the document of the service.
-        path: of the route of a session; the name if not given.
-        asks_alone: body of a request without a session; None if it takes one.
-        told_alone: what it does then; the same if not given.
+        path: of the route of a session.
+        alone: body of a request without a session; None if it takes one.
+        told_alone: what it does then.
+        reads: makes what the method returns from the document.
+        tool: for language models; None if they have no use for it.
     """
 
     name: str
     asks: type[RequestBody]
     answers: type[BaseModel]
     told: str
-    path: str = ""
-    asks_alone: type[RequestBody] | None = None
-    told_alone: str = ""
+    path: str
+    alone: type[RequestBody] | None
+    told_alone: str
+    reads: Callable[[Any], Any]
+    tool: Tool | None
 
 
-QUESTIONS: tuple[Question, ...] = (
-    Question(
-        "look", LookBody, TableView,
-        "Looks at the table, or takes where everything stands from the caller.",
-    ),
-    Question(
-        "parse", SaidBody, Understanding,
-        "Reads a sentence: its frames, or why it is not understood.",
-        asks_alone=TableSaidBody,
-    ),
-    Question(
-        "ask", ExplainedBody, Result,
-        "Answers a question from what is believed; nothing moves.",
-        asks_alone=TableSaidBody,
+def question(
+    asks: type[RequestBody],
+    answers: type[BaseModel],
+    *,
+    path: str = "",
+    alone: type[RequestBody] | None = None,
+    told_alone: str = "",
+    reads: Callable[[Any], Any] = lambda document: document,
+    tool: Tool | None = Tool(),
+) -> Callable[[M], M]:
+    """Declares a method of `Questions` as a question; see the attributes of `Question`.
+
+    The method then asks whatever `answer_question` asks; its docstring tells what it does.
+    """
+
+    def declare(method: M) -> M:
+        name, told = method.__name__, inspect.getdoc(method) or ""
+        told = " ".join(told.partition("\n\n")[0].split())
+        row = Question(
+            name, asks, answers, told, path or name, alone, told_alone or told, reads, tool
+        )
+        signature = inspect.signature(method)
+
+        @wraps(method)
+        def asked(self: Questions, *args: Any, **kwargs: Any) -> Any:
+            arguments = signature.bind(self, *args, **kwargs).arguments
+            return reads(self.answer_question(row, asks.fields_of(arguments)))
+
+        asked.question = row  # type: ignore[attr-defined]
+        return asked  # type: ignore[return-value]
+
+    return declare
+
+
+class Questions:
+    """The questions of a session.
+
+    A sentence may be frames instead (docs/frames.md). What is not understood or refused is a result
+    and raises nothing; a `ControlError` says that the call itself made no sense.
+    """
+
+    def answer_question(self, asked: Question, fields: Mapping[str, Any]) -> BaseModel:
+        """The document that answers a question, wherever that is.
+
+        Args:
+            asked: the question.
+            fields: of its body, as JSON.
+        """
+        raise NotImplementedError
+
+    @question(
+        LookBody,
+        TableView,
+        tool=Tool(
+            "See the table",
+            "The objects on the table: names, places [m], headings [rad], sizes. Begin here: only "
+            "objects that stand there can be spoken of.",
+            takes={},
+        ),
+    )
+    def look(self, objects: Sequence[StatedObject] | None = None) -> TableView:
+        """Looks at the table, or takes where everything stands from the caller.
+
+        Args:
+            objects: all that stands on a table that is stated, where it stands now; as before if
+                not given.
+
+        Raises:
+            ControlError: `bad_table`: the objects make no sense, or the robot has a camera; `busy`.
+        """
+
+    @question(
+        SaidBody,
+        Understanding,
+        alone=at_table(ExplainedBody),
+        reads=Understanding.command,
+        tool=None,
+    )
+    def parse(self, said: str | Frames) -> Command:
+        """Reads a sentence: its frames, or why it is not understood.
+
+        References are not yet resolved.
+
+        Raises:
+            ControlError: it is not understood.
+        """
+
+    @question(
+        ExplainedBody,
+        Result,
+        alone=at_table(ExplainedBody),
         told_alone="Answers a question; a sentence that is none is planned.",
-    ),
-    Question(
-        "predict", PredictBody, PushPrediction,
-        "Predicts a push at a place of a face.",
-        asks_alone=TablePredictBody,
-    ),
-    Question(
-        "map", MapBody, FaceMap,
-        "Predicts pushes all over a face.",
-        asks_alone=TableMapBody,
-    ),
-    Question(
-        "affordances", ObjectBody, Affordances,
-        "Lists what the robot can bring about with an object, and for the rest, why not.",
-        asks_alone=TableObjectBody,
-    ),
-    Question(
-        "plan", ExplainedBody, Offer,
-        "Plans a sentence; the offer bears the plan id with which it is executed.",
+        tool=Tool(
+            "Ask a question",
+            "Answers a question from what is known of the objects, with the figures behind it. "
+            "Never moves anything.",
+            takes={"question": "text"},
+        ),
+    )
+    def ask(self, said: str | Frames, *, motion: Motion = "never") -> Result:
+        """Answers a question from what is believed; nothing moves.
+
+        A sentence that is no question is planned and not executed.
+
+        Args:
+            said: a sentence, or frames.
+            motion: `simulate` lets the question be tried out; that is a run.
+        """
+
+    @question(
+        PredictBody,
+        PushPrediction,
+        alone=at_table(PredictBody),
+        tool=Tool(
+            "Predict one push",
+            "What one push on a face of an object would do: forces at which it slides and topples, "
+            "with probabilities. Moves nothing.",
+            takes={
+                "object": "name",
+                "face": "face",
+                "height_m": "height",
+                "lateral_m": "lateral",
+                "force_n": "force",
+            },
+        ),
+    )
+    def predict(
+        self,
+        name: str,
+        *,
+        face: str = "front",
+        lateral: float = 0.0,
+        height: float,
+        direction: tuple[float, float, float] | None = None,
+        force: float | None = None,
+        friction: Literal["static", "kinetic"] = "static",
+    ) -> PushPrediction:
+        """Predicts a push at a place of a face.
+
+        See `nlcontrol.questions.push_prediction.predict_push`.
+
+        Raises:
+            ControlError: `unknown_object`, `unknown_face`, `bad_push`.
+        """
+
+    @question(MapBody, FaceMap, alone=at_table(MapBody), tool=None)
+    def map(self, name: str, *, face: str = "front", spacing: float = 0.01) -> FaceMap:
+        """Predicts pushes all over a face.
+
+        Args:
+            name: of the object, as it lies and is turned on the table.
+            face: as the robot calls it.
+            spacing: between contacts [m].
+
+        Raises:
+            ControlError: `unknown_object`, `unknown_face`, `bad_value`.
+        """
+
+    @question(
+        ObjectBody,
+        Affordances,
+        alone=at_table(ObjectBody),
+        tool=Tool(
+            "What can be done with an object",
+            "Outcomes that this robot can bring about with an object; for the others, why not.",
+        ),
+    )
+    def affordances(self, name: str) -> Affordances:
+        """Lists what the robot can bring about with an object, and for the rest, why not.
+
+        Raises:
+            ControlError: `unknown_object`.
+        """
+
+    @question(
+        ExplainedBody,
+        Offer,
         path="plans",
-        asks_alone=TableSaidBody,
+        alone=at_table(ExplainedBody),
         told_alone="Plans a sentence; the offer bears no plan id, since nothing of it can be "
         "executed.",
-    ),
-)  # fmt: skip
-"""All of them."""
+        tool=Tool(
+            "Plan a sentence",
+            "Plans what a sentence asks for, and moves nothing. Gives a plan_id and what is "
+            "predicted, or the reason why not with the number that decided; `say` then holds whole "
+            "sentences that would do instead.",
+            takes={"sentence": "text"},
+        ),
+    )
+    def plan(self, said: str | Frames) -> Offer:
+        """Plans a sentence; the offer bears the plan id with which it is executed."""
+
+
+QUESTIONS: tuple[Question, ...] = tuple(
+    method.question for method in vars(Questions).values() if hasattr(method, "question")
+)
+"""All of them, in their order."""

@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from threading import RLock
-from typing import TYPE_CHECKING, Literal, Self
+from typing import TYPE_CHECKING, Literal
 
 from nlcontrol.errors import error, known_errors_raised
 from nlcontrol.service.beliefs import Tolerances, belief_digest, require_unchanged, table_view
@@ -27,7 +27,7 @@ from nlcontrol.service.bundles.run_request import run_request
 from nlcontrol.service.documents import Affordances, FaceMap, Offer, SessionSpec, TableView
 from nlcontrol.service.offer_drawing import offer_drawing
 from nlcontrol.service.offered_plans import LIFE, OfferedPlans
-from nlcontrol.service.session_protocol import is_question
+from nlcontrol.service.session_protocol import PlanningSession, is_question
 from nlcontrol.service.session_runs import SessionRun
 from nlcontrol.service.stated_objects import stated_table
 from nlcontrol.session.controller import Controller
@@ -38,8 +38,6 @@ from planner.types.defaults import with_settings
 from sim.simulated_executor import SimulatedExecutor
 
 if TYPE_CHECKING:
-    from types import TracebackType
-
     from grammar.frames.command import Command
     from nlcontrol.questions.push_prediction import PushPrediction
     from nlcontrol.results.result import Result
@@ -52,7 +50,7 @@ if TYPE_CHECKING:
     from sim.supervision import StopToken
 
 
-class Session:
+class Session(PlanningSession):
     """A table, a robot and a conversation; see `nlcontrol.service.session_protocol`.
 
     Args:
@@ -364,17 +362,6 @@ class Session:
         self.stop()
         if self._run is not None:
             self._run.join()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        raised: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
 
     @contextmanager
     def _idle(self) -> Iterator[None]:

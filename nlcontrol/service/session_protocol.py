@@ -1,4 +1,4 @@
-"""Protocols of a planning session and of its runs, in this process or over a wire.
+"""A planning session and its runs, in this process or over a wire.
 
 `nlcontrol.service.session.Session` is one in this process, `nlcontrol.service.client.Client` opens
 one at a server. A program that uses one can use the other.
@@ -6,26 +6,18 @@ one at a server. A program that uses one can use the other.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING, Literal, Protocol, Self
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Protocol, Self
 
 from nlcontrol.errors import ControlError
+from nlcontrol.service.methods import Questions
 
 if TYPE_CHECKING:
     from types import TracebackType
 
-    from grammar.frames.command import Command
-    from nlcontrol.questions.push_prediction import PushPrediction
     from nlcontrol.results.result import Result
-    from nlcontrol.service.documents import (
-        Affordances,
-        FaceMap,
-        NumberedEvent,
-        Offer,
-        RunInfo,
-        StatedObject,
-        TableView,
-    )
+    from nlcontrol.service.documents import NumberedEvent, RunInfo
     from nlcontrol.session.events import Event
     from nlcontrol.session.executor import Motion
     from nlcontrol.session.frame_documents import Frames
@@ -67,76 +59,10 @@ class Run(Protocol):
         """The trace of what happened; None if nothing moved. Waits until it has ended."""
 
 
-class PlanningSession(Protocol):
-    """A table, a robot and a conversation: look, plan, approve, do, verify.
+class PlanningSession(Questions, ABC):
+    """A table, a robot and a conversation: look, plan, approve, do, verify."""
 
-    A sentence may be frames instead (docs/frames.md). What is not understood or refused is a result
-    and raises nothing; a `ControlError` says that the call itself made no sense.
-    """
-
-    def look(self, objects: Sequence[StatedObject] | None = None) -> TableView:
-        """The table as the robot sees it now.
-
-        Args:
-            objects: all that stands on a table that is stated, where it stands now; as before if
-                not given.
-
-        Raises:
-            ControlError: `bad_table`: the objects make no sense, or the robot has a camera; `busy`.
-        """
-
-    def parse(self, said: str | Frames) -> Command:
-        """The frames of a sentence, its references not yet resolved.
-
-        Raises:
-            ControlError: it is not understood.
-        """
-
-    def ask(self, said: str | Frames, *, motion: Motion = "never") -> Result:
-        """The answer to a question; it moves nothing unless that is allowed.
-
-        A sentence that is no question is planned and not executed.
-        """
-
-    def predict(
-        self,
-        name: str,
-        *,
-        face: str = "front",
-        lateral: float = 0.0,
-        height: float,
-        direction: tuple[float, float, float] | None = None,
-        force: float | None = None,
-        friction: Literal["static", "kinetic"] = "static",
-    ) -> PushPrediction:
-        """The prediction of one push; see `nlcontrol.questions.push_prediction.predict_push`.
-
-        Raises:
-            ControlError: `unknown_object`, `unknown_face`, `bad_push`.
-        """
-
-    def map(self, name: str, *, face: str = "front", spacing: float = 0.01) -> FaceMap:
-        """Outcomes of pushes all over a face.
-
-        Args:
-            name: of the object.
-            face: as the robot calls it.
-            spacing: between contacts [m].
-
-        Raises:
-            ControlError: `unknown_object`, `unknown_face`, `bad_value`.
-        """
-
-    def affordances(self, name: str) -> Affordances:
-        """Outcomes that the robot can bring about with an object; for the others, why not.
-
-        Raises:
-            ControlError: `unknown_object`.
-        """
-
-    def plan(self, said: str | Frames) -> Offer:
-        """A plan of a sentence, to be approved; nothing moves."""
-
+    @abstractmethod
     def execute(
         self,
         plan_id: str,
@@ -160,6 +86,7 @@ class PlanningSession(Protocol):
                 that was planned), `busy`, `no_robot` (the table was stated).
         """
 
+    @abstractmethod
     def say(
         self,
         said: str | Frames,
@@ -178,9 +105,11 @@ class PlanningSession(Protocol):
             ControlError: `approval_required` if plans are to be approved first, `busy`, `no_robot`.
         """
 
+    @abstractmethod
     def stop(self) -> None:
         """Asks what is being carried out to let go and come to rest; plans are dropped."""
 
+    @abstractmethod
     def reset(self) -> None:
         """Puts everything back as it was at the beginning: table, beliefs, conversation, plans.
 
@@ -188,17 +117,20 @@ class PlanningSession(Protocol):
             ControlError: `busy`, `no_reset` (a real robot's table).
         """
 
+    @abstractmethod
     def close(self) -> None:
         """Ends the session; what is being carried out is stopped first."""
 
-    def __enter__(self) -> Self: ...
+    def __enter__(self) -> Self:
+        return self
 
     def __exit__(
         self,
         kind: type[BaseException] | None,
         raised: BaseException | None,
         traceback: TracebackType | None,
-    ) -> None: ...
+    ) -> None:
+        self.close()
 
 
 def is_question(session: PlanningSession, said: str | Frames) -> bool:

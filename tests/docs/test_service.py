@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from nlcontrol.json_schema import docstring_parts
+from nlcontrol.json_document import docstring_parts
 from nlcontrol.service.http.http_settings import HttpSettings
 from nlcontrol.service.http.service_app import routes_app
 from nlcontrol.service.service_settings import ServiceSettings

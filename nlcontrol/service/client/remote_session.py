@@ -3,35 +3,26 @@
 from __future__ import annotations
 
 import uuid
-from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Literal, Self, TypeVar
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 from pydantic import BaseModel
 
-from grammar.frames.command import Command
 from nlcontrol.errors import ControlError
-from nlcontrol.questions.push_prediction import PushPrediction
 from nlcontrol.results.result import Result
 from nlcontrol.service.client.remote_run import RemoteRun
 from nlcontrol.service.client.service_connection import ServiceConnection
 from nlcontrol.service.documents import (
-    Affordances,
-    FaceMap,
-    Offer,
     RunInfo,
     SessionInfo,
     SessionSpec,
-    TableView,
-    Understanding,
 )
-from nlcontrol.service.session_protocol import is_question
+from nlcontrol.service.methods import Question, SaidBody
+from nlcontrol.service.session_protocol import PlanningSession, is_question
 
 if TYPE_CHECKING:
-    from types import TracebackType
-
     import httpx
 
-    from nlcontrol.service.documents import StatedObject
     from nlcontrol.session.events import Event
     from nlcontrol.session.executor import Motion
     from nlcontrol.session.frame_documents import Frames
@@ -39,7 +30,7 @@ if TYPE_CHECKING:
 D = TypeVar("D", bound=BaseModel)
 
 
-class Client:
+class Client(PlanningSession):
     """A planning session at a server; see `nlcontrol.service.session_protocol.PlanningSession`.
 
     Args:
@@ -78,62 +69,15 @@ class Client:
         )
         self.session_id = info.session_id
 
-    def look(self, objects: Sequence[StatedObject] | None = None) -> TableView:
-        """The table as the robot sees it now, or as it is stated; see `PlanningSession.look`."""
-        stated = None if objects is None else {"objects": _as_json(list(objects))}
-        return self._document(TableView, "look", stated)
-
-    def parse(self, said: str | Frames) -> Command:
-        """The frames of a sentence; raises a `ControlError` if it is not understood."""
-        understood = self._document(Understanding, "parse", _said_fields(said))
-        if understood.error is not None:
-            raise ControlError(understood.error)
-        return Command(
-            text=understood.text,
-            frames=understood.frames,
-            paraphrase=understood.paraphrase or "",
-            asides=understood.asides,
-        )
+    def answer_question(self, asked: Question, fields: Mapping[str, Any]) -> BaseModel:
+        """The document with which the service answers a question."""
+        return self._document(asked.answers, asked.path, dict(fields))
 
     def ask(self, said: str | Frames, *, motion: Motion = "never") -> Result:
         """The answer to a question; it moves nothing unless that is allowed."""
         if motion == "simulate" and is_question(self, said):
             return self.say(said, motion=motion).result()
-        return self._document(Result, "ask", _said_fields(said))
-
-    def predict(
-        self,
-        name: str,
-        *,
-        face: str = "front",
-        lateral: float = 0.0,
-        height: float,
-        direction: tuple[float, float, float] | None = None,
-        force: float | None = None,
-        friction: Literal["static", "kinetic"] = "static",
-    ) -> PushPrediction:
-        """The prediction of one push; see `PlanningSession.predict`."""
-        push = {
-            "face": face,
-            "lateral": lateral,
-            "height": height,
-            "direction": direction,
-            "force": force,
-            "friction": friction,
-        }
-        return self._document(PushPrediction, "predict", {"object": name, **push})
-
-    def map(self, name: str, *, face: str = "front", spacing: float = 0.01) -> FaceMap:
-        """Outcomes of pushes all over a face; see `PlanningSession.map`."""
-        return self._document(FaceMap, "map", {"object": name, "face": face, "spacing": spacing})
-
-    def affordances(self, name: str) -> Affordances:
-        """Outcomes that the robot can bring about with an object; for the others, why not."""
-        return self._document(Affordances, "affordances", {"object": name})
-
-    def plan(self, said: str | Frames) -> Offer:
-        """A plan of a sentence, to be approved; nothing moves."""
-        return self._document(Offer, "plans", _said_fields(said))
+        return super().ask(said)
 
     def execute(
         self,
@@ -153,7 +97,9 @@ class Client:
         on_event: Callable[[Event], object] | None = None,
     ) -> RemoteRun:
         """Begins to do what a sentence says; see `PlanningSession.say`."""
-        return self._begin_run("say", {**_said_fields(said), "motion": motion}, on_event)
+        return self._begin_run(
+            "say", {**SaidBody.fields_of({"said": said}), "motion": motion}, on_event
+        )
 
     def stop(self) -> None:
         """Asks what is being carried out to let go and come to rest; plans are dropped."""
@@ -170,17 +116,6 @@ class Client:
         except ControlError as raised:
             if raised.code not in ("unknown_session", "no_service"):
                 raise
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        raised: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
 
     @property
     def _path(self) -> str:
@@ -199,20 +134,3 @@ class Client:
 
     def _post(self, call: str, body: Any = None) -> httpx.Response:
         return self._connection.response("POST", f"{self._path}/{call}", body)
-
-
-def _said_fields(said: str | Frames) -> dict[str, Any]:
-    """A sentence, or frames, as a request has them."""
-    if isinstance(said, str):
-        return {"text": said}
-    return {"frames": _as_json(said)}
-
-
-def _as_json(part: Any) -> Any:
-    if isinstance(part, BaseModel):
-        return part.model_dump(mode="json")
-    if isinstance(part, Mapping):
-        return {key: _as_json(value) for key, value in part.items()}
-    if isinstance(part, list | tuple):
-        return [_as_json(each) for each in part]
-    return part

@@ -20,10 +20,10 @@ Endpoint = Callable[..., Awaitable[Response]]
 def add_questions_alone(router: APIRouter) -> None:
     """Adds the questions that need no session."""
     for question in QUESTIONS:
-        if question.asks_alone is not None:
+        if question.alone is not None:
             router.add_api_route(
                 f"/{question.name}",
-                _endpoint(question, question.asks_alone, _asked_alone(question), session=False),
+                _endpoint(question, question.alone, _asked_alone(question), session=False),
                 methods=["POST"],
                 operation_id=question.name,
                 response_model=question.answers,
@@ -34,7 +34,7 @@ def add_questions_of_session(router: APIRouter) -> None:
     """Adds the questions of a session."""
     for question in QUESTIONS:
         router.add_api_route(
-            f"/{{session_id}}/{question.path or question.name}",
+            f"/{{session_id}}/{question.path}",
             _endpoint(question, question.asks, _asked_of_session(question), session=True),
             methods=["POST"],
             operation_id=f"session_{question.name}",
@@ -83,5 +83,5 @@ def _endpoint(
         ]
     )
     asked.__name__ = question.name
-    asked.__doc__ = question.told if session else question.told_alone or question.told
+    asked.__doc__ = question.told if session else question.told_alone
     return asked
