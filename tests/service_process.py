@@ -43,8 +43,16 @@ class ServerProcess:
 
 
 @contextmanager
-def serving(*options: str, environment: Mapping[str, str] | None = None) -> Iterator[ServerProcess]:
-    """Context with a server on a free port; its processes end with it."""
+def serving(
+    *options: str, environment: Mapping[str, str] | None = None, root: Path = ROOT
+) -> Iterator[ServerProcess]:
+    """Context with a server on a free port; its processes end with it.
+
+    Args:
+        options: of the command.
+        environment: variables on top of those here.
+        root: folder with the packages.
+    """
     with TemporaryDirectory() as folder:
         log = Path(folder, "log")
         with log.open("w") as errors:
@@ -63,9 +71,9 @@ def serving(*options: str, environment: Mapping[str, str] | None = None) -> Iter
                 stdout=subprocess.PIPE,
                 stderr=errors,
                 text=True,
-                cwd=ROOT,
+                cwd=root,
                 env=os.environ
-                | {"PYTHONPATH": str(ROOT), STORE_VARIABLE: str(Path(folder, "store"))}
+                | {"PYTHONPATH": str(root), STORE_VARIABLE: str(Path(folder, "store"))}
                 | dict(environment or {}),
             )
         try:

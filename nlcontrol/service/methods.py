@@ -243,12 +243,12 @@ def question(
         signature = inspect.signature(method)
 
         @wraps(method)
-        def asked(self: Questions, *args: Any, **kwargs: Any) -> Any:
+        def ask(self: Questions, *args: Any, **kwargs: Any) -> Any:
             arguments = signature.bind(self, *args, **kwargs).arguments
             return reads(self.answer_question(row, asks.fields_of(arguments)))
 
-        asked.question = row  # type: ignore[attr-defined]
-        return asked  # type: ignore[return-value]
+        ask.question = row  # type: ignore[attr-defined]
+        return ask  # type: ignore[return-value]
 
     return declare
 
