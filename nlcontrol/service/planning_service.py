@@ -1,8 +1,8 @@
 """The planning service: sessions, plans and runs for many callers; HTTP and MCP are its faces.
 
-Plans for callers without a session are made in a pool of planners, each session has a process of
-its own, and the runs of all sessions queue up for the processors. Methods may be called from any
-thread. Those that wait for a process return a future, of a JSON document.
+Each session has a worker process of its own, callers without one share some others, and the runs of
+all sessions queue up for the processors. Methods may be called from any thread. Those that wait for
+a process return a future, of a JSON document.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import time
 from collections.abc import AsyncIterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack, suppress
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Self
@@ -23,9 +24,7 @@ from nlcontrol.service.service_settings import ServiceSettings
 from nlcontrol.service.store.run_store import RunStore
 from nlcontrol.service.workers.live_runs import LiveRuns
 from nlcontrol.service.workers.live_session import LiveSession
-from nlcontrol.service.workers.planner_pool import PlannerPool
-from nlcontrol.service.workers.session_host import SessionHost
-from nlcontrol.service.workers.worker_process import WorkerProcess
+from nlcontrol.service.workers.worker_pool import WorkerPool
 from objectmodels.errors import suggest
 from sim.truth.scene_file import built_in_scenes
 
@@ -67,21 +66,20 @@ class PlanningService:
             folder = Path(self._resources.enter_context(TemporaryDirectory(prefix="nlcontrol-")))
         self._store = RunStore(folder, keep_bytes=settings.keep_bytes)
         self._resources.callback(self._store.close)
-        self._planners = PlannerPool(settings.planners, settings.queue, settings.request_time)
+        self._workers = WorkerPool(
+            settings.planners, self._most_sessions, settings.queue, settings.request_time
+        )
         self._runs = LiveRuns(self._store, settings.workers, settings.queue)
         self._files = RunFiles(self._store, settings.request_time)
         self.waiting_room = ThreadPoolExecutor(MOST_WAITING, "waiting")
         self._lock = threading.RLock()
         self._sessions: dict[str, LiveSession] = {}
         self._gone: dict[str, str] = {}
-        self._spare: WorkerProcess | None = None
         self._closed = threading.Event()
 
     def start(self) -> None:
-        """Starts a planner and a spare process for the first session."""
-        self._planners.start()
-        with self._lock:
-            self._keep_spare()
+        """Starts the first workers."""
+        self._workers.start()
         threading.Thread(target=self._close_idle_sessions, daemon=True).start()
 
     def close(self) -> None:
@@ -93,14 +91,7 @@ class PlanningService:
         deadline = time.monotonic() + self.settings.stop_time
         while time.monotonic() < deadline and any(s.run_id is not None for s in sessions):
             time.sleep(0.05)
-        with self._lock:
-            processes = [s.process for s in sessions]
-            processes += [self._spare] if self._spare is not None else []
-        for process in processes:
-            process.kill()
-        for process in processes:
-            process.wait()
-        self._planners.close()
+        self._workers.close()
         self.waiting_room.shutdown(wait=False, cancel_futures=True)
         with suppress(ControlError):  # it was told to the log when it was tried
             self._runs.write_ends()
@@ -128,7 +119,7 @@ class PlanningService:
                 and `time_limit`.
         """
         self._require_scene(table)
-        return self._planners.call(method, table, **arguments)
+        return self._workers.call(method, table, **arguments)
 
     def scenes(self) -> tuple[str, ...]:
         """Names of the scenes that may be asked for."""
@@ -145,7 +136,7 @@ class PlanningService:
         """Numbers of what there is and what waits."""
         return {
             "sessions": len(self._sessions),
-            "planners": self._planners.size,
+            "planners": self._workers.size,
             "running": self._runs.queue.running,
             "queued": self._runs.queue.waiting,
         }
@@ -164,13 +155,11 @@ class PlanningService:
         session_id = f"session-{secrets.token_hex(8)}"
         with self._lock:
             self._make_room()
-            process = self._spare or WorkerProcess(SessionHost)
-            self._spare = None
-            session = LiveSession(session_id, spec, process, self.settings)
+            session = LiveSession(session_id, spec, self.settings)
+            session.process = self._workers.lease(
+                partial(self._take, session), partial(self._note_loss, session)
+            )
             self._sessions[session_id] = session
-            process.on_told = lambda topic, content: self._take(session, topic, content)
-            process.on_end = lambda: self._note_loss(session)
-            self._keep_spare()
         try:
             session.call(
                 "open",
@@ -381,19 +370,6 @@ class PlanningService:
             del self._gone[next(iter(self._gone))]
         self._end_session(gone)
 
-    def _keep_spare(self) -> None:
-        """Keeps a process ready for the next session, so that it opens quickly."""
-        is_needed = len(self._sessions) < self._most_sessions and not self._closed.is_set()
-        if self._spare is None and is_needed:
-            spare = WorkerProcess(SessionHost)
-            spare.on_end = lambda: self._forget_spare(spare)
-            self._spare = spare
-
-    def _forget_spare(self, spare: WorkerProcess) -> None:
-        with self._lock:
-            if self._spare is spare:
-                self._spare = None
-
     def _take(self, session: LiveSession, topic: str, content: bytes) -> None:
         if topic == "pose_frame":
             session.frame = content
@@ -419,7 +395,6 @@ class PlanningService:
     def _end_session(self, session: LiveSession) -> None:
         with self._lock:
             self._sessions.pop(session.session_id, None)
-            self._keep_spare()
         session.process.kill()
         session.frames.ring()
 

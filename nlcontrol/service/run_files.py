@@ -9,7 +9,7 @@ from typing import Literal, NoReturn
 from nlcontrol.errors import error
 from nlcontrol.service.store.run_store import RunStore
 from nlcontrol.service.store.stored_bundle import bundle_file
-from nlcontrol.service.workers.replay_host import ReplayHost
+from nlcontrol.service.workers.session_host import SessionHost
 from nlcontrol.service.workers.worker_process import WorkerProcess
 
 
@@ -59,7 +59,7 @@ class RunFiles:
             session = self._store.session_spec(run.session_id)
             if session is None:
                 return _refuse(run_id, "its session is not known any more")
-            process = WorkerProcess(ReplayHost)
+            process = WorkerProcess(SessionHost)
             try:
                 with self._store.write_file(run_id, kind) as path:
                     process.call(

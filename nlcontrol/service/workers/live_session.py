@@ -34,23 +34,24 @@ class LiveSession:
     Args:
         session_id: of it.
         spec: as it was asked for.
-        process: in which it is open.
         settings: of the service.
 
     Attributes:
+        process: in which it is open.
         run_id: of the run that is under way or queued.
         is_lost: its process has ended.
         frames: rung at each pose frame; `frame` is the last one, as JSON.
     """
 
+    process: WorkerProcess
+
     def __init__(
         self,
         session_id: str,
         spec: SessionSpec,
-        process: WorkerProcess,
         settings: ServiceSettings,
     ) -> None:
-        self.session_id, self.spec, self.process = session_id, spec, process
+        self.session_id, self.spec = session_id, spec
         self.run_id: str | None = None
         self._beginning, self._begins = threading.Lock(), threading.Semaphore(MOST_CALLS)
         self.is_lost = False

@@ -1,4 +1,4 @@
-"""Inside the process of a session: its calls, its run, and what is told of them.
+"""Inside a worker: one session with its run, or calls that get a session each.
 
 Topics that are told: `event` (JSON of an `Event`), `request` (a `RunRequest`), `trace` (a file in
 bytes), `ended` (a `RunEnd`) and `pose_frame` (a `PoseFrame`).
@@ -10,8 +10,9 @@ import math
 import os
 import sys
 import threading
+from collections import OrderedDict
 from collections.abc import Mapping
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
 from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -20,11 +21,12 @@ from typing import TYPE_CHECKING, Any
 from nlcontrol.errors import ErrorInfo, error, exception_info
 from nlcontrol.json_document import DocumentPart
 from nlcontrol.results.result import Result
-from nlcontrol.service.documents import SessionSpec
+from nlcontrol.service.documents import SessionSpec, TableSpec
 from nlcontrol.service.session import Session
-from nlcontrol.service.workers.planner_host import warm_up
 from nlcontrol.service.workers.pose_stream import PoseStream
-from nlcontrol.service.workers.session_answers import session_answer
+from nlcontrol.service.workers.replay_files import write_view
+from nlcontrol.service.workers.session_answers import ASKED, session_answer
+from objectmodels import Registry
 
 if TYPE_CHECKING:
     from nlcontrol.service.session_runs import SessionRun
@@ -36,6 +38,17 @@ if TYPE_CHECKING:
 NICE = 10
 """Niceness of the thread that simulates, so that plans come first."""
 
+MOST_TABLES = 4
+"""Tables that a worker keeps open for calls without a session."""
+
+_FIRST_SENTENCES = (
+    "push the coffee box 5 cm away without toppling it",
+    "push the mug 3 cm to the left",
+    "push the ice tea box 4 cm to the right with one finger",
+    "pour 50 ml of the ice tea into the mug",
+)
+"""Two fingers, a rim, one finger and a grasp, at the built-in table *kitchen*."""
+
 
 class RunEnd(DocumentPart):
     """The end of a run: its result, or the error for which there is none, or not all files."""
@@ -45,7 +58,7 @@ class RunEnd(DocumentPart):
 
 
 class SessionHost:
-    """One session, and the run that is under way in it.
+    """One session, and the run that is under way in it; or a session for each call.
 
     Args:
         tell: tells the service something by topic.
@@ -59,6 +72,9 @@ class SessionHost:
         self._run: SessionRun | None = None
         self._time_limit = math.inf
         self._turn = threading.Event()
+        self._registry = Registry.default()  # to look for plug-ins takes longer than to read
+        self._opening = threading.Lock()
+        self._executors: OrderedDict[str, Executor] = OrderedDict()
         warm_up()
 
     @property
@@ -75,6 +91,11 @@ class SessionHost:
     def answer(self, method: str, arguments: Mapping[str, Any]) -> bytes:
         """The answer of the session, or of its run; see `Host`."""
         match method:
+            case "answer_alone":
+                return self._answer_alone(**arguments)
+            case "replay" | "recording":
+                write_view(method, **arguments)
+                return b"{}"
             case "open":
                 return self._open(**arguments)
             case "begin_run":
@@ -93,6 +114,29 @@ class SessionHost:
                 return b"{}"
             case _:
                 return session_answer(self.session, method, arguments)
+
+    def _answer_alone(
+        self, asked: str, table: str, time_limit: float, arguments: Mapping[str, Any]
+    ) -> bytes:
+        """The answer to a question, in a session of its own that ends with it.
+
+        Args:
+            asked: one of `ASKED`.
+            table: as JSON; it may be open already.
+            time_limit: of the answer [s].
+            arguments: of the method.
+        """
+        if asked not in ASKED:
+            raise ValueError(f"{asked} needs a session")
+        with self._opening:
+            executor = self._executors.pop(table, None)
+        spec = SessionSpec(**TableSpec.model_validate_json(table).model_dump())
+        session = Session(spec, executor=executor, registry=self._registry, time_limit=time_limit)
+        with self._opening:
+            self._executors[table] = session.controller.executor
+            while len(self._executors) > MOST_TABLES:
+                self._executors.popitem(last=False)
+        return session_answer(session, asked, arguments, ends=True)
 
     def _open(self, spec: str, executor: str | None, time_limit: float) -> bytes:
         """Opens the session, with the robot of a class `module:Class` or with the simulated one."""
@@ -161,6 +205,14 @@ class SessionHost:
         except Exception as raised:  # such as a disk that is full: the run has ended all the same
             end = RunEnd(result=end.result, error=end.error or exception_info(raised))
         self._tell("ended", end.model_dump_json().encode())
+
+
+@cache
+def warm_up() -> None:
+    """Loads and computes what the first plans would otherwise wait for; once in a process."""
+    session = Session(SessionSpec())
+    for sentence in _FIRST_SENTENCES:
+        session.plan(sentence)
 
 
 def lower_priority() -> None:

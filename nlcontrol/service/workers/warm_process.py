@@ -6,11 +6,9 @@ Nothing here may start a thread: those that are forked would miss it.
 import gc
 from contextlib import suppress
 
-from nlcontrol.service.workers.planner_host import PlannerHost, warm_up
-from nlcontrol.service.workers.replay_host import ReplayHost
-from nlcontrol.service.workers.session_host import SessionHost
+from nlcontrol.service.workers.session_host import SessionHost, warm_up
 
-__all__ = ["PlannerHost", "ReplayHost", "SessionHost"]
+__all__ = ["SessionHost"]
 
 with suppress(Exception):  # each worker tries again, and tells its own service what is wrong
     warm_up()

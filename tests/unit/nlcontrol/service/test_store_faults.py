@@ -158,7 +158,9 @@ def process() -> Process:
 @pytest.fixture
 def session(process: Process) -> LiveSession:
     worker = cast("WorkerProcess", process)
-    return LiveSession("session", SessionSpec(), worker, ServiceSettings())
+    session = LiveSession("session", SessionSpec(), ServiceSettings())
+    session.process = worker
+    return session
 
 
 ASKED = {"plan_id": None, "said": "push it", "motion": None}

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from nlcontrol.errors import ControlError
-from nlcontrol.service.workers.planner_host import warm_up
+from nlcontrol.service.workers.session_host import warm_up
 from nlcontrol.service.workers.worker_host import Tell
 from nlcontrol.service.workers.worker_process import MOST_UNSENT, WorkerProcess
 from tests.patience import PATIENCE, wait_until

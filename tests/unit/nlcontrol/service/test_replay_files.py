@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from nlcontrol import Controller
-from nlcontrol.service.workers.replay_host import ReplayHost
+from nlcontrol.service.workers.replay_files import write_view
 from sim import load_scene
 from tests.fakes.pushed_trace import pushed_trace
 
@@ -21,15 +21,8 @@ def test_a_replay_tells_what_is_known_of_its_run(tmp_path: Path, known: bool) ->
     said = "push the coffee box away <b>gently</b>" if known else ""
     result = Controller(seed=0).say("push the coffee box away", plan_only=True)
     result = result.model_copy(update={"text": said})
-    ReplayHost(lambda kind, told: None).answer(
-        "replay",
-        {
-            "trace": str(trace),
-            "scene": "kitchen",
-            "path": str(page),
-            "result": result.model_dump_json() if known else None,
-        },
-    )
+    told = result.model_dump_json() if known else None
+    write_view("replay", str(trace), "kitchen", str(page), told)
     title = "push the coffee box away &lt;b&gt;gently&lt;/b&gt;" if known else "A run with the"
     assert f"<title>{title}" in page.read_text("utf-8")
 
@@ -37,9 +30,7 @@ def test_a_replay_tells_what_is_known_of_its_run(tmp_path: Path, known: bool) ->
 def test_a_recording_is_what_the_replay_shows(tmp_path: Path) -> None:
     trace, page = tmp_path / "trace.npz", tmp_path / "recording.json.gz"
     pushed_trace(load_scene("kitchen"), "coffee box").save(trace)
-    ReplayHost(lambda kind, told: None).answer(
-        "recording", {"trace": str(trace), "scene": "kitchen", "path": str(page), "result": None}
-    )
+    write_view("recording", str(trace), "kitchen", str(page), None)
     told = json.loads(gzip.decompress(page.read_bytes()))
     assert set(told) == {"scene", "recording", "story"}
     pushed = told["scene"]["bodies"][told["recording"]["pushed"]]
