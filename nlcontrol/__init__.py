@@ -12,13 +12,12 @@ nothing and never loads the simulator.
 from __future__ import annotations
 
 import importlib
-from typing import TYPE_CHECKING
 
-from nlcontrol.package_imports import guard_packages, serve_former_names
+from nlcontrol.package_imports import guard_packages
 
 guard_packages()
-serve_former_names()
 
+TYPE_CHECKING = False  # `typing` is not imported before signals are held
 if TYPE_CHECKING:
     from grammar import Command, Frame, ParseError, parse
     from nlcontrol.batches.batch import batch

@@ -1,25 +1,21 @@
-"""Imports of the five packages: no other people's folders, and documented modules' former names.
+"""Imports of the five packages: no other people's folders.
 
 Four of the packages have everyday names. A folder `planner/` of the user's own, found first on the
 path, would be imported in place of ours, and the error would surface far from its cause. So each is
 looked at before it is imported.
-
-The front also serves former names for one version: `import nlcontrol` comes first, as it does
-wherever a plug-in is loaded. A former name is looked up only when Python finds no module of that
-name, and importing it warns with `DeprecationWarning`. To rename something that the guides show,
-add a row to `FORMER`.
 """
 
 from __future__ import annotations
 
-import importlib
 import os
 import sys
-import warnings
-from collections.abc import Iterator, Sequence
-from importlib.abc import Loader, MetaPathFinder
-from importlib.machinery import ModuleSpec, PathFinder
-from types import ModuleType
+from importlib.machinery import PathFinder
+
+TYPE_CHECKING = False  # `typing` is not imported before signals are held
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+    from importlib.machinery import ModuleSpec
+    from types import ModuleType
 
 SIBLINGS = ("grammar", "objectmodels", "planner", "sim")
 
@@ -70,7 +66,7 @@ def _require_own(name: str) -> None:
         )
 
 
-class _OwnPackages(MetaPathFinder):
+class _OwnPackages:
     """Finder that lets nobody else's package through in the place of one of ours."""
 
     def find_spec(
@@ -94,53 +90,3 @@ def guard_packages() -> None:
         if name in sys.modules:
             _require_own(name)
     sys.meta_path.insert(0, _OwnPackages())
-
-
-FORMER: dict[str, tuple[str, dict[str, str]]] = {
-    "grammar.lexicon": ("grammar.words.lexicon", {}),
-    "nlcontrol.exploring": ("nlcontrol.learning.exploration_session", {}),
-    "objectmodels.identification.datafile": ("objectmodels.identification.logs.touch_log", {}),
-    "objectmodels.identification.recordings": ("objectmodels.identification.onset_detection", {}),
-    "objectmodels.opening": ("objectmodels.containers.lid_forces", {}),
-    "objectmodels.parameters": ("objectmodels.models.parameters", {}),
-    "objectmodels.parts": ("objectmodels.models.object_parts", {}),
-    "objectmodels.pouring": ("objectmodels.containers.pour_dynamics", {}),
-    "objectmodels.tilting": ("objectmodels.mechanics.tilt_limits", {}),
-    "planner.defaults": ("planner.types.defaults", {"changed": "with_settings"}),
-    "planner.settings": ("planner.types.defaults", {"changed": "with_settings"}),
-    "sim.hidden": ("sim.truth.scene_file", {"drawn": "sample_world"}),
-}
-"""New name of each former module, and the new names of what was renamed in it.
-
-A new name may say another module: `module:name`."""
-
-
-class _FormerNames(MetaPathFinder, Loader):
-    """Finder and loader of modules by their former names."""
-
-    def find_spec(
-        self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
-    ) -> ModuleSpec | None:
-        """Spec of a module that has a former name."""
-        return ModuleSpec(fullname, self) if fullname in FORMER else None
-
-    def exec_module(self, module: ModuleType) -> None:
-        """Let a module answer with what stands in the one that took its place."""
-        old = module.__name__
-        home, renamed = FORMER[old]
-        warnings.warn(
-            f"{old} is now {home}; the former name goes with the next version",
-            DeprecationWarning,
-            stacklevel=2,
-        )
-
-        def current(name: str) -> object:
-            where, _, new = renamed.get(name, name).rpartition(":")
-            return getattr(importlib.import_module(where or home), new)
-
-        vars(module)["__getattr__"] = current
-
-
-def serve_former_names() -> None:
-    """Let Python find documented modules by their former names."""
-    sys.meta_path.append(_FormerNames())

@@ -24,6 +24,8 @@ def length_of(key: str) -> Any:
 def _printable_name(text: str) -> str:
     if text != text.strip() or not text.isprintable():
         raise ValueError("signs that can be printed, without white space at the ends")
+    if text.startswith("-"):
+        raise ValueError("a name that does not begin with a dash, as options of commands do")
     return text
 
 
