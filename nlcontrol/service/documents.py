@@ -71,8 +71,8 @@ class TableSpec(DocumentPart):
         objects: all that stands on the caller's own table; null for the simulated one.
     """
 
-    scene: Annotated[str, Field(max_length=_LONGEST_PATH)] = "kitchen"
-    seed: int = Field(default=0, ge=0, lt=2**32)
+    scene: str = Field(default="kitchen", max_length=_LONGEST_PATH, examples=["kitchen"])
+    seed: int = Field(default=0, ge=0, lt=2**32, examples=[0])
     defaults: dict[ShortText, float] = Field(default={}, max_length=100)
     objects: StatedObjects | None = None
 

@@ -14,6 +14,7 @@ import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, wraps
+from types import MappingProxyType
 from typing import Annotated, Any, Literal, Self, TypeVar, cast
 
 from pydantic import BaseModel, ConfigDict, Field, SkipValidation, create_model, model_validator
@@ -56,6 +57,17 @@ class RequestBody(DocumentPart):
         names = {name: told.alias or name for name, told in cls.model_fields.items()}
         given = {names[name]: value for name, value in arguments.items() if name in names}
         return {name: plain_json(value) for name, value in given.items() if value is not None}
+
+
+def body_example(body: type[BaseModel]) -> dict[str, Any]:
+    """Example of a body, made from those of its fields; of those that have none, nothing."""
+    found: dict[str, Any] = {}
+    for name, described in body.model_fields.items():
+        if described.examples:
+            found[described.alias or name] = described.examples[0]
+        elif isinstance(described.annotation, type) and issubclass(described.annotation, BaseModel):
+            found[name] = body_example(described.annotation)
+    return found
 
 
 class SaidBody(RequestBody):
@@ -205,6 +217,7 @@ class Question:
         alone: body of a request without a session; None if it takes one.
         told_alone: what it does then.
         reads: makes what the method returns from the document.
+        example: fields of a body in which its example is another than that of the fields.
         tool: for language models; None if they have no use for it.
     """
 
@@ -216,6 +229,7 @@ class Question:
     alone: type[RequestBody] | None
     told_alone: str
     reads: Callable[[Any], Any]
+    example: Mapping[str, Any]
     tool: Tool | None
 
 
@@ -227,6 +241,7 @@ def question(
     alone: type[RequestBody] | None = None,
     told_alone: str = "",
     reads: Callable[[Any], Any] = lambda document: document,
+    example: Mapping[str, Any] = MappingProxyType({}),
     tool: Tool | None = Tool(),
 ) -> Callable[[M], M]:
     """Declares a method of `Questions` as a question; see the attributes of `Question`.
@@ -237,9 +252,8 @@ def question(
     def declare(method: M) -> M:
         name, told = method.__name__, inspect.getdoc(method) or ""
         told = " ".join(told.partition("\n\n")[0].split())
-        row = Question(
-            name, asks, answers, told, path or name, alone, told_alone or told, reads, tool
-        )
+        path_of, alone_told = path or name, told_alone or told
+        row = Question(name, asks, answers, told, path_of, alone, alone_told, reads, example, tool)
         signature = inspect.signature(method)
 
         @wraps(method)
@@ -311,6 +325,7 @@ class Questions:
         Result,
         alone=at_table(ExplainedBody),
         told_alone="Answers a question; a sentence that is none is planned.",
+        example={"text": "how heavy is the mug?"},
         tool=Tool(
             "Ask a question",
             "Answers a question from what is known of the objects, with the figures behind it. "

@@ -11,6 +11,7 @@ from pydantic.json_schema import models_json_schema
 
 from nlcontrol.json_schema import DescribedSchema
 from nlcontrol.service.http.problem_documents import Problem
+from nlcontrol.service.methods import body_example
 from objectmodels.files.validation_faults import classes_in
 
 if TYPE_CHECKING:
@@ -35,11 +36,17 @@ _SECURITY: dict[str, dict[str, str]] = {
 }
 """Ways to bear the token; none is needed where the service has none."""
 
+_PROBLEM = {"application/problem+json": {"schema": {"$ref": f"{_SCHEMAS}Problem"}}}
+
 PROBLEMS: dict[int | str, dict[str, Any]] = {
     "4XX": {
         "description": "A mistake of the caller.",
-        "content": {"application/problem+json": {"schema": {"$ref": f"{_SCHEMAS}Problem"}}},
-    }
+        "content": _PROBLEM,
+    },
+    "5XX": {
+        "description": "Its store takes nothing (503), or it has a defect.",
+        "content": _PROBLEM,
+    },
 }
 """Answers that every route may give, besides its own."""
 
@@ -58,6 +65,7 @@ def openapi_document(app: FastAPI, routers: Iterable[APIRouter]) -> dict[str, An
         document["components"]["securitySchemes"] = _SECURITY
         document["security"] = [{}, *({name: []} for name in _SECURITY)]
         _make_bodies_objects(document)
+        _add_examples(document, routers)
         app.openapi_schema = document
     return app.openapi_schema
 
@@ -69,6 +77,17 @@ def _make_bodies_objects(document: dict[str, Any]) -> None:
         schemas = [s for s in content.get("schema", {}).get("anyOf", ()) if s != {"type": "null"}]
         if len(schemas) == 1:
             content["schema"] = schemas[0]
+
+
+def _add_examples(document: dict[str, Any], routers: Iterable[APIRouter]) -> None:
+    """Gives each body an example, made from those of its fields, where its route has none."""
+    for route in _routes(routers):
+        if route.body_field is not None and route.include_in_schema:
+            (body,) = classes_in(route.body_field.field_info.annotation)
+            for method in route.methods or ():
+                operation = document["paths"][route.path][method.lower()]
+                content = operation["requestBody"]["content"]["application/json"]
+                content.setdefault("example", body_example(body))
 
 
 def _described_schemas(routers: Iterable[APIRouter]) -> dict[str, Any]:
@@ -105,8 +124,13 @@ def _leave_out_object_defaults(schema: Any) -> None:
 
 
 def _models(routers: Iterable[APIRouter]) -> Iterator[type[BaseModel]]:
+    for route in _routes(routers):
+        yield from classes_in(route.response_model)
+        if route.body_field is not None:
+            yield from classes_in(route.body_field.field_info.annotation)
+
+
+def _routes(routers: Iterable[APIRouter]) -> Iterator[APIRoute]:
     for route in (route for router in routers for route in router.routes):
         if isinstance(route, APIRoute):
-            yield from classes_in(route.response_model)
-            if route.body_field is not None:
-                yield from classes_in(route.body_field.field_info.annotation)
+            yield route

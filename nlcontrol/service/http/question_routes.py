@@ -11,7 +11,14 @@ from starlette.responses import Response
 
 from nlcontrol.service.http.request_bodies import SessionId
 from nlcontrol.service.http.service_access import Service, answer_of, require_bounded_sentence
-from nlcontrol.service.methods import QUESTIONS, Question, RequestBody, SaidBody, TableBody
+from nlcontrol.service.methods import (
+    QUESTIONS,
+    Question,
+    RequestBody,
+    SaidBody,
+    TableBody,
+    body_example,
+)
 from nlcontrol.service.planning_service import PlanningService
 
 Endpoint = Callable[..., Awaitable[Response]]
@@ -27,6 +34,7 @@ def add_questions_alone(router: APIRouter) -> None:
                 methods=["POST"],
                 operation_id=question.name,
                 response_model=question.answers,
+                openapi_extra=_example(question, question.asks_alone),
             )
 
 
@@ -39,7 +47,14 @@ def add_questions_of_session(router: APIRouter) -> None:
             methods=["POST"],
             operation_id=f"session_{question.name}",
             response_model=question.answers,
+            openapi_extra=_example(question, question.asks),
         )
+
+
+def _example(question: Question, asks: type[RequestBody]) -> dict[str, Any]:
+    """The example of a question's body, as a part of the OpenAPI document."""
+    content = {"application/json": {"example": {**body_example(asks), **question.example}}}
+    return {"requestBody": {"content": content}}
 
 
 def _asked_alone(question: Question) -> Endpoint:

@@ -51,7 +51,7 @@ class LoginBody(RequestBody):
         secret: the token of the service, or the code of the link that it has printed.
     """
 
-    secret: str = Field(min_length=1, max_length=1000)
+    secret: str = Field(min_length=1, max_length=1000, examples=["the-token-of-the-service"])
 
 
 class SayBody(SaidBody):
@@ -78,5 +78,5 @@ class PlanIdBody(RequestBody):
             it is the text that was planned. Not compared if not given.
     """
 
-    plan_id: str = Field(pattern=_NAME)
+    plan_id: str = Field(pattern=_NAME, examples=["plan_id-of-an-offer"])
     text: str | None = None
