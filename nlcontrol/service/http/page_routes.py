@@ -1,7 +1,8 @@
-"""Routes of the page for people: files from a fixed table, made once.
+"""Routes of the pages for people: files from a fixed table, made once.
 
 No path of a request reaches the file system. The page holds nothing of a run or of a person; all
-that it shows it asks for by the routes of the service.
+that it shows it asks for by the routes of the service. At `/docs` is the OpenAPI document, drawn by
+Swagger UI, whose files the package fastapi-offline brings.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ PAGE_POLICY = (
 ROUTER = APIRouter(include_in_schema=False)
 
 _MEDIA_TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css"}
+_LIBRARY = ("swagger-ui.css", "swagger-ui-bundle.js")  # of fastapi-offline
 _OF_REPLAY_FILES = "replay"  # what these begin with is of files that replay, and not of the page
 
 
@@ -49,27 +51,38 @@ class PageFile(NamedTuple):
 
 @cache
 def page_files() -> Mapping[str, PageFile]:
-    """The files of the page and of its viewer, by their addresses."""
+    """The files of the pages, of their viewer and of their library, by their addresses."""
     page = resources.files("nlcontrol.service") / "page"
     viewer = resources.files("sim.views") / "page"
     found = dict([*_files_below(page, "/page/"), *_files_below(viewer, "/viewer/")])
-    index = found.pop("/page/index.html")
-    return MappingProxyType({"/": index, **found})
+    pages = {"/": found.pop("/page/index.html"), "/docs": found.pop("/page/docs/docs.html")}
+    library = resources.files("fastapi_offline") / "static"
+    library_files = {f"/docs/library/{name}": _page_file(library / name) for name in _LIBRARY}
+    return MappingProxyType({**pages, **found, **library_files})
 
 
 def _files_below(folder: Traversable, address: str) -> Iterator[tuple[str, PageFile]]:
     for item in folder.iterdir():
-        kind = _MEDIA_TYPES.get(f".{item.name.rpartition('.')[2]}")
         if item.is_dir():
             yield from _files_below(item, f"{address}{item.name}/")
-        elif kind is not None and not item.name.startswith(_OF_REPLAY_FILES):
-            content = item.read_bytes()
-            tag = f'W/"{hashlib.sha256(content).hexdigest()[:32]}"'
-            packed = gzip.compress(content, mtime=0)
-            yield address + item.name, PageFile(content, packed, f"{kind}; charset=utf-8", tag)
+        elif _media_type(item) is not None and not item.name.startswith(_OF_REPLAY_FILES):
+            yield address + item.name, _page_file(item)
+
+
+def _page_file(item: Traversable) -> PageFile:
+    content = item.read_bytes()
+    tag = f'W/"{hashlib.sha256(content).hexdigest()[:32]}"'
+    packed = gzip.compress(content, mtime=0)
+    return PageFile(content, packed, f"{_media_type(item)}; charset=utf-8", tag)
+
+
+def _media_type(item: Traversable) -> str | None:
+    return _MEDIA_TYPES.get(f".{item.name.rpartition('.')[2]}")
 
 
 @ROUTER.get("/")
+@ROUTER.get("/docs")
+@ROUTER.get("/docs/{rest:path}")
 @ROUTER.get("/page/{rest:path}")
 @ROUTER.get("/viewer/{rest:path}")
 def read_page_file(request: Request) -> Response:

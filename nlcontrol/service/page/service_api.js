@@ -19,6 +19,7 @@ export class ServiceApi {
   // -- the host -----------------------------------------------------------------------------------
 
   logIn = (secret) => this.#call("login", "POST", "/login", { secret });
+  openapi = () => this.#call("openapi", "GET", "/openapi.json");
   health = () => this.#call("health", "GET", "/health");
   scenes = () => this.#call("scenes", "GET", "/scenes");
   objects = () => this.#call("objects", "GET", "/objects");

@@ -51,6 +51,7 @@ STRANGERS = 16
 """Requests without the token that may be under way where there is one: pages, and logins."""
 
 _READING = ("GET", "HEAD")
+_PAGES = ("/", "/docs")
 _LONGEST_PATH = 200  # of a path in the log [characters]
 
 
@@ -106,7 +107,7 @@ class RequestGuard:
         try:
             headers = Headers(scope=scope)
             self._require_host(headers)
-            opens_page = scope["method"] in _READING and scope["path"] == "/"
+            opens_page = scope["method"] in _READING and scope["path"] in _PAGES
             _require_own_page(headers, opens_page=opens_page)
             async with self._room(scope["path"], headers).entered():
                 reads = scope["method"] in _READING

@@ -88,9 +88,13 @@ def test_pages_of_others_gain_nothing_by_the_cookie(locked: Locked) -> None:
     assert renamed.status_code == 421
 
 
-def test_the_page_itself_needs_no_token_and_a_link_elsewhere_may_open_it(locked: Locked) -> None:
+@pytest.mark.parametrize("page", ["/", "/docs"])
+def test_a_page_itself_needs_no_token_and_a_link_elsewhere_may_open_it(
+    locked: Locked, page: str
+) -> None:
+    address = f"{locked.url}{page}"
     link = {"Sec-Fetch-Site": "cross-site", "Sec-Fetch-Mode": "navigate"}
-    opened = get(locked.url, headers=link | {"Sec-Fetch-Dest": "document"})
+    opened = get(address, headers=link | {"Sec-Fetch-Dest": "document"})
     assert opened.status_code == 200
     assert re.search("frame-ancestors 'none'", opened.headers["content-security-policy"])
     for headers in (
@@ -98,7 +102,7 @@ def test_the_page_itself_needs_no_token_and_a_link_elsewhere_may_open_it(locked:
         link | {"Sec-Fetch-Dest": "document", "Origin": "http://evil.example"},
         {"Sec-Fetch-Site": "cross-site", "Sec-Fetch-Mode": "no-cors", "Sec-Fetch-Dest": "script"},
     ):
-        assert get(locked.url, headers=headers).status_code == 403
+        assert get(address, headers=headers).status_code == 403
     elsewhere = get(f"{locked.url}/v1/runs", headers=link | {"Sec-Fetch-Dest": "document"})
     assert elsewhere.status_code == 403
 

@@ -107,7 +107,7 @@ def test_a_wrong_key_is_told_with_its_place(http: httpx.Client) -> None:
 @pytest.mark.parametrize(
     ("method", "path", "expected"),
     [
-        ("GET", "/docs", (404, "unknown_path")),
+        ("GET", "/redoc", (404, "unknown_path")),
         ("GET", "/v1/sessions/", (404, "unknown_path")),
         ("GET", "/v1/plan", (405, "wrong_method")),
         ("OPTIONS", "/v1/plan", (405, "wrong_method")),
