@@ -14,6 +14,7 @@ from typing import Any
 
 from nlcontrol.service.service_settings import ServiceSettings
 from nlcontrol.service.store.store_folder import STORE_VARIABLE
+from tests.documented_server import FAULTS_VARIABLE
 from tests.fakes.counted_executor import FOLDER_VARIABLE, first_poses, write_poses
 from tests.patience import PATIENCE
 
@@ -52,15 +53,19 @@ def serving(
         options: of the command.
         environment: variables on top of those here.
         root: folder with the packages.
+
+    Raises:
+        AssertionError: at the end, if an answer was not as the OpenAPI document has it.
     """
     with TemporaryDirectory() as folder:
-        log = Path(folder, "log")
+        log, undocumented = Path(folder, "log"), Path(folder, "undocumented")
+        undocumented.touch()
         with log.open("w") as errors:
             process = subprocess.Popen(
                 [
                     sys.executable,
                     "-m",
-                    "nlcontrol",
+                    "tests.documented_server",
                     "serve",
                     "--port",
                     "0",
@@ -74,6 +79,7 @@ def serving(
                 cwd=root,
                 env=os.environ
                 | {"PYTHONPATH": str(root), STORE_VARIABLE: str(Path(folder, "store"))}
+                | {FAULTS_VARIABLE: str(undocumented)}
                 | dict(environment or {}),
             )
         try:
@@ -88,14 +94,18 @@ def serving(
             finally:
                 process.kill()
                 process.communicate()
+        assert not (told := undocumented.read_text("utf-8")), told
 
 
 @contextmanager
-def serving_counted_robot(folder: Path, *options: str) -> Iterator[ServerProcess]:
+def serving_counted_robot(
+    folder: Path, *options: str, environment: Mapping[str, str] | None = None
+) -> Iterator[ServerProcess]:
     """Context with a server of the robot that counts its motions in a folder; see its module."""
     write_poses(folder, first_poses())
     robot = "tests.fakes.counted_executor:CountedExecutor"
     with serving(
-        "--executor", robot, *options, environment={FOLDER_VARIABLE: str(folder)}
+        *("--executor", robot, *options),
+        environment={FOLDER_VARIABLE: str(folder), **(environment or {})},
     ) as server:
         yield replace(server, folder=folder)

@@ -34,7 +34,7 @@ def add_questions_alone(router: APIRouter) -> None:
                 methods=["POST"],
                 operation_id=question.name,
                 response_model=question.answers,
-                openapi_extra=_example(question, question.asks_alone),
+                openapi_extra=_example(question, question.alone),
             )
 
 
