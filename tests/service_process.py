@@ -78,7 +78,10 @@ def serving(
                 text=True,
                 cwd=root,
                 env=os.environ
-                | {"PYTHONPATH": str(root), STORE_VARIABLE: str(Path(folder, "store"))}
+                | {
+                    "PYTHONPATH": f"{root}{os.pathsep}{ROOT}",
+                    STORE_VARIABLE: str(Path(folder, "store")),
+                }
                 | {FAULTS_VARIABLE: str(undocumented)}
                 | dict(environment or {}),
             )
