@@ -21,12 +21,7 @@ from typing import NamedTuple
 from benchmarks.service_attacks.attacked_server import TOKEN, attacked_server
 from tests.patience import PATIENCE
 
-CHECKS = (
-    "not_a_server_error",
-    "status_code_conformance",
-    "content_type_conformance",
-    "response_schema_conformance",
-)
+PHASES = "examples,coverage,fuzzing,stateful"
 ENDLESS = "session_live"
 
 MORE = 1.5
@@ -66,8 +61,8 @@ def fuzz(requests: int, seed: int) -> Fuzzing:
             [
                 *(sys.executable, "-m", "schemathesis.cli", "--config-file", "schemathesis.toml"),
                 *("run", f"{server.url}/v1/openapi.json", "--seed", str(seed)),
-                *("--max-examples", str(each), "--phases", "fuzzing"),
-                *("--header", f"Authorization: Bearer {TOKEN}", "--checks", ",".join(CHECKS)),
+                *("--max-examples", str(each), "--phases", PHASES),
+                *("--header", f"Authorization: Bearer {TOKEN}", "--checks", "all"),
                 *("--exclude-operation-id", ENDLESS, "--no-shrink", "--continue-on-failure"),
                 *("--request-timeout", str(ANSWER_TIME)),
                 *("--suppress-health-check", "all", "--warnings", "off"),

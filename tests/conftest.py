@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ from hypothesis.internal.conjecture import providers
 from hypothesis.internal.constants_ast import Constants
 
 from objectmodels.registry.user_folder import FOLDER_VARIABLE
+from tests.browser_tests import browser_account
 
 # How long an example takes says more about the machine than about the code. By default the same
 # examples are drawn everywhere, so that a run judges a change alone; `.ci/long` draws new ones.
@@ -23,6 +25,15 @@ if settings().derandomize:
     # Else Hypothesis draws constants of the modules that happen to be loaded, which depend on the
     # tests before, and on whether a folder above the checkout is called "tests".
     providers._get_local_constants = Constants
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> Iterator[None]:
+    """Says as the last but the closing line whether the tests in a browser were skipped."""
+    yield
+    account = browser_account(terminalreporter.stats)
+    if account is not None:
+        terminalreporter.write_line(account)
 
 
 @pytest.fixture(scope="session", autouse=True)

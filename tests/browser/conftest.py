@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from tests.browser_tests import NO_BROWSER
 from tests.service_process import ServerProcess, serving
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
 def browser_path() -> str:
     path = next((found for name in NAMES if (found := shutil.which(name))), None)
     if path is None:
-        pytest.skip(f"NO BROWSER: none of {', '.join(NAMES)} is installed, the page is not tried")
+        pytest.skip(f"{NO_BROWSER}: none of {', '.join(NAMES)} is installed, the page is not tried")
     return path
 
 
