@@ -10,6 +10,7 @@ from fastapi.exceptions import RequestValidationError
 from pydantic import Field
 from starlette.exceptions import HTTPException
 from starlette.responses import Response
+from starlette.routing import Match, Route
 
 from nlcontrol.errors import ControlError, ErrorInfo
 from nlcontrol.json_document import DocumentPart
@@ -17,11 +18,12 @@ from objectmodels.errors import printable, suggest
 from objectmodels.files.validation_faults import classes_in, short_text
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
     from typing import Any
 
-    from fastapi import FastAPI
+    from fastapi import APIRouter, FastAPI
     from starlette.requests import Request
+    from starlette.types import Scope
 
 MEDIA_TYPE = "application/problem+json"
 
@@ -125,11 +127,16 @@ def defect() -> Problem:
     return problem_of(ErrorInfo(code="internal", message=message, suggestions=(hint,)))
 
 
-def answer_problems(app: FastAPI) -> None:
-    """Lets an application answer with problem documents, whatever it refuses."""
+def answer_problems(app: FastAPI, routers: Sequence[APIRouter]) -> None:
+    """Lets an application of some routers answer with problem documents, whatever it refuses."""
+
+    async def answer_http_exception(request: Request, raised: Exception) -> Response:
+        assert isinstance(raised, HTTPException), "it is registered for these"
+        return _http_problem(raised, _allowed_methods(routers, request.scope))
+
     app.add_exception_handler(ControlError, _answer_error)
     app.add_exception_handler(RequestValidationError, _answer_faults)
-    app.add_exception_handler(HTTPException, _answer_http_exception)
+    app.add_exception_handler(HTTPException, answer_http_exception)
     app.add_exception_handler(Exception, _answer_defect)
 
 
@@ -142,11 +149,25 @@ async def _answer_defect(_: Request, raised: Exception) -> Response:
     return problem_response(defect())  # which is raised on, for the guard to log it
 
 
-async def _answer_http_exception(_: Request, raised: Exception) -> Response:
-    assert isinstance(raised, HTTPException), "it is registered for these"
+def _http_problem(raised: HTTPException, allowed: Iterable[str]) -> Response:
     code, hint = OF_REQUESTS.get(raised.status_code, OF_REQUESTS[400])
     info = ErrorInfo(code=code, message=str(raised.detail), suggestions=(hint,))
-    return problem_response(problem_of(info, status=raised.status_code), raised.headers)
+    headers = dict(raised.headers or {})
+    if raised.status_code == HTTPStatus.METHOD_NOT_ALLOWED:
+        headers["Allow"] = ", ".join(allowed)
+    return problem_response(problem_of(info, status=raised.status_code), headers)
+
+
+def _allowed_methods(routers: Iterable[APIRouter], scope: Scope) -> list[str]:
+    """Methods of all routes of a path; the framework names those of the first alone."""
+    found = {
+        method
+        for router in routers
+        for route in router.routes
+        if isinstance(route, Route) and route.matches(scope)[0] is not Match.NONE
+        for method in route.methods or ()
+    }
+    return sorted({*found, "HEAD"} if "GET" in found else found)
 
 
 async def _answer_faults(request: Request, raised: Exception) -> Response:

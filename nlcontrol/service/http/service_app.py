@@ -69,6 +69,6 @@ def routes_app() -> FastAPI:
     )
     for router in ROUTERS:
         app.include_router(router)
-    answer_problems(app)
+    answer_problems(app, ROUTERS)
     app.openapi = lambda: openapi_document(app, ROUTERS)  # type: ignore[method-assign]
     return app
