@@ -7,9 +7,9 @@ All numbers are in SI units, places in W. The result of a sentence is a
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field, StrictBool
 
 from grammar.frames.command import Command, Frame, Spans
 from nlcontrol.errors import ControlError, ErrorInfo
@@ -29,6 +29,17 @@ RunState = Literal["queued", "running", "ended", "aborted", "cut_off", "defect",
 
 
 _LONGEST_PATH = 4096
+
+
+def _number(value: Any) -> Any:
+    """A number of JSON; what says true, or has digits in quotation marks, is none."""
+    if isinstance(value, bool | str):
+        raise ValueError("a number")
+    return value
+
+
+IsNumber = BeforeValidator(_number)
+Number = Annotated[float, IsNumber]
 ShortText = Annotated[str, Field(max_length=int(LIMITS["name"].most))]
 """Name that a caller gives, no longer than those in files."""
 
@@ -48,12 +59,12 @@ class StatedObject(DocumentPart):
 
     name: Name
     model: Name | None = None
-    x: Coordinate
-    y: Coordinate
-    yaw: Coordinate = 0.0
+    x: Annotated[Coordinate, IsNumber]
+    y: Annotated[Coordinate, IsNumber]
+    yaw: Annotated[Coordinate, IsNumber] = 0.0
     synonyms: tuple[Name, ...] = Field(default=(), max_length=20)
-    fragile: bool = False
-    fixed: bool = False
+    fragile: StrictBool = False
+    fixed: StrictBool = False
 
 
 StatedObjects = Annotated[tuple[StatedObject, ...], length_of("objects")]
@@ -72,8 +83,8 @@ class TableSpec(DocumentPart):
     """
 
     scene: str = Field(default="kitchen", max_length=_LONGEST_PATH, examples=["kitchen"])
-    seed: int = Field(default=0, ge=0, lt=2**32, examples=[0])
-    defaults: dict[ShortText, float] = Field(default={}, max_length=100)
+    seed: Annotated[int, IsNumber] = Field(default=0, ge=0, lt=2**32, examples=[0])
+    defaults: dict[ShortText, Number] = Field(default={}, max_length=100)
     objects: StatedObjects | None = None
 
 

@@ -17,7 +17,16 @@ from functools import cache, wraps
 from types import MappingProxyType
 from typing import Annotated, Any, Literal, Self, TypeVar, cast
 
-from pydantic import BaseModel, ConfigDict, Field, SkipValidation, create_model, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    SkipValidation,
+    StrictBool,
+    WithJsonSchema,
+    create_model,
+    model_validator,
+)
 
 from grammar.frames.command import Command, Frame
 from nlcontrol.json_document import DocumentPart, plain_json
@@ -26,6 +35,7 @@ from nlcontrol.results.result import Result
 from nlcontrol.service.documents import (
     Affordances,
     FaceMap,
+    Number,
     Offer,
     StatedObject,
     StatedObjects,
@@ -39,6 +49,14 @@ from nlcontrol.session.frame_documents import Frames
 ObjectName = Annotated[str, Field(min_length=1, max_length=100)]
 
 M = TypeVar("M", bound=Callable[..., Any])
+
+
+_FRAMES = {"anyOf": [{"type": "array", "items": {}}, {"type": "object"}, {"type": "null"}]}
+_TEXT_OR_FRAMES: dict[str, Any] = {
+    "if": {"required": ["text"], "properties": {"text": {"type": "string"}}},
+    "then": {"properties": {"frames": {"type": "null"}}},
+    "else": {"required": ["frames"], "properties": {"frames": {"type": ["array", "object"]}}},
+}
 
 
 class RequestBody(DocumentPart):
@@ -75,12 +93,17 @@ class SaidBody(RequestBody):
 
     Attributes:
         text: an English sentence.
-        frames: a list of frames, or a command that bears them; docs/frames.md.
+        frames: a list of `Frame`, or a command that bears such `frames`; docs/frames.md.
     """
 
+    model_config = ConfigDict(json_schema_extra=_TEXT_OR_FRAMES)
+
     text: str | None = Field(default=None, min_length=1, examples=["push the ice tea box away"])
-    # Frames are checked by the rules that the parser keeps, which say more than a schema.
-    frames: Annotated[tuple[Frame, ...] | Command | None, SkipValidation] = None
+    # Frames are checked by the rules that the parser keeps, which say more than a schema: what is
+    # wrong with them is an answer (`bad_frame`), and any list or object is taken.
+    frames: Annotated[
+        tuple[Frame, ...] | Command | None, SkipValidation, WithJsonSchema(_FRAMES)
+    ] = None
 
     @model_validator(mode="after")
     def _require_one(self) -> Self:
@@ -110,7 +133,7 @@ class ExplainedBody(SaidBody):
         explain: a result says which words became which parameters.
     """
 
-    explain: bool = False
+    explain: StrictBool = False
 
     @property
     def arguments(self) -> dict[str, Any]:
@@ -152,10 +175,10 @@ class PredictBody(ObjectBody):
     """
 
     face: ObjectName = "front"
-    lateral: float = 0.0
-    height: float = Field(examples=[0.05])
-    direction: tuple[float, float, float] | None = None
-    force: float | None = None
+    lateral: Number = 0.0
+    height: Number = Field(examples=[0.05])
+    direction: tuple[Number, Number, Number] | None = None
+    force: Number | None = None
     friction: Literal["static", "kinetic"] = "static"
 
 
@@ -168,7 +191,7 @@ class MapBody(ObjectBody):
     """
 
     face: ObjectName = "front"
-    spacing: float = Field(default=0.01, gt=0.0, le=1.0)
+    spacing: Number = Field(default=0.01, gt=0.0, le=1.0)
 
 
 class TableBody(RequestBody):
