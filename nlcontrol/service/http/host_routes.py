@@ -116,7 +116,7 @@ async def health(service: Service) -> Response:
     return document_response(Health(**service.health()))
 
 
-@ROUTER.post("/login", operation_id="login", status_code=204)
+@ROUTER.post("/login", operation_id="login", status_code=204, openapi_extra={"security": []})
 async def log_in(body: LoginBody, request: Request) -> Response:
     """Gives a browser the cookie that stands for the token; there is none where none is needed."""
     login: BrowserLogin | None = request.app.state.login

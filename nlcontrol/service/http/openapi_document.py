@@ -9,6 +9,7 @@ from fastapi.openapi.utils import get_openapi
 from fastapi.routing import APIRoute
 from pydantic.json_schema import models_json_schema
 
+from grammar.frames.command import Command
 from nlcontrol.json_schema import DescribedSchema
 from nlcontrol.service.http.problem_documents import Problem
 from nlcontrol.service.methods import body_example
@@ -64,19 +65,22 @@ def openapi_document(app: FastAPI, routers: Iterable[APIRouter]) -> dict[str, An
         document["components"]["schemas"] |= _described_schemas(routers)
         document["components"]["securitySchemes"] = _SECURITY
         document["security"] = [{}, *({name: []} for name in _SECURITY)]
-        _make_bodies_objects(document)
+        _leave_out_null(document)
         _add_examples(document, routers)
         app.openapi_schema = document
     return app.openapi_schema
 
 
-def _make_bodies_objects(document: dict[str, Any]) -> None:
-    """Takes null out of bodies that may be left out; clients leave them out."""
+def _leave_out_null(document: dict[str, Any]) -> None:
+    """Takes null out of bodies and parameters that may be left out; clients leave them out."""
     for operation in (each for path in document["paths"].values() for each in path.values()):
         content = operation.get("requestBody", {}).get("content", {}).get("application/json", {})
         schemas = [s for s in content.get("schema", {}).get("anyOf", ()) if s != {"type": "null"}]
         if len(schemas) == 1:
             content["schema"] = schemas[0]
+        for parameter in operation.get("parameters", ()):
+            kinds = parameter["schema"].pop("anyOf", ())
+            parameter["schema"] |= next((kind for kind in kinds if kind != {"type": "null"}), {})
 
 
 def _add_examples(document: dict[str, Any], routers: Iterable[APIRouter]) -> None:
@@ -92,7 +96,7 @@ def _add_examples(document: dict[str, Any], routers: Iterable[APIRouter]) -> Non
 
 def _described_schemas(routers: Iterable[APIRouter]) -> dict[str, Any]:
     """Schema of every document that is asked for or answered, by its name."""
-    models: set[type[BaseModel]] = {Problem, *_models(routers)}
+    models: set[type[BaseModel]] = {Problem, Command, *_models(routers)}
     _, definitions = models_json_schema(
         [(model, "validation") for model in sorted(models, key=lambda model: model.__name__)],
         schema_generator=DescribedSchema,

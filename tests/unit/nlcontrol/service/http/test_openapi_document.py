@@ -53,6 +53,14 @@ def test_unions_are_discriminated(document: dict[str, Any], name: str, field: st
     assert len(union["oneOf"]) > 5
 
 
+def test_what_may_be_left_out_is_never_null(document: dict[str, Any]) -> None:
+    """Null in a query or a header would be the word."""
+    for operation in operations(document):
+        for parameter in operation.get("parameters", ()):
+            assert parameter["schema"]["type"] != "null"
+            assert "anyOf" not in parameter["schema"]
+
+
 def test_every_body_takes_nothing_unknown(document: dict[str, Any]) -> None:
     for operation in operations(document):
         for content in operation.get("requestBody", {}).get("content", {}).values():

@@ -75,7 +75,7 @@ def test_own_origin_is_taken_and_a_page_of_another_site_is_not(
         (b"[" * 100_000, JSON, (400, "bad_json")),
         (b'{"text": "' + b"a" * 2**20 + b'"}', JSON, (413, "too_large")),
         (b"[" * 100 + b"]" * 100, JSON, (422, "bad_request")),
-        (b"null", JSON, (422, "bad_request")),
+        (b"null", JSON, (400, "bad_json")),
         (b"{}", JSON, (422, "bad_request")),
         (b'{"text": "a", "frames": []}', JSON, (422, "bad_request")),
         (b'{"text": "a", "path": "b"}', JSON, (422, "bad_request")),
@@ -89,6 +89,37 @@ def test_hostile_bodies(
     http: httpx.Client, content: bytes, headers: dict[str, str], expected: tuple[int, str]
 ) -> None:
     assert code(http.post("/v1/plan", content=content, headers=headers)) == expected
+
+
+@pytest.mark.parametrize(
+    ("path", "body"),
+    [
+        ("predict", {"object": "mug", "height": True}),
+        ("predict", {"object": "mug", "height": "0.05"}),
+        ("map", {"object": "mug", "spacing": True}),
+        ("parse", {**SAID, "table": {"seed": False}}),
+        ("parse", {**SAID, "table": {"defaults": {"tilt_deg": True}}}),
+        ("parse", {**SAID, "table": {"objects": [{"name": "mug", "x": True, "y": 0.1}]}}),
+        ("ask", {**SAID, "explain": 1}),
+    ],
+)
+def test_what_is_no_number_is_not_taken_for_one(
+    http: httpx.Client, path: str, body: dict[str, object]
+) -> None:
+    assert code(http.post(f"/v1/{path}", json=body)) == (422, "bad_request")
+
+
+@pytest.mark.parametrize(
+    ("path", "methods"),
+    [
+        ("/v1/sessions", "GET, HEAD, POST"),
+        ("/v1/runs/a", "DELETE, GET, HEAD"),
+        ("/v1/plan", "POST"),
+        ("/docs", "GET, HEAD"),
+    ],
+)
+def test_all_methods_of_a_path_are_told(http: httpx.Client, path: str, methods: str) -> None:
+    assert http.put(path).headers["allow"] == methods
 
 
 def test_a_wrong_key_is_told_with_its_place(http: httpx.Client) -> None:
