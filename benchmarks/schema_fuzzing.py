@@ -2,9 +2,11 @@
 
     python -m benchmarks.schema_fuzzing [--requests 2000] [--seed 0]
 
-schemathesis draws them, such that fit the document and such that do not. It ends with 1 if a
-request had an answer of status 5xx, of a status, type or form that the document does not have, or
-none, or if fewer requests were sent than asked for. The endless stream of poses is left out.
+schemathesis sends examples, values at the limits of each field, drawn ones, and sequences of calls,
+such that fit the document and such that do not. It ends with 1 if one of its checks fails (an
+answer of status 5xx, of a status, type or form that the document does not have, or none; what does
+not fit taken, or what fits refused for its form; a wrong `Allow`, what was deleted still there, and
+so on), or if fewer requests were sent than asked for. The endless stream of poses is left out.
 """
 
 from __future__ import annotations
@@ -12,6 +14,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import os
 import subprocess
 import sys
 import tempfile
@@ -20,7 +23,14 @@ from typing import NamedTuple
 
 from benchmarks.service_attacks.attacked_server import TOKEN, attacked_server
 from tests.patience import PATIENCE
+from tests.service_process import ROOT
 
+SLOW = ("affordances", "session_affordances", "map", "session_map")
+"""Operations that plan for seconds; their bodies are those of others, or nearly so."""
+
+LEFT_OUT_CHECKS = "positive_data_acceptance"  # see benchmarks.fuzzing_checks, which has its part
+
+CHECKS = "benchmarks.fuzzing_checks"
 PHASES = "examples,coverage,fuzzing,stateful"
 ENDLESS = "session_live"
 
@@ -45,8 +55,14 @@ class Fuzzing(NamedTuple):
     report: str
 
 
-def fuzz(requests: int, seed: int) -> Fuzzing:
-    """Sends so many requests or more, in a session in which plans have to be approved."""
+def fuzz(requests: int, seed: int, *, briefly: bool = False) -> Fuzzing:
+    """Sends so many requests or more, in a session in which plans have to be approved.
+
+    Args:
+        requests: that are drawn, beside the examples and the values at the limits.
+        seed: of the draws.
+        briefly: operations that take seconds are left out.
+    """
     with tempfile.TemporaryDirectory() as name, attacked_server(Path(name)) as server:
         folder = Path(name)
         operations = sum(
@@ -63,12 +79,17 @@ def fuzz(requests: int, seed: int) -> Fuzzing:
                 *("run", f"{server.url}/v1/openapi.json", "--seed", str(seed)),
                 *("--max-examples", str(each), "--phases", PHASES),
                 *("--header", f"Authorization: Bearer {TOKEN}", "--checks", "all"),
-                *("--exclude-operation-id", ENDLESS, "--no-shrink", "--continue-on-failure"),
-                *("--request-timeout", str(ANSWER_TIME)),
+                *("--exclude-checks", LEFT_OUT_CHECKS, "--no-shrink", "--continue-on-failure"),
+                *(
+                    f"--exclude-operation-id={name}"
+                    for name in (ENDLESS, *(SLOW if briefly else ()))
+                ),
+                *("--request-timeout", str(ANSWER_TIME), "--max-response-time", str(ANSWER_TIME)),
                 *("--suppress-health-check", "all", "--warnings", "off"),
                 *("--report", "har", "--report-har-path", "requests.har"),
             ],
             cwd=folder,
+            env=os.environ | {"PYTHONPATH": str(ROOT), "SCHEMATHESIS_HOOKS": CHECKS},
             capture_output=True,
             text=True,
             check=False,

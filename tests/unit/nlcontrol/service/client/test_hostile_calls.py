@@ -43,6 +43,6 @@ def test_no_tool_of_an_agent_moves_anything_without_a_fresh_plan(
 
 @pytest.mark.slow
 def test_answers_are_what_the_document_says() -> None:
-    found = fuzz(300, seed=0)
+    found = fuzz(100, seed=0, briefly=True)
     assert found.passed, found.report
-    assert found.requests >= 300
+    assert found.requests >= 1000  # most of them at the limits of the fields
