@@ -1,0 +1,1 @@
+"""Proofs that the service and its page outlive their users: sessions, stops, restarts, faults."""
