@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import pytest
 
+from tests.browser.open_page import FLAGS, NAMES, found_browser
 from tests.browser_tests import NO_BROWSER
 from tests.service_process import ServerProcess, serving
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
 
-FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
-
 
 @pytest.fixture(scope="session")
 def browser_path() -> str:
-    path = next((found for name in NAMES if (found := shutil.which(name))), None)
+    path = found_browser()
     if path is None:
         pytest.skip(f"{NO_BROWSER}: none of {', '.join(NAMES)} is installed, the page is not tried")
     return path

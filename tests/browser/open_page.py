@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,12 +12,19 @@ from tests.patience import PATIENCE, wait_until
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
+FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
 AXE = Path(__file__).parent / "vendor" / "axe.min.js"
 FEW_FRAMES = """
 const soon = globalThis.requestAnimationFrame.bind(globalThis);
 globalThis.requestAnimationFrame = (draw) => setTimeout(() => soon(draw), 300);
 """
 """Has a page draw three frames a second at most: in software each takes a tenth of a second."""
+
+
+def found_browser() -> str | None:
+    """Where the machine has a browser; None if it has none."""
+    return next((found for name in NAMES if (found := shutil.which(name))), None)
 
 
 @dataclass

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-import socket
 from collections.abc import Iterator
-from contextlib import ExitStack
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import httpx
 import pytest
 
-from nlcontrol.service.store.store_folder import STORE_VARIABLE
+from tests.browser.lasting_server import (
+    MOST_SESSIONS,
+    PHASE,
+    PLANNED,
+    RESTING,
+    STATE,
+    LastingServer,
+    plan,
+    session_of,
+)
 from tests.browser.open_page import OpenPage
 from tests.patience import PATIENCE, wait_until
-from tests.service_process import serving
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Request, Route
@@ -23,41 +28,6 @@ pytestmark = pytest.mark.slow
 
 AWAY = "push the ice tea box 3 cm away"
 TOPPLE = "topple the ice tea box"
-STATE = "page.state.get"
-PLANNED = f"{STATE}('offer')?.result.status === 'planned'"
-RESTING = f"!{STATE}('asking') && {STATE}('connection') === 'open'"
-PHASE = f"{STATE}('events').findLast(({{ event }}) => event.phase)?.event.phase"
-MOST_SESSIONS = 3
-
-
-class LastingServer:
-    """A service that is killed and started again, at one address and with one store."""
-
-    def __init__(self, store: Path) -> None:
-        with socket.socket() as free:
-            free.bind(("127.0.0.1", 0))
-            self.port = free.getsockname()[1]
-        self.url = f"http://127.0.0.1:{self.port}"
-        self._store = store
-        self._running = ExitStack()
-
-    def start(self) -> None:
-        options = ("--port", str(self.port), "--sessions", str(MOST_SESSIONS))
-        environment = {STORE_VARIABLE: str(self._store)}
-        self._server = self._running.enter_context(serving(*options, environment=environment))
-
-    def kill(self) -> None:
-        self._server.process.kill()
-        self._server.process.wait(PATIENCE)
-
-    def close(self) -> None:
-        self._running.close()
-
-    def get(self, path: str) -> Any:
-        return httpx.get(f"{self.url}/v1/{path}", timeout=PATIENCE).json()
-
-    def session_ids(self) -> set[str]:
-        return {each["session_id"] for each in self.get("sessions")["sessions"]}
 
 
 @pytest.fixture(scope="module")
@@ -86,16 +56,6 @@ def leave(opened: OpenPage, lasting: LastingServer) -> None:
     # A context of Playwright that closes takes its last requests with it; a browser sends them.
     wait_until(lambda: session not in lasting.session_ids(), "a session that is given back")
     opened.page.close()
-
-
-def session_of(opened: OpenPage) -> str | None:
-    found: str | None = opened.ask(f"{STATE}('session')?.session_id ?? null")
-    return found
-
-
-def plan(opened: OpenPage, text: str) -> None:
-    opened.say(text)
-    opened.wait(f"{STATE}('said') === {text!r} && {PLANNED}")
 
 
 def run_through(opened: OpenPage, text: str) -> str:
@@ -240,11 +200,12 @@ def test_a_run_that_was_cut_off_is_settled(opened: OpenPage, lasting: LastingSer
     opened.wait("!document.querySelector('#banner').hidden")
     assert not opened.page.is_visible("#stop")
     lasting.start()
-    opened.wait(f"{STATE}('run')?.state === 'cut_off' && {RESTING} && {STATE}('session') !== null")
+    opened.wait(f"{STATE}('run')?.state === 'cut_off' && {RESTING} && {PLANNED}")
     assert opened.page.inner_text("#run .badge") == "cut off"
     assert not opened.page.is_visible("#stop")
     assert not opened.page.is_visible("#banner")
     assert opened.page.input_value("#say") == AWAY
+    assert opened.page.is_enabled("#do-it")
 
 
 def test_a_run_goes_on_after_a_gap_in_the_line(opened: OpenPage) -> None:

@@ -1,0 +1,61 @@
+"""A service that outlives its kills, and the page that goes on with it."""
+
+from __future__ import annotations
+
+import socket
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import httpx
+
+from nlcontrol.service.store.store_folder import STORE_VARIABLE
+from tests.browser.open_page import OpenPage
+from tests.patience import PATIENCE
+from tests.service_process import serving
+
+STATE = "page.state.get"
+PLANNED = f"{STATE}('offer')?.result.status === 'planned'"
+RESTING = f"!{STATE}('asking') && {STATE}('connection') === 'open'"
+PHASE = f"{STATE}('events').findLast(({{ event }}) => event.phase)?.event.phase"
+MOST_SESSIONS = 3
+
+
+class LastingServer:
+    """A service that is killed and started again, at one address and with one store."""
+
+    def __init__(self, store: Path) -> None:
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            self.port = free.getsockname()[1]
+        self.url = f"http://127.0.0.1:{self.port}"
+        self._store = store
+        self._running = ExitStack()
+
+    def start(self) -> None:
+        options = ("--port", str(self.port), "--sessions", str(MOST_SESSIONS))
+        environment = {STORE_VARIABLE: str(self._store)}
+        self._server = self._running.enter_context(serving(*options, environment=environment))
+
+    def kill(self) -> None:
+        self._server.process.kill()
+        self._server.process.wait(PATIENCE)
+
+    def close(self) -> None:
+        self._running.close()
+
+    def get(self, path: str) -> Any:
+        return httpx.get(f"{self.url}/v1/{path}", timeout=PATIENCE).json()
+
+    def session_ids(self) -> set[str]:
+        return {each["session_id"] for each in self.get("sessions")["sessions"]}
+
+
+def session_of(opened: OpenPage) -> str | None:
+    found: str | None = opened.ask(f"{STATE}('session')?.session_id ?? null")
+    return found
+
+
+def plan(opened: OpenPage, text: str) -> None:
+    opened.say(text)
+    opened.wait(f"{STATE}('said') === {text!r} && {PLANNED}")
