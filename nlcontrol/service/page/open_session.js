@@ -61,6 +61,15 @@ export async function openAgain(state, api) {
   if (before) state.set({ problem: { detail: NEW_SESSION } });
 }
 
+// Plans again what was cut off; the run that was stays to be seen beside the offer.
+export async function offerCutOff(state, api) {
+  const [run, said] = [state.get("run"), state.get("said")];
+  const isOpen = ["offer", "answer", "asking"].every((key) => !state.get(key));
+  if (run?.state !== "cut_off" || run.text !== said || !state.isAsShown || !isOpen) return;
+  const offer = await api.plan(said);
+  if (state.get("run") === run && state.get("said") === said) state.set({ offer });
+}
+
 // Says nothing further in a session, also after a reload.
 export function leaveSession(api) {
   api.forget();

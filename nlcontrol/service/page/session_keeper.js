@@ -2,7 +2,7 @@
 // last one is lost. Nothing moves by that: what was planned is planned again, and waits for approval.
 
 import { element } from "./elements.js";
-import { leaveSession, openAgain } from "./open_session.js";
+import { leaveSession, offerCutOff, openAgain } from "./open_session.js";
 import { tellProblem } from "./problems.js";
 import { settleRun } from "./run/follow_run.js";
 
@@ -51,6 +51,7 @@ function mending(state, api) {
       if (!state.get("ready")) location.reload(); // it had not even begun
       await settleRun(state, api);
       await openAgain(state, api);
+      await offerCutOff(state, api);
       pause = FIRST_PAUSE;
     } catch (problem) {
       if (problem.code === "wrong_token") location.reload(); // which asks for it
