@@ -31,7 +31,7 @@ FIRST, EVERY = 20, 40
 REST = 60.0
 """Time in which what is over has gone, on a machine that is busy [s]."""
 
-MOST_AT_ONCE = 3
+MOST_AT_ONCE, PLACES = 3, 6
 
 USES: tuple[tuple[str, str, Any], ...] = (
     ("POST", "look", None),
@@ -70,7 +70,7 @@ class Count(NamedTuple):
 
 @contextmanager
 def few_descriptors(most: int) -> Iterator[None]:
-    """Context in which processes are started that may have so many files open, as by `ulimit -n`."""
+    """Context in which processes are started that may have so many files open (`ulimit -n`)."""
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     resource.setrlimit(resource.RLIMIT_NOFILE, (most, hard))
     try:
@@ -99,6 +99,7 @@ class SessionUser:
 
     def open_and_close(self, count: int) -> None:
         """Opens so many sessions side by side, uses them and lets them end."""
+        self.wait_for_room(count)
         sessions = [each for _ in range(count) if (each := self._open())]
         for session in sessions:
             method, path, body = self._rng.choice(USES)
@@ -107,10 +108,10 @@ class SessionUser:
         for session in sessions:
             self._end(session, self._rng.choice(ENDS))
 
-    def rest(self) -> None:
-        """Waits until no session is open."""
+    def wait_for_room(self, count: int = PLACES) -> None:
+        """Waits until so many sessions can be opened; those that were closed come to rest first."""
         ends = time.monotonic() + PATIENCE
-        while self.http.get("/sessions").json()["sessions"]:
+        while len(self.http.get("/sessions").json()["sessions"]) + count > PLACES:
             assert time.monotonic() < ends, "sessions that are closed do not end"
             time.sleep(0.05)
 
@@ -134,9 +135,6 @@ class SessionUser:
 
     def _ask(self, method: str, path: str, **request: Any) -> Any:
         answer = self.http.request(method, path, **request)
-        while answer.status_code == 429:  # those that were closed are still coming to rest
-            time.sleep(0.1)
-            answer = self.http.request(method, path, **request)
         if method != "DELETE":
             self.done[path.rpartition("/")[2]] += 1
         if not answer.is_success:
@@ -176,7 +174,7 @@ def prove_sessions_flat(sessions: int, seed: int) -> bool:
         folder = Path(name)
         with (
             few_descriptors(DESCRIPTORS),
-            serving("--sessions", "4", environment={"TMPDIR": name}) as server,
+            serving("--sessions", str(PLACES), environment={"TMPDIR": name}) as server,
         ):
             user = SessionUser(server.url, seed)
             opened, due, counts = 0, FIRST, list[Count]()
@@ -185,7 +183,7 @@ def prove_sessions_flat(sessions: int, seed: int) -> bool:
                 user.open_and_close(together)
                 opened += together
                 if opened >= due or opened == sessions:
-                    user.rest()
+                    user.wait_for_room()
                     first = counts[0] if counts else None
                     counts.append(resting_count(server.process.pid, folder, first))
                     print(f"{opened}: {counts[-1]}", flush=True)
