@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import socket
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -22,24 +23,43 @@ MOST_SESSIONS = 3
 
 
 class LastingServer:
-    """A service that is killed and started again, at one address and with one store."""
+    """A service that is killed and started again, at one address and with one store.
 
-    def __init__(self, store: Path) -> None:
+    Args:
+        store: its folder.
+        options: of `nlcontrol serve`.
+        environment: of it, beside ours.
+    """
+
+    def __init__(
+        self,
+        store: Path,
+        options: Sequence[str] = ("--sessions", str(MOST_SESSIONS)),
+        environment: Mapping[str, str] | None = None,
+    ) -> None:
         with socket.socket() as free:
             free.bind(("127.0.0.1", 0))
             self.port = free.getsockname()[1]
         self.url = f"http://127.0.0.1:{self.port}"
-        self._store = store
+        self.store = store
+        self._options, self._environment = options, dict(environment or {})
         self._running = ExitStack()
 
     def start(self) -> None:
-        options = ("--port", str(self.port), "--sessions", str(MOST_SESSIONS))
-        environment = {STORE_VARIABLE: str(self._store)}
+        options = ("--port", str(self.port), *self._options)
+        environment = {STORE_VARIABLE: str(self.store), **self._environment}
         self._server = self._running.enter_context(serving(*options, environment=environment))
+
+    @property
+    def pid(self) -> int:
+        return self._server.process.pid
+
+    def log(self) -> str:
+        return self._server.log.read_text()
 
     def kill(self) -> None:
         self._server.process.kill()
-        self._server.process.wait(PATIENCE)
+        self._running.close()
 
     def close(self) -> None:
         self._running.close()
