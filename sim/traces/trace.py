@@ -189,12 +189,13 @@ class Trace:
             for key in (*_BY_NAME, *_FRAMES)
             for name, values in getattr(self, key).items()
         }
-        single = ("joints", "joint_names", "direction", "seed", "spilled", *_SAMPLED, *_TEXTS)
+        single = ("joints", "direction", "seed", "spilled", *_SAMPLED, *_TEXTS)
         contacts = {
             f"contacts/{key}": np.array([getattr(each, key) for each in self.contacts], kind)
             for key, kind in (("time", float), ("body_a", str), ("body_b", str))
         }
-        return {key: np.asarray(getattr(self, key)) for key in single} | by_name | contacts
+        names = {"joint_names": np.array(self.joint_names, str)}  # there may be none
+        return {key: np.asarray(getattr(self, key)) for key in single} | names | by_name | contacts
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Trace):

@@ -39,7 +39,10 @@ def _changed(path: Path, **arrays: object) -> Path:
     return path
 
 
-@pytest.mark.parametrize("given", [WHOLE, trace(0.5, 0.1, 1, 0.0)])
+WITHOUT_JOINTS = replace(WHOLE, joints=np.zeros((N, 0)), joint_names=())
+
+
+@pytest.mark.parametrize("given", [WHOLE, WITHOUT_JOINTS, trace(0.5, 0.1, 1, 0.0)])
 def test_what_is_saved_is_read(given: Trace, tmp_path: Path) -> None:
     given.save(tmp_path / "run.npz")
     read = Trace.load(tmp_path / "run.npz")
