@@ -112,7 +112,7 @@ CODES: dict[str, Status] = {
     "aborted": Status(INTERNAL, 500),
     # The store of the service, and bundles of its runs.
     "store_in_use": Status(USAGE, 409),
-    "bad_store": _CALLER,
+    "bad_store": Status(USAGE, 503),
     "store_locked": Status(INTERNAL, 503),
     "store_full": Status(INTERNAL, 503),
     "store_not_writable": Status(INTERNAL, 503),

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import threading
+from contextlib import suppress
 from pathlib import Path
 from typing import Literal, NoReturn
 
-from nlcontrol.errors import error
+from nlcontrol.errors import ControlError, error
 from nlcontrol.service.store.run_store import RunStore
 from nlcontrol.service.store.stored_bundle import bundle_file
 from nlcontrol.service.workers.session_host import SessionHost
 from nlcontrol.service.workers.worker_process import WorkerProcess
+
+_OF_DAMAGE = ("bad_trace", "unreadable_file")
+"""Codes of a trace that cannot be read; it was written here, so that no caller is to blame."""
 
 
 class RunFiles:
@@ -66,6 +70,10 @@ class RunFiles:
                         kind, trace=str(trace), scene=session.scene, path=str(path),
                         result=run.result and run.result.model_dump_json(),
                     ).result(self._time_limit)  # fmt: skip
+            except ControlError as raised:
+                if raised.code not in _OF_DAMAGE:
+                    raise
+                return _refuse(run_id, f"its trace is damaged: {raised.info.message}")
             finally:
                 process.kill()
         return self._store.file(run_id, kind) or _refuse(run_id, "it was deleted")
@@ -77,7 +85,8 @@ class RunFiles:
             ControlError: `unknown_run`, `run_under_way`.
         """
         if self._store.file(run_id, "bundle") is None and self._store.file(run_id, "trace"):
-            self.replay(run_id)  # which belongs into it
+            with suppress(ControlError):  # a bundle without it is better than none
+                self.replay(run_id)
         return bundle_file(self._store, run_id)
 
 

@@ -10,6 +10,7 @@ from typing import Annotated
 from fastapi import APIRouter, Header, Query, Request
 from starlette.responses import Response
 
+from nlcontrol.errors import error
 from nlcontrol.service.documents import RunInfo, RunPage
 from nlcontrol.service.http.event_streams import STREAM_CONTENT, EventList, stream_events
 from nlcontrol.service.http.openapi_document import PROBLEMS
@@ -157,4 +158,16 @@ async def _as_it_is(run_id: str, service: PlanningService) -> Response:
 
 async def _content(service: PlanningService, file: Callable[[str], Path], run_id: str) -> bytes:
     """A file of a run, read whole before the answer begins: the run may be deleted meanwhile."""
-    return await waited(service, lambda: file(run_id).read_bytes())
+    return await waited(service, _whole_file, file, run_id)
+
+
+def _whole_file(file: Callable[[str], Path], run_id: str) -> bytes:
+    """What a file has; raises `no_file` also where it goes between the question and the answer."""
+    try:
+        return file(run_id).read_bytes()
+    except OSError as raised:
+        raise error(
+            "no_file",
+            f"the file of the run {run_id} cannot be read: {raised.strerror}",
+            suggestions=("ask again", "read the run itself, and its events"),
+        ) from raised

@@ -22,8 +22,9 @@ from typing import Any, NoReturn
 from nlcontrol.errors import ErrorInfo, error
 from nlcontrol.service.documents import NumberedEvent, RunInfo, RunPage, SessionSpec
 from nlcontrol.service.store.store_folder import FileKind, StoreFolder
-from nlcontrol.service.store.store_schema import open_database, store_error
+from nlcontrol.service.store.store_schema import file_error, open_database, store_error
 from nlcontrol.session.events import Event
+from objectmodels.errors import ModelError
 from objectmodels.files.file_writing import replace_file
 
 KEEP_BYTES = 2_000_000_000
@@ -251,12 +252,16 @@ class RunStore:
         """A temporary file that becomes a file of a run when all went well.
 
         Raises:
-            ControlError: `unknown_run`.
-            ModelError: `cannot_write`.
+            ControlError: `unknown_run`, `store_full`, `store_not_writable`.
         """
         path = self._file(run_id, kind)
-        with replace_file(path, private=True) as temporary:
-            yield temporary
+        try:
+            with replace_file(path, private=True) as temporary:
+                yield temporary
+        except ModelError as raised:
+            if raised.code != "cannot_write":
+                raise
+            raise file_error(self._folder.path, raised) from raised
         with self._transaction():
             self._measure(self._number(run_id))
 

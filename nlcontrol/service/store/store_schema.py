@@ -6,11 +6,13 @@ never changed once it has been released: what is to be different is a further st
 
 from __future__ import annotations
 
+import errno
 import sqlite3
 from contextlib import ExitStack
 from pathlib import Path
 
 from nlcontrol.errors import ControlError, error
+from objectmodels.errors import ModelError
 
 MIGRATIONS: tuple[tuple[str, ...], ...] = (
     (
@@ -63,6 +65,7 @@ def open_database(path: Path) -> sqlite3.Connection:
     with ExitStack() as resources:
         try:
             connection = sqlite3.connect(path, isolation_level=None, check_same_thread=False)
+            connection.text_factory = _read_text
             resources.callback(connection.close)
             connection.execute("PRAGMA journal_mode = WAL")
             connection.execute("PRAGMA synchronous = NORMAL")
@@ -107,8 +110,32 @@ _CURES: tuple[tuple[frozenset[int], str, str], ...] = (
         "store_not_writable",
         "let this user write to its folder, or give another one with --store",
     ),
+    (
+        frozenset({sqlite3.SQLITE_IOERR}),
+        "store_not_writable",
+        "see whether its disk is full, is damaged, or has gone",
+    ),
 )
 """What SQLite tells, the code of it, and what to do."""
+
+
+def file_error(path: Path, raised: ModelError) -> ControlError:
+    """The error of a file of a store that cannot be written, by the cause that the system names.
+
+    Args:
+        path: of the store.
+        raised: as the file was written.
+    """
+    cause = getattr(raised.__cause__, "errno", None)
+    full = cause in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+    code = "store_full" if full else "store_not_writable"
+    hint = next(hint for _, known, hint in _CURES if known == code)
+    return error(code, f"the store {path} cannot be written: {raised}", suggestions=(hint,))
+
+
+def _read_text(content: bytes) -> str:
+    """Text of a cell; bytes that are none cost that cell, which is then no document."""
+    return content.decode("utf-8", "replace")
 
 
 def _require_sound(connection: sqlite3.Connection) -> None:

@@ -19,8 +19,7 @@ def bundle_file(store: RunStore, run_id: str) -> Path:
     """The bundle of a run that has ended, in whichever way; it is kept beside the other files.
 
     Raises:
-        ControlError: `unknown_run`, `run_under_way`.
-        ModelError: `cannot_write`.
+        ControlError: `unknown_run`, `run_under_way`, `no_file`; what the store does not take.
     """
     info = store.run(run_id)
     if info.state in ("queued", "running"):
@@ -41,7 +40,12 @@ def bundle_file(store: RunStore, run_id: str) -> Path:
                 replay=store.file(run_id, "replay"),
             )
     found = store.file(run_id, "bundle")
-    assert found is not None, "it has just been written"
+    if found is None:
+        raise error(
+            "no_file",
+            f"the bundle of the run {run_id} has gone as it was written",
+            suggestions=("ask again",),
+        )
     return found
 
 

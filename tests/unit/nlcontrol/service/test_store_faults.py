@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import sqlite3
 import threading
 from collections.abc import Iterator
@@ -11,17 +13,20 @@ from typing import Any, cast
 
 import pytest
 
-from nlcontrol.errors import ControlError, error
+from nlcontrol.errors import ControlError, ErrorInfo, error
+from nlcontrol.service import run_files
 from nlcontrol.service.documents import RunInfo, SessionSpec
+from nlcontrol.service.run_files import RunFiles
 from nlcontrol.service.service_settings import ServiceSettings
 from nlcontrol.service.store.run_store import RunStore
+from nlcontrol.service.store.store_schema import store_error
 from nlcontrol.service.store.stored_bundle import bundle_file
 from nlcontrol.service.workers import live_runs
 from nlcontrol.service.workers.live_runs import LiveRuns
 from nlcontrol.service.workers.live_session import LiveSession
 from nlcontrol.service.workers.session_host import RunEnd
 from nlcontrol.service.workers.worker_process import WorkerProcess
-from tests.patience import wait_until
+from tests.patience import PATIENCE, wait_until
 from tests.unit.nlcontrol.service.test_run_store import ended_info, event, run_info
 
 
@@ -62,6 +67,17 @@ def test_a_damaged_run_takes_no_other_along(folder: Path) -> None:
     assert len(store.events("first")) == 2
     store.delete_run("first")
     assert [info.run_id for info in store.runs().runs] == ["second"]
+    store.close()
+
+
+@pytest.mark.parametrize("column", ["document", "session_id"])
+def test_bytes_that_are_no_text_cost_their_row_alone(folder: Path, column: str) -> None:
+    damage(folder, f"UPDATE runs SET {column} = CAST(x'fffe7b' AS TEXT) WHERE run_id = 'first'")
+    damage(folder, "UPDATE events SET event = CAST(x'fffe7b' AS TEXT) WHERE run = 2 AND number = 1")
+    store = RunStore(folder)
+    told = {info.run_id: info.state for info in store.runs().runs}
+    assert told == {"first": "unreadable" if column == "document" else "ended", "second": "ended"}
+    assert store.events("second") == (event(2),)
     store.close()
 
 
@@ -122,6 +138,61 @@ def test_a_locked_and_a_full_store_have_their_codes(
     assert _code(store, "x" * 10**6) == "store_full"
     database.execute("PRAGMA max_page_count = 1000000")
     store.add_run(run_info("third"))
+
+
+def test_files_that_cannot_be_written_are_told_as_the_store(
+    store: RunStore, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (files := folder / "runs" / "1").rename(folder / "away")
+    files.touch()
+    with pytest.raises(ControlError) as raised:
+        bundle_file(store, "first")
+    assert raised.value.code == "store_not_writable"
+    monkeypatch.setattr(os, "fsync", _full_disk)
+    with pytest.raises(ControlError) as raised:
+        bundle_file(store, "second")
+    assert raised.value.code == "store_full"
+    assert raised.value.info.suggestions
+
+
+def _full_disk(_: object) -> None:
+    raise OSError(errno.ENOSPC, "No space left on device")
+
+
+def test_a_disk_that_fails_does_not_condemn_the_store(tmp_path: Path) -> None:
+    """SQLite tells the same of a limit of size; the folder is not to be moved away for that."""
+    raised = sqlite3.OperationalError("disk I/O error")
+    raised.sqlite_errorcode = sqlite3.SQLITE_IOERR_WRITE
+    assert store_error(tmp_path, "cannot be written", raised).code == "store_not_writable"
+
+
+class ReplayProcess:
+    """A process that makes replays, and cannot read the trace."""
+
+    def __init__(self, _: object) -> None:
+        self.future: Future[bytes] = Future()
+        self.future.set_exception(ControlError(ErrorInfo(code="bad_trace", message="it is none")))
+
+    def call(self, *_: object, **__: object) -> Future[bytes]:
+        return self.future
+
+    def kill(self) -> None:
+        pass
+
+
+def test_a_damaged_trace_costs_its_replay_and_not_the_bundle(
+    store: RunStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    store.add_session("s", SessionSpec())
+    with store.write_file("first", "trace") as path:
+        path.write_bytes(b"no trace")
+    monkeypatch.setattr(run_files, "WorkerProcess", ReplayProcess)
+    files = RunFiles(store, time_limit=PATIENCE)
+    with pytest.raises(ControlError) as raised:
+        files.replay("first")
+    assert raised.value.code == "no_file"
+    assert "damaged" in raised.value.info.message
+    assert files.bundle("first").is_file()
 
 
 def _code(store: RunStore, text: str = "") -> str:
