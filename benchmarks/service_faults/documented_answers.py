@@ -7,7 +7,7 @@ from functools import cache
 from typing import Any
 
 import httpx
-from jsonschema import Draft202012Validator
+import jsonschema_rs
 
 PROBLEM = "application/problem+json"
 
@@ -54,9 +54,13 @@ class DocumentedAnswers:
             body = response.json()
         except json.JSONDecodeError:
             return f"{status} is no JSON: {response.text[:200]}"
-        first = next(self._validator(operation, known, kind).iter_errors(body), None)
-        return None if first is None else f"{status} {first.json_path}: {first.message[:200]}"
+        first = next(iter(self._validator(operation, known, kind).iter_errors(body)), None)
+        return None if first is None else f"{status} {first.instance_path}: {first.message[:200]}"
 
-    def _made_validator(self, operation: str, status: str, kind: str) -> Draft202012Validator:
+    def _made_validator(
+        self, operation: str, status: str, kind: str
+    ) -> jsonschema_rs.Draft202012Validator:
         content = self.operations[operation][2]["responses"][status]["content"][kind]
-        return Draft202012Validator({**content["schema"], "components": self._components})
+        return jsonschema_rs.Draft202012Validator(
+            {**content["schema"], "components": self._components}
+        )

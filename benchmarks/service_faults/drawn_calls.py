@@ -7,12 +7,14 @@ import random
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
-from urllib.parse import urlencode
 
 from benchmarks.service_faults.documented_answers import DocumentedAnswers
 
 MOVING = ("push the ice tea box 3 cm away", "push the mug 3 cm to the left")
 SAID = (*MOVING, "how heavy is the mug?", "push the mug 3 m away", "colourless green ideas")
+
+OF_RUNS = 3.0
+"""How much more often what is about runs is asked than the rest."""
 
 ENDLESS = ("session_live", "run_events")
 """Operations that may stream."""
@@ -59,7 +61,7 @@ class CallDrawer:
     def drawn(
         self, sessions: Sequence[str], runs: Sequence[str], plans: Sequence[str]
     ) -> DrawnCall:
-        """A call of any operation, each as likely.
+        """A call of any operation; those about runs are more likely.
 
         Args:
             sessions: ids to be asked for, the newest last; one that never was is, too.
@@ -67,14 +69,16 @@ class CallDrawer:
             plans: the same of plans.
         """
         rng = self._rng
-        operation = rng.choice(sorted(self._operations))
+        names = sorted(self._operations)
+        weights = [OF_RUNS if "/runs" in self._operations[name][1] else 1.0 for name in names]
+        operation = rng.choices(names, weights)[0]
         method, path, described = self._operations[operation]
-        names = {
+        filled = {
             "{session_id}": _latest(rng, [*sessions, "session-0123456789abcdef"][-3:]),
             "{run_id}": _latest(rng, runs or ["run-0123456789abcdef"]),
             "{name}": rng.choice(("mug", "ice tea box", "unicorn")).replace(" ", "%20"),
         }
-        for name, value in names.items():
+        for name, value in filled.items():
             path = path.replace(name, value)
         takes_body = "requestBody" in described
         body = self._body(operation.removeprefix("session_"), plans) if takes_body else None
@@ -86,12 +90,12 @@ class CallDrawer:
 
     def _query(self, operation: str) -> str:
         rng = self._rng
-        asked = {
-            "list_runs": {"limit": rng.choice((1, 10, 200))},
-            "run_events": {"after": rng.choice((0, 3, 1000))},
-            "close_session": {"idle": rng.choice((0.1, 5.0))} if rng.random() < 0.5 else {},
-        }.get(operation, {})
-        return f"?{urlencode(asked)}" if asked else ""
+        key, values = {
+            "list_runs": ("limit", (1, 10, 200)),
+            "run_events": ("after", (0, 3, 1000)),
+            "close_session": ("idle", (0.1, 5.0)),
+        }.get(operation, ("", (0,)))
+        return f"?{key}={rng.choice(values)}" if key and rng.random() < 0.7 else ""
 
     def _body(self, what: str, plans: Sequence[str]) -> Any:
         """A body for an operation, with a session or without; most fit."""

@@ -37,6 +37,12 @@ SETTLED = 25.0
 LISTED = 60
 """Findings that are printed in full."""
 
+DEFECTS = ("internal", "system_error")
+"""Codes that no answer bears, be the fault what it is."""
+
+NOT_OF_CALLERS = ("bad_store", "bad_trace", "unreadable_file", "cannot_write")
+"""Codes for which no caller is to blame here."""
+
 _MAY_DELETE = ("delete_run",)
 
 
@@ -107,13 +113,23 @@ class FaultPairs:
                 self._blame("no answer", repr(raised))
             return
         self.answered[str(response.status_code)] += 1
+        self._look_at_list(fault)
         self._blame(
             "undocumented", self.answers.fault(call.operation, response) if not streams else None
         )
         if not streams and response.headers.get("content-type", "").endswith("json"):
-            self.service.note(response.json())
-            if response.status_code == 500:
-                self._blame("500", response.text[:300])
+            document = response.json()
+            self.service.note(document)
+            code = None if response.is_success else document["code"]
+            if code in DEFECTS or (response.is_client_error and code in NOT_OF_CALLERS):
+                self._blame("a defect", f"{response.status_code} {response.text[:300]}")
+
+    def _look_at_list(self, fault: Fault) -> None:
+        """A fault may cost what it is in, never the list of all runs."""
+        if fault is not server_killed:
+            answer = self.service.http.get("/v1/runs?limit=10")
+            if answer.status_code != 200 or self.answers.fault("list_runs", answer):
+                self._blame("the list", f"{answer.status_code} {answer.text[:300]}")
 
     # --- once the fault is over -----------------------------------------------------------------
 

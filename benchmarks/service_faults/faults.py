@@ -26,7 +26,11 @@ LONGEST_LOCK = 7.0
 FULL = 4096
 """Size beyond which no file grows where the disk is full [bytes]."""
 
-_BAD_DOCUMENTS = ("{", "{}", "null", "7", '{"run_id": 3}')
+_NO_TEXT = b"\xff\xfe{"
+"""Bytes that are no text."""
+
+_BAD: tuple[str | bytes, ...] = ("{", "{}", "null", "7", '{"run_id": 3}', _NO_TEXT)
+"""In the place of documents."""
 
 
 @contextmanager
@@ -94,13 +98,8 @@ def disk_full(service: ServiceUnderFault, _: DrawnCall) -> Iterator[None]:
 def row_garbled(service: ServiceUnderFault, _: DrawnCall) -> Iterator[None]:
     """The row of a run is damaged: its document, or a column beside it."""
     run_id = _newest(service)
-    column, bad = service.rng.choice(
-        [
-            *(("document", text) for text in _BAD_DOCUMENTS),
-            ("document", _NO_TEXT),
-            ("ended_at", "x"),
-        ]
-    )
+    bad = service.rng.choice(_BAD)
+    column = service.rng.choice(("document", "document", "ended_at", "session_id"))
     with _garbled(service, "runs", column, bad, "run_id = ?", (run_id,)):
         yield
 
@@ -109,7 +108,7 @@ def row_garbled(service: ServiceUnderFault, _: DrawnCall) -> Iterator[None]:
 def event_garbled(service: ServiceUnderFault, _: DrawnCall) -> Iterator[None]:
     """An event of a run is damaged."""
     where = "number = 1 AND run = (SELECT number FROM runs WHERE run_id = ?)"
-    bad = service.rng.choice((*_BAD_DOCUMENTS, _NO_TEXT))
+    bad = service.rng.choice(_BAD)
     with _garbled(service, "events", "event", bad, where, (_newest(service),)):
         yield
 
@@ -219,9 +218,6 @@ FAULTS: Mapping[Fault, float] = {
     slow_reader: 12,
 }
 """All of them, by how often they are tried."""
-
-_NO_TEXT = b"\xff\xfe{"
-"""Bytes that are no text."""
 
 
 @contextmanager
