@@ -166,11 +166,14 @@ class LiveSession:
                 self._planned_at = time.monotonic()
             elif method in _ENDS_PLANS:
                 self._planned_at = -LIFE
-            with suppress(InvalidStateError):
+            try:
                 if raised is None:
                     answer.set_result(call.result())
                 else:
                     answer.set_exception(self._cause(raised))
+            except InvalidStateError:  # it was given up
+                if method == "begin_run" and raised is None:
+                    self.process.command("drop_run")  # it would wait for its turn for ever
 
         call.add_done_callback(settle)
         return answer

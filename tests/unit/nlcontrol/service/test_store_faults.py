@@ -255,6 +255,23 @@ def test_a_run_that_cannot_be_noted_leaves_no_ghost(
     assert runs.begin(session, ASKED, None).state == "running"
 
 
+def test_a_run_that_was_begun_too_late_is_dropped(
+    process: Process, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nobody waits for it any more, and it would wait for its turn for ever."""
+    late: Future[bytes] = Future()
+    monkeypatch.setattr(process, "call", lambda method, **_: process.called.append(method) or late)
+    monkeypatch.setattr(process, "command", process.called.append)
+    settings = ServiceSettings(request_time=0.01)
+    session = LiveSession("session", SessionSpec(), cast("WorkerProcess", process), settings)
+    with pytest.raises(ControlError) as raised:
+        session.call("begin_run", **ASKED).result()
+    assert raised.value.code == "time_limit"
+    assert process.called == ["begin_run"]
+    late.set_result(b"{}")
+    assert process.called == ["begin_run", "drop_run"]
+
+
 def test_an_end_that_cannot_be_written_is_told_and_written_later(
     store: RunStore, session: LiveSession, monkeypatch: pytest.MonkeyPatch
 ) -> None:
