@@ -74,7 +74,7 @@ class CallDrawer:
         operation = rng.choices(names, weights)[0]
         method, path, described = self._operations[operation]
         filled = {
-            "{session_id}": _latest(rng, [*sessions, "session-0123456789abcdef"][-3:]),
+            "{session_id}": _latest(rng, ["session-0123456789abcdef", *sessions[-2:]]),
             "{run_id}": _latest(rng, runs or ["run-0123456789abcdef"]),
             "{name}": rng.choice(("mug", "ice tea box", "unicorn")).replace(" ", "%20"),
         }
@@ -118,7 +118,7 @@ class CallDrawer:
             case "map":
                 return {"object": "ice tea box", "spacing": 0.05}
             case "affordances":
-                return {"object": rng.choice(("ice tea box", "mug"))}
+                return {"object": rng.choice(("mug", "unicorn"))}  # of a box they take 17 s
         raise LookupError(f"there is no body for the operation {what}: add one here")
 
 

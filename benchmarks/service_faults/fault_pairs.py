@@ -34,6 +34,9 @@ from benchmarks.service_faults.service_under_fault import UNDER_WAY, ServiceUnde
 SETTLED = 25.0
 """Time in which everything has settled after a fault, on a machine that is busy [s]."""
 
+PLANNED, BEGUN = 0.3, 0.7
+"""Shares of the pairs before which something is planned, and before which a run is begun."""
+
 LISTED = 60
 """Findings that are printed in full."""
 
@@ -75,8 +78,10 @@ class FaultPairs:
         service, rng = self.service, self.rng
         fault = rng.choices(list(FAULTS), list(FAULTS.values()))[0]
         self._pair = f"{self.made.total()} {fault.__name__}"
-        begins = rng.random() < 0.7
+        begins = rng.random() < BEGUN
         self._blame("not ready", service.ready())
+        if rng.random() < PLANNED:
+            self._blame("blocked", service.plan(rng.choice(MOVING)))
         if begins:
             self._blame("blocked", service.begin(rng.choice(MOVING)))
         call = self._calls.drawn(service.sessions, list(service.told), service.plans)

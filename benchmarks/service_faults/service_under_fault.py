@@ -100,6 +100,14 @@ class ServiceUnderFault:
             time.sleep(0.1)
         return f"no session can be opened: {answer and answer.text[:200]}"
 
+    def plan(self, text: str) -> str | None:
+        """Plans something in the open session; why that does not go."""
+        answer = self.http.post(f"/v1/sessions/{self.sessions[-1]}/plans", json={"text": text})
+        if answer.is_success:
+            self.note(answer.json())
+            return None
+        return f"{answer.status_code} {answer.text[:300]}"
+
     def begin(self, text: str) -> str | None:
         """Begins a run in the open session; why that does not go."""
         answer = self.http.post(f"/v1/sessions/{self.sessions[-1]}/say", json={"text": text})

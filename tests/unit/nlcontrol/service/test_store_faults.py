@@ -260,8 +260,13 @@ def test_a_run_that_was_begun_too_late_is_dropped(
 ) -> None:
     """Nobody waits for it any more, and it would wait for its turn for ever."""
     late: Future[bytes] = Future()
-    monkeypatch.setattr(process, "call", lambda method, **_: process.called.append(method) or late)
-    monkeypatch.setattr(process, "command", process.called.append)
+
+    def called(method: str, **_: object) -> Future[bytes]:
+        process.called.append(method)
+        return late
+
+    monkeypatch.setattr(process, "call", called)
+    monkeypatch.setattr(process, "command", called)
     settings = ServiceSettings(request_time=0.01)
     session = LiveSession("session", SessionSpec(), cast("WorkerProcess", process), settings)
     with pytest.raises(ControlError) as raised:
