@@ -9,12 +9,16 @@ from typing import Literal, NoReturn
 
 from nlcontrol.errors import ControlError, error
 from nlcontrol.service.store.run_store import RunStore
+from nlcontrol.service.store.store_schema import unwritable
 from nlcontrol.service.store.stored_bundle import bundle_file
 from nlcontrol.service.workers.session_host import SessionHost
 from nlcontrol.service.workers.worker_process import WorkerProcess
 
 _OF_DAMAGE = ("bad_trace", "unreadable_file")
 """Codes of a trace that cannot be read; it was written here, so that no caller is to blame."""
+
+_OF_DISK = ("system_error", "cannot_write")
+"""Codes of a process that could not write its file into the store."""
 
 
 class RunFiles:
@@ -71,9 +75,11 @@ class RunFiles:
                         result=run.result and run.result.model_dump_json(),
                     ).result(self._time_limit)  # fmt: skip
             except ControlError as raised:
-                if raised.code not in _OF_DAMAGE:
-                    raise
-                return _refuse(run_id, f"its trace is damaged: {raised.info.message}")
+                if raised.code in _OF_DAMAGE:
+                    return _refuse(run_id, f"its trace is damaged: {raised.info.message}")
+                if raised.code in _OF_DISK:
+                    raise unwritable(raised.info.message) from raised
+                raise
             finally:
                 process.kill()
         return self._store.file(run_id, kind) or _refuse(run_id, "it was deleted")

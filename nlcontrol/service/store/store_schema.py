@@ -98,6 +98,8 @@ def store_error(path: Path, what: str, raised: sqlite3.Error) -> ControlError:
     return _bad_store(path, f"{what}: {raised}")
 
 
+_DISK = "see whether its disk is full, is damaged, or has gone"
+
 _CURES: tuple[tuple[frozenset[int], str, str], ...] = (
     (
         frozenset({sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED}),
@@ -110,11 +112,7 @@ _CURES: tuple[tuple[frozenset[int], str, str], ...] = (
         "store_not_writable",
         "let this user write to its folder, or give another one with --store",
     ),
-    (
-        frozenset({sqlite3.SQLITE_IOERR}),
-        "store_not_writable",
-        "see whether its disk is full, is damaged, or has gone",
-    ),
+    (frozenset({sqlite3.SQLITE_IOERR}), "store_not_writable", _DISK),
 )
 """What SQLite tells, the code of it, and what to do."""
 
@@ -131,6 +129,11 @@ def file_error(path: Path, raised: ModelError) -> ControlError:
     code = "store_full" if full else "store_not_writable"
     hint = next(hint for _, known, hint in _CURES if known == code)
     return error(code, f"the store {path} cannot be written: {raised}", suggestions=(hint,))
+
+
+def unwritable(message: str) -> ControlError:
+    """The error of a file of the store that another process could not write."""
+    return error("store_not_writable", f"the store: {message}", suggestions=(_DISK,))
 
 
 def _read_text(content: bytes) -> str:

@@ -167,11 +167,13 @@ def test_a_disk_that_fails_does_not_condemn_the_store(tmp_path: Path) -> None:
 
 
 class ReplayProcess:
-    """A process that makes replays, and cannot read the trace."""
+    """A process that makes replays, and cannot."""
+
+    code = "bad_trace"
 
     def __init__(self, _: object) -> None:
         self.future: Future[bytes] = Future()
-        self.future.set_exception(ControlError(ErrorInfo(code="bad_trace", message="it is none")))
+        self.future.set_exception(ControlError(ErrorInfo(code=self.code, message="it is none")))
 
     def call(self, *_: object, **__: object) -> Future[bytes]:
         return self.future
@@ -192,6 +194,10 @@ def test_a_damaged_trace_costs_its_replay_and_not_the_bundle(
         files.replay("first")
     assert raised.value.code == "no_file"
     assert "damaged" in raised.value.info.message
+    monkeypatch.setattr(ReplayProcess, "code", "system_error")
+    with pytest.raises(ControlError) as raised:
+        files.replay("first")
+    assert raised.value.code == "store_not_writable"
     assert files.bundle("first").is_file()
 
 
