@@ -274,7 +274,8 @@ def test_a_run_that_was_begun_too_late_is_dropped(
     monkeypatch.setattr(process, "call", called)
     monkeypatch.setattr(process, "command", called)
     settings = ServiceSettings(request_time=0.01)
-    session = LiveSession("session", SessionSpec(), cast("WorkerProcess", process), settings)
+    session = LiveSession("session", SessionSpec(), settings)
+    session.process = cast("WorkerProcess", process)
     with pytest.raises(ControlError) as raised:
         session.call("begin_run", **ASKED).result()
     assert raised.value.code == "time_limit"
