@@ -16,7 +16,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from tests.browser.conftest import FLAGS, NAMES
+from tests.browser.open_page import FLAGS, NAMES
 from tests.browser.open_page import OpenPage
 from tests.service_process import serving
 
