@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 import re
 from collections.abc import MutableMapping
@@ -121,7 +122,7 @@ class DocumentedApp:
             is_stream = _kind(start) == STREAM
             if message["type"] == "http.response.start" if is_stream else _is_last(message):
                 no_body = is_stream or scope["method"] == "HEAD"
-                body = None if no_body else b"".join(parts)
+                body = None if no_body else _unpacked(start, b"".join(parts))
                 asked = (scope["method"], scope["path"])
                 self._compare(Answer(*asked, start["status"], _kind(start), body))
             await send(message)
@@ -134,6 +135,11 @@ class DocumentedApp:
             told = f"{answer.method} {answer.path}: {answer.status}, {fault}; {answer.body!r}"
             with self._faults.open("a", encoding="utf-8") as lines:
                 lines.write(f"{told[: 2 * LISTED]}\n")
+
+
+def _unpacked(start: MutableMapping[str, Any], body: bytes) -> bytes:
+    packed = (b"content-encoding", b"gzip") in start.get("headers", ())
+    return gzip.decompress(body) if packed else body
 
 
 def _is_last(message: Message) -> bool:
