@@ -32,6 +32,8 @@ REST = 60.0
 """Time in which what is over has gone, on a machine that is busy [s]."""
 
 MOST_AT_ONCE, PLACES = 3, 6
+"""Sessions that are opened side by side, and that may be open; those of callers who have gone come on
+top for a moment."""
 
 USES: tuple[tuple[str, str, Any], ...] = (
     ("POST", "look", None),
@@ -174,7 +176,9 @@ def prove_sessions_flat(sessions: int, seed: int) -> bool:
         folder = Path(name)
         with (
             few_descriptors(DESCRIPTORS),
-            serving("--sessions", str(PLACES), environment={"TMPDIR": name}) as server,
+            serving(
+                "--sessions", str(PLACES + MOST_AT_ONCE), environment={"TMPDIR": name}
+            ) as server,
         ):
             user = SessionUser(server.url, seed)
             opened, due, counts = 0, FIRST, list[Count]()
