@@ -29,22 +29,22 @@ from generated.api.planning import parse, plan
 from generated.api.sessions import (
     close_session, list_sessions, open_session, session_look, session_plan, session_execute,
 )
-from generated.models import PlanIdBody, Problem, SaidBody, SessionSpec, TableSaidBody
+from generated.models import PlanIdBody, Problem, SaidBody, SessionSpec, TableExplainedBody
 
 client = Client(base_url=sys.argv[1], timeout=None)
 text = "push the mug 3 cm to the left"
 
-read = parse.sync(client=client, body=TableSaidBody(text=text))
+read = parse.sync(client=client, body=TableExplainedBody(text=text))
 assert read.ok and read.frames[0].action == "push", read
-unread = parse.sync(client=client, body=TableSaidBody(text="frobnicate the mug"))
+unread = parse.sync(client=client, body=TableExplainedBody(text="frobnicate the mug"))
 assert not unread.ok and unread.error.code == "unknown_verb", unread
 
-planned = plan.sync(client=client, body=TableSaidBody(text=text)).result
+planned = plan.sync(client=client, body=TableExplainedBody(text=text)).result
 assert planned.status == "planned", planned
 push = planned.plan.actions[0]
 assert push.kind == "push" and push.prediction.outcome == "slide", push
 assert planned.frames[0].goal.kind == "displace", planned.frames
-refused = plan.sync(client=client, body=TableSaidBody(text="push the mug 3 m away")).result
+refused = plan.sync(client=client, body=TableExplainedBody(text="push the mug 3 m away")).result
 assert refused.status == "refused" and refused.error.suggestions, refused
 
 session = open_session.sync(client=client, body=SessionSpec(scene="kitchen", seed=1))
