@@ -32,8 +32,8 @@ REST = 60.0
 """Time in which what is over has gone, on a machine that is busy [s]."""
 
 MOST_AT_ONCE, PLACES = 3, 6
-"""Sessions that are opened side by side, and that may be open; those of callers who have gone come on
-top for a moment."""
+"""Sessions that are opened side by side, and that may be open; those of callers who have gone come
+on top for a moment."""
 
 USES: tuple[tuple[str, str, Any], ...] = (
     ("POST", "look", None),
