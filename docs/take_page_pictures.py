@@ -16,8 +16,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from tests.browser.open_page import FLAGS, NAMES
-from tests.browser.open_page import OpenPage
+from tests.browser.open_page import FLAGS, NAMES, OpenPage
 from tests.service_process import serving
 
 if TYPE_CHECKING:
