@@ -58,6 +58,6 @@ def test_the_token_is_asked_for_where_there_is_one(
     assert opened.ask(OPERATIONS) == 0
     opened.page.fill("#login input", TOKEN)
     opened.page.click("#login button")
-    opened.wait(f"{OPERATIONS} > 30")
+    opened.page.locator(".opblock").nth(30).wait_for()  # the page is loaded anew meanwhile
     assert all(asked.startswith((closed_server.url, "data:")) for asked in opened.requests)
     opened.page.close()
