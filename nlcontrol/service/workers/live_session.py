@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import threading
 import time
@@ -59,7 +60,7 @@ class LiveSession:
         self.frame: bytes | None = None
         self._settings = settings
         self._used_at = time.monotonic()
-        self._kept_for = settings.idle_time
+        self._kept_for, self._left_at = settings.idle_time, -math.inf
         self._planned_at = -LIFE
         self._calls: set[Future[bytes]] = set()
 
@@ -91,12 +92,18 @@ class LiveSession:
         self._used_at = time.monotonic()
 
     def leave(self, after: float) -> None:
-        """Lets it end once it has been idle for a time [s], unless somebody takes it up again."""
+        """Lets it end once it has been idle for a time [s], unless somebody takes it up again.
+
+        Uses within that time put the end off: a page that is left has requests under way, which
+        may come in after it has told so.
+        """
         self._kept_for = min(after, self._settings.idle_time)
+        self._left_at = time.monotonic()
 
     def take_up(self) -> None:
         """Notes that somebody uses the session, so that it is kept as long as any."""
-        self._kept_for = self._settings.idle_time
+        if time.monotonic() - self._left_at > self._kept_for:
+            self._kept_for = self._settings.idle_time
         self.note_use()
 
     @contextmanager

@@ -39,3 +39,11 @@ def test_a_session_that_is_left_in_the_middle_of_a_run_ends_after_it(
     run = robot_http.get(f"/v1/runs/{begun.json()['run_id']}").json()
     assert run["state"] == "ended"
     assert run["result"]["ok"]
+
+
+def test_a_request_that_comes_in_late_keeps_nothing_open(
+    robot_http: httpx.Client, session: str
+) -> None:
+    assert robot_http.delete(session, params={"idle": IDLE}).status_code == 204
+    assert robot_http.post(f"{session}/look").status_code == 200
+    wait_until(lambda: robot_http.get(session).status_code == 404)
