@@ -35,8 +35,8 @@ if TYPE_CHECKING:
     from nlcontrol.session.executor import Executor, Motion
     from sim.traces.trace import Trace
 
-NICE = 10
-"""Niceness of the thread that simulates, so that plans come first."""
+NICE = 5
+"""Niceness of the thread that simulates: plans come first, and other work does not starve a run."""
 
 MOST_TABLES = 4
 """Tables that a worker keeps open for calls without a session."""
