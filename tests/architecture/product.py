@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Mapping
+import shutil
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -97,3 +98,19 @@ def circles(graph: Graph) -> list[list[str]]:
     count, labels = connected_components(matrix, connection="strong")
     groups = [[names[i] for i in np.flatnonzero(labels == label)] for label in range(count)]
     return [group for group in groups if len(group) > 1]
+
+
+def copy_edited(folder: Path, edits: Iterable[tuple[str, str, str]]) -> None:
+    """Copies the packages into a folder, with texts of their files replaced.
+
+    Args:
+        folder: that takes them.
+        edits: path of a file, a text that stands there once, and the one in its place.
+    """
+    for package in PACKAGES:
+        shutil.copytree(ROOT / package, folder / package)
+    for name, known, new in edits:
+        path = folder / name
+        text = path.read_text(encoding="utf-8")
+        assert text.count(known) == 1, f"{name}: {known}"
+        path.write_text(text.replace(known, new), encoding="utf-8")

@@ -15,8 +15,9 @@ from typing import Any
 
 import pytest
 
+from tests.architecture.product import copy_edited
+
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("grammar", "objectmodels", "planner", "sim", "nlcontrol")
 
 CLASS = '''class MaxHeight(BaseConstraint):
     """The object is lifted by `value` at most [m]."""
@@ -87,13 +88,7 @@ EDITS = [
 def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The packages with the new constraint."""
     folder = tmp_path_factory.mktemp("recipe")
-    for package in PACKAGES:
-        shutil.copytree(ROOT / package, folder / package)
-    for name, known, new in EDITS:
-        path = folder / name
-        text = path.read_text(encoding="utf-8")
-        assert text.count(known) == 1, f"{name}: {known}"
-        path.write_text(text.replace(known, new), encoding="utf-8")
+    copy_edited(folder, EDITS)
     return folder
 
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -16,10 +15,10 @@ from typing import Any
 
 import pytest
 
+from tests.architecture.product import copy_edited
 from tests.service_process import serving
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("grammar", "objectmodels", "planner", "sim", "nlcontrol")
 
 DECLARED = '''class Spread(Document):
     """How far objects stand from another.
@@ -104,13 +103,7 @@ print(json.dumps(told))
 def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The packages with the new question."""
     folder = tmp_path_factory.mktemp("recipe")
-    for package in PACKAGES:
-        shutil.copytree(ROOT / package, folder / package)
-    for name, known, new in EDITS:
-        path = folder / name
-        text = path.read_text(encoding="utf-8")
-        assert text.count(known) == 1, f"{name}: {known}"
-        path.write_text(text.replace(known, new), encoding="utf-8")
+    copy_edited(folder, EDITS)
     return folder
 
 
