@@ -1,0 +1,115 @@
+"""Whether two versions answer alike: documents and digests of executions.
+
+    python -m benchmarks.sameness before.jsonl
+    python -m benchmarks.sameness after.jsonl --like before.jsonl
+
+Writes what `parse`, `plan` and `say` print with `--json`, exit codes included, and ends with 1 if
+an answer differs from the other file's, byte by byte. Sentences are drawn from the test set,
+understood and refused ones, half of them in the kitchen, the others in each scene by turns.
+`python -m benchmarks.goals` keeps a digest of all traces of each case, which `--goals` compares in
+the same way:
+
+    python -m benchmarks.goals --cases 200 --seed 0 --record goals_after.jsonl
+    python -m benchmarks.sameness after.jsonl --goals goals_before.jsonl goals_after.jsonl
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import random
+import sys
+from contextlib import redirect_stderr, redirect_stdout
+from io import StringIO
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict
+
+from benchmarks.record import Kept, carried_out
+from benchmarks.sentences import refused, understood
+from nlcontrol.cli import run
+
+SCENES = ("kitchen", "breakfast", "counter", "pantry", "workbench")
+
+COUNTS = {"parse": 2000, "plan": 200, "say": 30}
+"""Sentences of each command."""
+
+TIMES = frozenset({"planning", "wall", "answering"})
+"""Fields of a case of goals that are times on the clock."""
+
+
+class Question(BaseModel):
+    """A command with a sentence."""
+
+    model_config = ConfigDict(frozen=True)
+
+    command: Literal["parse", "plan", "say"]
+    scene: str
+    text: str
+
+
+class Answer(Kept[Question]):
+    """What the command line printed, and its exit code."""
+
+    printed: str
+    exit_code: int
+
+
+def questions(seed: int) -> list[Question]:
+    """As many as `COUNTS` has, each once."""
+    draw = random.Random(seed)
+    texts = [*understood(), *refused()]
+    asked = dict[Question, None]()
+    for command, count in COUNTS.items():
+        for number, text in enumerate(draw.sample(texts, min(count, len(texts)))):
+            scene = SCENES[number // 2 % len(SCENES)] if number % 2 else SCENES[0]
+            asked[Question(command=command, scene=scene, text=text)] = None
+    return list(asked)
+
+
+def answer(question: Question) -> Answer:
+    """Asks the command line, in this process."""
+    scene = [] if question.command == "parse" else ["--scene", question.scene]
+    asked = [question.command, "--json", *scene, "--", question.text]
+    with redirect_stdout(StringIO()) as printed, redirect_stderr(StringIO()):
+        exit_code = run(asked)
+    return Answer(job=question, printed=printed.getvalue(), exit_code=exit_code)
+
+
+def differing(before: Path, after: Path, job: str = "job") -> list[str]:
+    """Jobs of a record that another one lacks or answers otherwise, times apart."""
+    first, second = (_by_job(path, job) for path in (before, after))
+    return [key for key in sorted(first | second) if first.get(key) != second.get(key)]
+
+
+def _by_job(path: Path, job: str) -> dict[str, Any]:
+    lines = [json.loads(line) for line in path.read_text("utf-8").splitlines()]
+    return {json.dumps(line.pop(job)): _timeless(line) for line in lines}
+
+
+def _timeless(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _timeless(v) for key, v in value.items() if key not in TIMES}
+    return [_timeless(v) for v in value] if isinstance(value, list) else value
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    parser.add_argument("record", type=Path)
+    parser.add_argument("--like", type=Path, help="record of another version")
+    parser.add_argument("--goals", type=Path, nargs=2, help="records of `benchmarks.goals`")
+    parser.add_argument("--seed", type=int, default=0)
+    options = parser.parse_args()
+    carried_out(answer, questions(options.seed), Answer, record=options.record)
+    compared = [(options.like, options.record)] if options.like else []
+    compared += [tuple(options.goals)] if options.goals else []
+    differences = [(b, key) for a, b in compared for key in differing(a, b)]
+    for path, key in differences:
+        print(f"{path.name}: {key}")
+    print(f"{len(differences)} answers differ in {len(compared)} comparisons, seed {options.seed}")
+    return int(bool(differences))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
