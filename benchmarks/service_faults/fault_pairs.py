@@ -77,7 +77,7 @@ class FaultPairs:
         """One more."""
         service, rng = self.service, self.rng
         fault = rng.choices(list(FAULTS), list(FAULTS.values()))[0]
-        self._pair = f"{self.made.total()} {fault.__name__}"
+        before, self._pair = self._pair, f"{self.made.total()} {fault.__name__}"
         begins = rng.random() < BEGUN
         self._blame("not ready", service.ready())
         if rng.random() < PLANNED:

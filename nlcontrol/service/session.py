@@ -97,6 +97,7 @@ class Session(PlanningSession):
         self._registry, self._executor, self._time_limit = registry, executor, time_limit
         self._own_turn = RLock()
         self._run: SessionRun | None = None
+        self._asked: SessionRun | None = None
         self._plans = OfferedPlans(clock)
         self._open()
 
@@ -166,7 +167,8 @@ class Session(PlanningSession):
             ControlError: `busy`; where motion is allowed, also what `say` raises.
         """
         if motion == "simulate" and is_question(self, said):
-            return self.say(said, motion=motion).result()
+            self._asked = self.say(said, motion=motion)
+            return self._asked.result()
         with self._idle():
             return self.conversation.plan(said).result
 
@@ -345,6 +347,11 @@ class Session(PlanningSession):
         self._plans.drop()
         if (run := self._run) is not None:
             run.stop()
+
+    def give_up_answer(self) -> None:
+        """Stops what moves for an answer that nobody waits for any more; waits for nothing."""
+        if self._asked is not None:
+            self._asked.stop()
 
     def reset(self) -> None:
         """Puts everything back as it was at the beginning; see `PlanningSession`."""

@@ -177,12 +177,12 @@ class Controller:
                 scene is taken as standing alone in the middle of the table.
 
         Raises:
-            ControlError: `unknown_object`.
+            ControlError: `unknown_object`; `time_limit`.
         """
         from planner.affordances import affordances
 
         seen, state = self.surroundings(name)
-        return affordances(seen, state, self.robot, defaults=self.defaults)
+        return affordances(seen, state, self._robot_until(None), defaults=self.defaults)
 
     @in_turn
     def surroundings(self, name: str) -> tuple[SeenObject, WorldState]:

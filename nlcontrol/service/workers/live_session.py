@@ -161,6 +161,8 @@ class LiveSession:
         def give_up() -> None:
             with suppress(InvalidStateError):
                 answer.set_exception(time_limit_error(limit))
+                if method == "ask":  # it may have the robot touch something
+                    self.process.command("give_up_answer")
 
         timer = daemon_timer(limit, give_up)
 

@@ -64,7 +64,7 @@ class SessionHost:
         tell: tells the service something by topic.
     """
 
-    urgent = frozenset({"stop", "stop_run", "take_turn"})
+    urgent = frozenset({"stop", "stop_run", "give_up_answer", "take_turn"})
 
     def __init__(self, tell: Tell) -> None:
         self._tell = tell
@@ -105,6 +105,9 @@ class SessionHost:
                 return b"{}"
             case "stop" | "stop_run":
                 return self._stop(session=method == "stop")
+            case "give_up_answer":
+                self.session.give_up_answer()
+                return b"{}"
             case "drop_run":
                 return self._drop_run()
             case "geometry":

@@ -6,16 +6,19 @@ import math
 import threading
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from nlcontrol import ControlError, Controller, Event, Session
 from nlcontrol.errors import ErrorInfo
+from nlcontrol.results.result import Result
 from nlcontrol.service import offered_plans
 from nlcontrol.service.offered_plans import LIFE
 from nlcontrol.service.session_protocol import PlanningSession
 from planner.types.plan import Plan
+from sim.exploration.trial_extraction import Recording
 from sim.traces.trace import Trace
 from tests.fakes.played_executor import PlayedExecutor, played
 from tests.patience import PATIENCE
@@ -305,6 +308,27 @@ def test_a_stop_cancels_the_run(
     robot.happens = [stops]
     result = session.say(AWAY).result(PATIENCE)
     assert (result.status, len(robot.executed)) == ("cancelled", 1)
+
+
+def test_an_answer_that_is_given_up_moves_nothing_further(
+    session: Session, robot: PlayedExecutor, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def asks() -> Result:
+        return session.ask("how slippery is the ice tea box?", motion="simulate")
+
+    assert asks().status != "cancelled"
+    assert len(robot.touched) > 1
+    touch = robot.touch
+
+    def gives_up(*arguments: Any) -> Recording:
+        session.give_up_answer()
+        return touch(*arguments)
+
+    monkeypatch.setattr(robot, "touch", gives_up)
+    robot.touched.clear()
+    assert asks().status == "cancelled"
+    assert len(robot.touched) == 1
+    assert session.say(AWAY).result(PATIENCE).status == "done"
 
 
 def test_approval_may_be_required(robot: PlayedExecutor) -> None:

@@ -261,10 +261,17 @@ def test_a_run_that_cannot_be_noted_leaves_no_ghost(
     assert runs.begin(session, ASKED, None).state == "running"
 
 
-def test_a_run_that_was_begun_too_late_is_dropped(
-    process: Process, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("method", "undone"),
+    [
+        ("begin_run", [[], ["drop_run"]]),  # once it has begun: it would wait for its turn for ever
+        ("ask", [["give_up_answer"], ["give_up_answer"]]),  # at once: it may move something
+        ("plan", [[], []]),  # it ends by itself
+    ],
+)
+def test_what_is_answered_too_late_is_undone(
+    process: Process, monkeypatch: pytest.MonkeyPatch, method: str, undone: list[list[str]]
 ) -> None:
-    """Nobody waits for it any more, and it would wait for its turn for ever."""
     late: Future[bytes] = Future()
 
     def called(method: str, **_: object) -> Future[bytes]:
@@ -277,11 +284,11 @@ def test_a_run_that_was_begun_too_late_is_dropped(
     session = LiveSession("session", SessionSpec(), settings)
     session.process = cast("WorkerProcess", process)
     with pytest.raises(ControlError) as raised:
-        session.call("begin_run", **ASKED).result()
+        session.call(method, **ASKED).result()
     assert raised.value.code == "time_limit"
-    assert process.called == ["begin_run"]
+    assert process.called == [method, *undone[0]]
     late.set_result(b"{}")
-    assert process.called == ["begin_run", "drop_run"]
+    assert process.called == [method, *undone[1]]
 
 
 def test_an_end_that_cannot_be_written_is_told_and_written_later(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from click.testing import CliRunner
 
-from nlcontrol import Controller
+from nlcontrol import ControlError, Controller
 from nlcontrol.cli.command_line import cli
 from nlcontrol.errors import NO_PLAN
 
@@ -35,3 +35,9 @@ def test_the_command_line_takes_a_limit() -> None:
     found = CliRunner().invoke(cli, options, standalone_mode=False)
     assert found.return_value == NO_PLAN
     assert '"time_limit"' in found.stdout
+
+
+def test_affordances_take_no_longer_than_the_limit() -> None:
+    with pytest.raises(ControlError) as raised:
+        Controller(time_limit=1e-9).affordances("ice tea box")
+    assert raised.value.code == "time_limit"
