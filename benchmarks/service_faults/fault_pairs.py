@@ -71,13 +71,13 @@ class FaultPairs:
         self.answered: Counter[str] = Counter()
         self.operations: Counter[str] = Counter()
         self.found: Counter[str] = Counter()
-        self._pair = ""
+        self._pair = self._earlier = ""
 
     def try_pair(self) -> None:
         """One more."""
         service, rng = self.service, self.rng
         fault = rng.choices(list(FAULTS), list(FAULTS.values()))[0]
-        before, self._pair = self._pair, f"{self.made.total()} {fault.__name__}"
+        self._earlier, self._pair = self._pair, f"{self.made.total()} {fault.__name__}"
         begins = rng.random() < BEGUN
         self._blame("not ready", service.ready())
         if rng.random() < PLANNED:
@@ -205,7 +205,7 @@ class FaultPairs:
             return
         self.found[kind] += 1
         if self.found.total() <= LISTED:
-            print(f"FOUND {kind}: {self._pair}: {why}", flush=True)
+            print(f"FOUND {kind}: {self._pair}, after {self._earlier}: {why}", flush=True)
 
 
 def prove_faults_pass(pairs: int, seed: int) -> bool:
