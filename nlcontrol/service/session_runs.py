@@ -105,6 +105,11 @@ class SessionRun:
         """It has ended, in whichever way."""
         return self._info.ended_at is not None
 
+    @property
+    def is_stopped(self) -> bool:
+        """It was asked to come to rest."""
+        return self._stop.requested
+
     def info(self) -> RunInfo:
         """The run as it is now."""
         with self._changed:

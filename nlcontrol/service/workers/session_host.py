@@ -155,16 +155,20 @@ class SessionHost:
 
         Its plans take what they take, so that what it does does not depend on the machine.
         """
-        self._turn.clear()
+        turn = threading.Event()  # its own: a run that is refused changes nothing for another one
+        tell = partial(self._tell_event, turn)
         self.session.controller.time_limit = None
         try:
             if plan_id is None:
-                run = self.session.say(said, motion=motion, on_event=self._tell_event)
+                run = self.session.say(said, motion=motion, on_event=tell)
             else:
-                run = self.session.execute(plan_id, text=said, on_event=self._tell_event)
-            self._run = run
+                run = self.session.execute(plan_id, text=said, on_event=tell)
+            self._run, self._turn = run, turn
+            if run.is_stopped:  # before its turn was known
+                turn.set()
         except BaseException:
-            self.session.controller.time_limit = self._time_limit
+            if self._run is None or self._run.is_over:
+                self.session.controller.time_limit = self._time_limit
             raise
         threading.Thread(target=self._follow, args=(run,), daemon=True).start()
         return run.info().model_dump_json().encode()
@@ -185,11 +189,11 @@ class SessionHost:
             self._run.join()
         return b"{}"
 
-    def _tell_event(self, event: Event) -> None:
+    def _tell_event(self, turn: threading.Event, event: Event) -> None:
         """Tells an event; before the first one the run waits for its turn, in its own thread."""
-        if not self._turn.is_set():
+        if not turn.is_set():
             lower_priority()
-            self._turn.wait()
+            turn.wait()
         self._tell("event", event.model_dump_json().encode())
 
     def _follow(self, run: SessionRun) -> None:
