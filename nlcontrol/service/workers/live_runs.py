@@ -91,6 +91,7 @@ class LiveRuns:
             before = self._runs.get(session.run_id or "")
             if before is not None and before.is_ending:
                 before.ended.wait(ENDING)
+            session.wait_undone(ENDING)
             if session.run_id is not None:
                 raise _busy(session.run_id)
             run = LiveRun(f"run-{secrets.token_hex(8)}", session)

@@ -8,7 +8,7 @@ import threading
 import time
 from collections.abc import Iterator
 from concurrent.futures import Future, InvalidStateError
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from nlcontrol.errors import ControlError, error
@@ -63,6 +63,8 @@ class LiveSession:
         self._kept_for, self._left_at = settings.idle_time, -math.inf
         self._planned_at = -LIFE
         self._calls: set[Future[bytes]] = set()
+        self._is_undone = threading.Event()
+        self._is_undone.set()
 
     @property
     def executes(self) -> bool:
@@ -159,10 +161,11 @@ class LiveSession:
         self._calls.add(call)
 
         def give_up() -> None:
-            with suppress(InvalidStateError):
+            self._note_given_up(method)
+            try:
                 answer.set_exception(time_limit_error(limit))
-                if method == "ask":  # it may have the robot touch something
-                    self.process.command("give_up_answer")
+            except InvalidStateError:  # it has just been answered
+                self._is_undone.set()
 
         timer = daemon_timer(limit, give_up)
 
@@ -181,11 +184,28 @@ class LiveSession:
                 else:
                     answer.set_exception(self._cause(raised))
             except InvalidStateError:  # it was given up
-                if method == "begin_run" and raised is None:
-                    self.process.command("drop_run")  # it would wait for its turn for ever
+                self._undo(method, is_done=raised is None)
 
         call.add_done_callback(settle)
         return answer
+
+    def _note_given_up(self, method: str) -> None:
+        if method == "begin_run":
+            self._is_undone.clear()
+        elif method == "ask":  # it may have the robot touch something
+            self.process.command("give_up_answer")
+
+    def _undo(self, method: str, *, is_done: bool) -> None:
+        """Undoes what was given up: a run that was begun would wait for its turn for ever."""
+        if method == "begin_run" and is_done:
+            dropped = self.process.command("drop_run")
+            dropped.add_done_callback(lambda _: self._is_undone.set())
+        elif method == "begin_run":
+            self._is_undone.set()
+
+    def wait_undone(self, timeout: float) -> None:
+        """Waits [s] until a run whose beginning was given up has ended."""
+        self._is_undone.wait(timeout)
 
     def tell_frames(self, wanted: bool) -> None:
         """Lets frames of poses be told, or ends that."""

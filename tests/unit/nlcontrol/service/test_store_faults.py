@@ -241,6 +241,7 @@ def session(process: Process) -> LiveSession:
 
 
 ASKED = {"plan_id": None, "said": "push it", "motion": None}
+BUSY = error("busy", "another run is under way", suggestions=("wait",))
 
 
 def _failing(*_: object, **__: object) -> None:
@@ -289,6 +290,32 @@ def test_what_is_answered_too_late_is_undone(
     assert process.called == [method, *undone[0]]
     late.set_result(b"{}")
     assert process.called == [method, *undone[1]]
+
+
+@pytest.mark.parametrize("is_begun", [True, False])
+def test_the_next_run_waits_until_one_that_was_given_up_is_dropped(
+    store: RunStore,
+    session: LiveSession,
+    process: Process,
+    monkeypatch: pytest.MonkeyPatch,
+    is_begun: bool,
+) -> None:
+    late: Future[bytes] = Future()
+    with monkeypatch.context() as patch:
+        patch.setattr(session, "_settings", ServiceSettings(request_time=0.01))
+        patch.setattr(process, "call", lambda *_, **__: late)
+        with pytest.raises(ControlError):
+            session.call("begin_run", **ASKED).result()
+    wait = session.wait_undone
+
+    def wait_undone(timeout: float) -> None:
+        late.set_result(b"{}") if is_begun else late.set_exception(BUSY)
+        wait(timeout)
+
+    monkeypatch.setattr(session, "wait_undone", wait_undone)
+    runs = LiveRuns(store, workers=1, queue=1)
+    assert runs.begin(session, ASKED, None).state == "running"
+    assert process.called[: 1 + is_begun] == [*["drop_run"] * is_begun, "begin_run"]
 
 
 def test_an_end_that_cannot_be_written_is_told_and_written_later(
