@@ -34,6 +34,7 @@ from sim.supervision import Monitor
 
 if TYPE_CHECKING:
     from nlcontrol.learning.exploration_session import Exploration, ExplorationStopped
+    from nlcontrol.session.controller import Controller
     from objectmodels import ObjectModel
     from sim.exploration.exploration_run import Touched
 
@@ -94,7 +95,7 @@ def command(
     from nlcontrol.reports.exploration_report import report_lines, with_truth
     from objectmodels.geometry.pushed_body import UNCERTAIN
     from objectmodels.registry.model_files import save_model
-    from objectmodels.registry.user_models import place_model, rename_model, store_model
+    from objectmodels.registry.user_models import rename_model, store_model
     from sim.simulated_executor import simulation
 
     if precision is not None and math.isnan(precision):
@@ -104,9 +105,7 @@ def command(
     controller = open_controller(scene, seed, settings, put=put)
     item = object_on_table(name, controller.cell, controller.models, controller.registry)
     if saved_as is not None:
-        believed = controller.models[item.name]
-        named = rename_model(believed, saved_as) if saved_as else believed
-        place_model(controller.registry.copy(), named, replace=True)
+        _require_room(controller, item.name, saved_as)
     stopped = None
     with Narrator() as progress, stop_on_signal() as stop:
         try:
@@ -137,6 +136,15 @@ def command(
         report = report.model_copy(update={"saved": str(path), "instead_of": instead})
     code = print_answer(report.model_dump(mode="json"), report_lines(report), as_json=as_json)
     return code if stopped is None else SIGNALS.exit_code
+
+
+def _require_room(controller: Controller, name: str, saved_as: str) -> None:
+    """Requires that the registry can take what will be found, before anything is touched."""
+    from objectmodels.registry.user_models import place_model, rename_model
+
+    believed = controller.models[name]
+    named = rename_model(believed, saved_as) if saved_as else believed
+    place_model(controller.registry.copy(), named, replace=True)
 
 
 def _findings(stopped: ExplorationStopped) -> tuple[Exploration, ErrorInfo]:
