@@ -55,7 +55,7 @@ MOST_WORKS = 1.7
 MOST_WORKS_GIVEN_UP = 1.3
 """The same where that first plan was given up: beside what takes so long little else is found."""
 
-MOST_EACH = 0.5
+MOST_SHARE = 0.5
 """Of the same, the work of each plan of a search.
 
 What can be done after a step mostly shows soon, and what stops the hand then shows as soon.
@@ -301,7 +301,7 @@ class StepSearch:
 
     def _share(self) -> SearchBudget:
         """The budget of the next plan."""
-        return SearchBudget(min(self._left, int(MOST_EACH * self._defaults.most_work)))
+        return SearchBudget(min(self._left, int(MOST_SHARE * self._defaults.most_work)))
 
     def _plan(self, frame: g.Frame, state: WorldState) -> PlanningResult:
         """The plan of a step, with no more work than is left."""

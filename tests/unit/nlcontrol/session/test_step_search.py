@@ -11,7 +11,7 @@ from nlcontrol import Controller
 from nlcontrol.session.events import Supervisor
 from nlcontrol.session.foresight.kept_plans import KeptPlans
 from nlcontrol.session.foresight.step_search import (
-    MOST_EACH,
+    MOST_SHARE,
     MOST_WORKS,
     MOST_WORKS_GIVEN_UP,
     ways_around,
@@ -53,4 +53,4 @@ def test_an_answer_has_one_budget_and_each_plan_of_the_search_a_share(
     refused = refusal, controller.look()
     assert ways_around(controller, frames, 0, refused, Supervisor(), KeptPlans()) is None
     assert sum(allowed) == works * MOST_WORK - before
-    assert max(allowed) == min(MOST_EACH * MOST_WORK, works * MOST_WORK - before)
+    assert max(allowed) == min(MOST_SHARE * MOST_WORK, works * MOST_WORK - before)
