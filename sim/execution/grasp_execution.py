@@ -17,15 +17,18 @@ from planner.types.actions import Action, LiftUp, PourOut, SetDown
 from planner.types.stack_actions import SetOn
 from planner.types.world_state import Held
 from sim.control.grasping.hand_motion import ACCELERATES, HandMotion
-from sim.control.grasping.held_object_sensing import HandSense, Holding, Weight, estimate_weight
+from sim.control.grasping.held_object_sensing import (
+    CONTACT,
+    HandSense,
+    Holding,
+    Weight,
+    estimate_weight,
+)
 from sim.control.trace_recorder import EarlyEndError, TraceRecorder
 from sim.motion.grasp_motion_search import GraspMotion
 from sim.paths.held_object_path import HeldObject, upright_again
 from sim.paths.held_segment import HeldSegment
 from sim.rotations import Array
-
-CONTACT = 0.4
-"""Force on each side that counts as contact [N]."""
 
 SETTLE = 0.5
 """Time that everything gets to come to rest in the end [s]."""

@@ -33,7 +33,6 @@ from sim.control.pushing.drag_control import drag_conditions
 from sim.control.pushing.force_control import FASTEST_START
 from sim.control.pushing.guarded_touch import TOUCH_BEYOND, TOUCH_SPEED, touch_force
 from sim.control.pushing.push_guards import RAMP, guard_conditions
-from sim.execution.grasp_execution import CONTACT
 from sim.motion.robot_reach import ArmHandReach
 from sim.paths.fingertip_path import BACK, STANDOFF, FingertipPath
 from sim.paths.held_object_path import (
@@ -154,7 +153,7 @@ def _grasp_guide(plan: Plan, state: WorldState, robot: Robot) -> GraspGuide:
         start_W=plain_vector(middle if grasp.held else middle + off),
         reach_speed=REACH_SPEED,
         close_speed=CLOSING_SPEED,
-        contact_force=CONTACT,
+        contact_force=held_object_sensing.CONTACT,
         squeeze=grasp.squeeze,
         legs=tuple(_leg(segment) for legs in steps for segment in legs),
         stop=tuple(_grasp_ends(plan, grasp)),
@@ -198,10 +197,10 @@ def _grasp_ends(plan: Plan, grasp: Grasp) -> Iterator[StopCondition]:
     slip, nudged = held_object_sensing.SLIP, held_object_sensing.NUDGED
     yield StopCondition(
         when="no_grasp",
-        limit=CONTACT,
+        limit=held_object_sensing.CONTACT,
         unit="N",
-        text=f"a side feels less than {CONTACT:g} N when the hand is closed beyond "
-        f"{1e3 * grasp.width:.0f} mm",
+        text=f"a side feels less than {held_object_sensing.CONTACT:g} N when the hand is closed "
+        f"beyond {1e3 * grasp.width:.0f} mm",
     )
     yield StopCondition(
         when="slipped",

@@ -29,6 +29,9 @@ if TYPE_CHECKING:
     from sim.hands.mount import Mount
     from sim.worlds.ports import Frame, SeenPose
 
+CONTACT = 0.4
+"""Force on each side that counts as contact [N]."""
+
 FELT = 0.04
 """Time constant of the felt squeeze [s]."""
 
