@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from objectmodels import BoxModel, CylinderModel, ObjectModel, PrismModel
-from objectmodels.geometry.support_points import Support
-from objectmodels.mechanics.exact.exact_thresholds import BORDER
+from objectmodels.exact.exact_thresholds import BORDER
+from objectmodels.geometry.base_shapes import Support
 from objectmodels.mechanics.friction_cone import contact_forces
 from objectmodels.mechanics.outcome_map import BAND
 

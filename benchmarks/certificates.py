@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels import BoxModel, CylinderModel, ModelError, ObjectModel, PrismModel
-from objectmodels.geometry.support_points import mean_distance, support_points
-from objectmodels.mechanics.exact.exact_thresholds import ExactThresholds
+from objectmodels.exact.exact_thresholds import ExactThresholds
+from objectmodels.geometry.base_shapes import mean_distance, support_points
 from tests.physics.bodies import Cases, edges
 from tests.physics.oracle import edge_force, verdict
 

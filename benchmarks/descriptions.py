@@ -29,7 +29,11 @@ from pydrake.systems.framework import DiagramBuilder
 from benchmarks.drake_push import BodyInDrake
 from benchmarks.mujoco_push import BodyInMujoco
 from benchmarks.pushes import STEP, Push, Stands, World, random_push, roll_out
-from objectmodels.descriptions.description_files import Format, description_texts, write_description
+from objectmodels.descriptions.description_reading import (
+    Format,
+    description_texts,
+    write_description,
+)
 from objectmodels.models.object_model import ObjectModel
 
 FORMATS: tuple[Format, ...] = ("mjcf", "sdf", "urdf")

@@ -25,9 +25,8 @@ import numpy as np
 from benchmarks.banded_cases import agreement_text, banded_options
 from benchmarks.fingertips import Fingertip
 from objectmodels import BoxModel, CylinderModel
-from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.support_points import hull_polygon, is_within
-from objectmodels.mechanics.balance.edge_support import (
+from objectmodels.geometry.base_shapes import Array, hull_polygon, is_within
+from objectmodels.mechanics.standing_balance import (
     TableEdge,
     TopLoad,
     edge_margins,

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from benchmarks.drake_strokes import add_tip
-from objectmodels.containers.lid_geometry import (
+from objectmodels.containers.lids import (
     THICKNESS,
     grip_distance,
     lid_hinge,

@@ -4,7 +4,7 @@
 
 Cups with flip lids are opened by a fingertip that follows the lid's arc, jars with lift-off lids by
 a pull that grows, bottles with screw caps by a torque that grows. What is predicted from the true
-figures (`objectmodels.containers.lid_forces`) is compared with what happens in Drake. Cases in
+figures (`objectmodels.containers.lids`) is compared with what happens in Drake. Cases in
 which the object bears within 10 % of what the lid needs may go either way and are counted apart.
 """
 
@@ -20,7 +20,7 @@ from benchmarks.lidbench import LidBench
 from nlcontrol.batches.drawn_scenes import scene_of
 from nlcontrol.parallel_tasks import run_all
 from objectmodels import CylinderModel
-from objectmodels.containers import lid_forces
+from objectmodels.containers import lids
 from objectmodels.models.object_parts import FlipLid, Lid, LiftOffLid, ScrewCap
 from sim.cell.cell_description import Vision
 from sim.truth.object_truth import Truth
@@ -146,18 +146,18 @@ def run(case: Case) -> Outcome:
     if isinstance(lid, FlipLid):
         return _flipped(bench, model, lid)
     if isinstance(lid, LiftOffLid):
-        expected = lid_forces.lift_off(model, lid)
+        expected = lids.lift_off(model, lid)
         done = bench.pull(_MORE * min(expected.needed, expected.held))
     else:
         assert isinstance(lid, ScrewCap)
-        expected = lid_forces.unscrew(model, lid)
+        expected = lids.unscrew(model, lid)
         done = bench.turn(_MORE * min(expected.needed, expected.held))
     opens = expected.margin > 1.0
     return Outcome(case.kind, _told(opens), expected.margin, _told(not done.came_along))
 
 
 def _flipped(bench: LidBench, model: CylinderModel, lid: FlipLid) -> Outcome:
-    arc = lid_forces.flip(model, lid, end=_END)
+    arc = lids.flip(model, lid, end=_END)
     done = bench.flip(_END)
     opened = done.lid > _OPEN * _END and not done.came_along
     return Outcome("flip", _told(arc.least_margin > 1.0), arc.least_margin, _told(opened))

@@ -25,8 +25,7 @@ import numpy as np
 from nlcontrol.parallel_tasks import run_all
 from objectmodels.containers.pour_dynamics import Catch, angle_for, caught_volume, pour
 from objectmodels.geometry.base_shapes import Polygon
-from objectmodels.models.object_parts import Container, Opening
-from objectmodels.models.vessel import Vessel
+from objectmodels.models.object_parts import Container, Opening, Vessel
 from sim.cell.cell_description import RobotMount
 from sim.rotations import Array, axis_rotation
 from sim.truth.object_truth import Truth

@@ -21,9 +21,8 @@ import numpy as np
 from benchmarks.banded_cases import agreement_text, banded_options
 from benchmarks.fingertips import Fingertip
 from objectmodels import BoxModel, CylinderModel, ObjectModel, PrismModel
-from objectmodels.geometry.base_shapes import Array, Polygon
-from objectmodels.geometry.support_points import hull_polygon, is_within
-from objectmodels.mechanics.exact.top_drag import TopDrag, top_drag
+from objectmodels.exact.top_drag import TopDrag, top_drag
+from objectmodels.geometry.base_shapes import Array, Polygon, hull_polygon, is_within
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from sim.standard_robot import HAND
 from sim.truth.scene_file import Pose, Scene, SceneObject, parse_scene

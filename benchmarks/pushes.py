@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels import BoxModel, PrismModel
-from objectmodels.geometry.support_points import Support
+from objectmodels.geometry.base_shapes import Support
 from objectmodels.models.object_model import ObjectModel
 from sim.face_experiment.applied_force import onset_time
 

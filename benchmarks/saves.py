@@ -19,9 +19,8 @@ from pathlib import Path
 import numpy as np
 
 from objectmodels import BoxModel, Registry
-from objectmodels.files.file_writing import PREFIX
-from objectmodels.registry.user_folder import FOLDER_VARIABLE
-from objectmodels.registry.user_models import remove_model, store_model
+from objectmodels.files.yaml_documents import PREFIX
+from objectmodels.registry.model_registry import FOLDER_VARIABLE, remove_model, store_model
 
 LONGEST_LIFE = 0.05
 """Time after which a saving process has been killed [s]; a save takes a tenth of it."""

@@ -16,9 +16,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks.banded_cases import agreement_text, banded_options
-from objectmodels.geometry.base_shapes import Array, Polygon
-from objectmodels.geometry.support_points import hull_polygon
-from objectmodels.mechanics.balance.stack_stability import StackedBody, stack_margins
+from objectmodels.geometry.base_shapes import Array, Polygon, hull_polygon
+from objectmodels.mechanics.standing_balance import StackedBody, stack_margins
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Pose, Scene, SceneObject, parse_scene
 from sim.worlds.drake.drake_plant import (

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from objectmodels import BoxModel
-from objectmodels.mechanics.tilt_limits import tilt_level
+from objectmodels.mechanics.push_thresholds import tilt_level
 
 SEED = 5
 TRUE = BoxModel(

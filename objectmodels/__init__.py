@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from objectmodels.lazy_names import lazy_names
+from objectmodels.lazy import lazy_names
 
 if TYPE_CHECKING:
     from objectmodels.errors import ModelError as ModelError
@@ -17,12 +17,12 @@ if TYPE_CHECKING:
     from objectmodels.mechanics.friction_cone import ConeThresholds as ConeThresholds
     from objectmodels.mechanics.push_outcomes import Prediction as Prediction
     from objectmodels.mechanics.push_outcomes import Thresholds as Thresholds
-    from objectmodels.models.convex_hull import HullModel as HullModel
     from objectmodels.models.object_model import ObjectModel as ObjectModel
     from objectmodels.models.parameters import Provenance as Provenance
-    from objectmodels.models.upright_solids import BoxModel as BoxModel
-    from objectmodels.models.upright_solids import CylinderModel as CylinderModel
-    from objectmodels.models.upright_solids import PrismModel as PrismModel
+    from objectmodels.models.shapes import BoxModel as BoxModel
+    from objectmodels.models.shapes import CylinderModel as CylinderModel
+    from objectmodels.models.shapes import HullModel as HullModel
+    from objectmodels.models.shapes import PrismModel as PrismModel
     from objectmodels.registry.model_registry import Registry as Registry
 
 _HOMES = {
@@ -31,10 +31,9 @@ _HOMES = {
     "geometry.side_faces": ["Face", "sides"],
     "mechanics.friction_cone": ["ConeThresholds"],
     "mechanics.push_outcomes": ["Prediction", "Thresholds"],
-    "models.convex_hull": ["HullModel"],
+    "models.shapes": ["HullModel", "BoxModel", "CylinderModel", "PrismModel"],
     "models.object_model": ["ObjectModel"],
     "models.parameters": ["Provenance"],
-    "models.upright_solids": ["BoxModel", "CylinderModel", "PrismModel"],
     "registry.model_registry": ["Registry"],
 }
 

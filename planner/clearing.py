@@ -15,8 +15,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from grammar.frames import command as g
-from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.support_points import hull_polygon
+from objectmodels.geometry.base_shapes import Array, hull_polygon
 from planner.geometry.directions import bisector, unit
 from planner.geometry.footprints import footprint, gap, kept_gap, room_to_edge
 from planner.problem.frame_interpretation import interpret_frame

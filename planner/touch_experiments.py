@@ -29,7 +29,7 @@ import numpy as np
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.side_faces import Face
 from objectmodels.identification.trial import Trial
-from objectmodels.mechanics import tilt_limits
+from objectmodels.mechanics import push_thresholds
 from objectmodels.models.object_model import ObjectModel
 from planner.geometry.directions import face_name
 from planner.types.actions import Push
@@ -145,7 +145,7 @@ def press(seen: SeenObject, point: Array, normal: Array, limits: RobotLimits) ->
         limits: figures of the robot.
     """
     # Tilted, the far edge stays; the near one rises as far behind it as the contact moves above it.
-    stroke = RAISED * float(point[2]) / tilt_limits.length_along(seen.model, -normal)
+    stroke = RAISED * float(point[2]) / push_thresholds.length_along(seen.model, -normal)
     return _touch_experiment("press", seen, point, normal, max(PRESS, stroke), limits)
 
 
@@ -225,6 +225,6 @@ def _touch_experiment(
         kind,
         push,
         onset=float(seen.model.thresholds([point], [-normal]).onset[0]),
-        length=tilt_limits.length_along(seen.model, -normal),
+        length=push_thresholds.length_along(seen.model, -normal),
         R_WB=seen.pose.R_WB,
     )

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from objectmodels.lazy_names import lazy_names
+from objectmodels.lazy import lazy_names
 
 if TYPE_CHECKING:
     from sim.errors import PictureError as PictureError

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from objectmodels.geometry.vector_arrays import spatial_cross
+from objectmodels.geometry.rotations import spatial_cross
 
 Array = NDArray[np.float64]
 

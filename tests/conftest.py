@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, settings
 from hypothesis.internal.conjecture import providers
 from hypothesis.internal.constants_ast import Constants
 
-from objectmodels.registry.user_folder import FOLDER_VARIABLE
+from objectmodels.registry.model_registry import FOLDER_VARIABLE
 from tests.browser_tests import browser_account
 
 # How long an example takes says more about the machine than about the code. By default the same

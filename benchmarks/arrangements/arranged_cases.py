@@ -26,7 +26,7 @@ from benchmarks.record import Kept
 from nlcontrol import Controller, Registry
 from nlcontrol.batches.drawn_scenes import FRAGILE, Generator, draw_truth, scene_of
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.models.top_face import standing_height
+from objectmodels.models.shapes import standing_height
 from planner.types.world_state import SeenObject
 from sim.cell.cell_description import Vision
 from sim.rotations import from_quaternion

@@ -18,8 +18,7 @@ from benchmarks.arrangements.wishes import MIDDLE, WAYS, Kind, Wish
 from benchmarks.goals.hand_sense import may_be_held, may_be_held_lying
 from benchmarks.goals.sense import ROOM, SPARE, TABLE
 from objectmodels import ObjectModel
-from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.support_points import hull_polygon
+from objectmodels.geometry.base_shapes import Array, hull_polygon
 from planner.geometry.footprints import footprint, gap
 from planner.types.defaults import DEFAULTS as D
 from planner.types.world_state import SeenObject, TableState, WorldState

@@ -19,8 +19,7 @@ import numpy as np
 
 from benchmarks.goals.true_judge import SLACK, STIRRED
 from objectmodels import ObjectModel
-from objectmodels.geometry.base_shapes import Array, Disc
-from objectmodels.geometry.support_points import hull_polygon
+from objectmodels.geometry.base_shapes import Array, Disc, hull_polygon
 from planner.geometry.footprints import gap
 from planner.types.defaults import DEFAULTS as D
 

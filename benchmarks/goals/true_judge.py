@@ -17,8 +17,7 @@ import numpy as np
 
 from grammar.frames import command as g
 from objectmodels import ObjectModel
-from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.support_points import hull_polygon
+from objectmodels.geometry.base_shapes import Array, hull_polygon
 from planner.geometry.footprints import gap
 from planner.types.defaults import DEFAULTS as D
 from sim.traces.trace import Trace

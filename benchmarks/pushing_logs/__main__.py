@@ -22,7 +22,7 @@ from benchmarks.pushing_logs.push_tables import write_recordings, write_touches
 from benchmarks.pushing_logs.triangle_logs import LOGS, TrackedPush, read_log, triangle_model
 from nlcontrol.learning.log_fitting import fit_files
 from objectmodels import ObjectModel
-from objectmodels.registry.model_files import save_model
+from objectmodels.registry.model_registry import save_model
 
 SOUGHT = ("friction", "friction_radius")
 

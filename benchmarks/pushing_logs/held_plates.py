@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.vector_arrays import rotate
+from objectmodels.geometry.rotations import rotate
 
 _FOLDER = Path("differential_flat", "exp_data", "robot_exp_logs")
 _SETTLED = 0.010  # way of the plate after which the fingers surely touch [m]

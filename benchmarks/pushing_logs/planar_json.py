@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.pushing_logs.triangle_logs import TrackedPush
-from objectmodels.geometry.vector_arrays import rotate
+from objectmodels.geometry.rotations import rotate
 
 TIP_RADIUS = 0.00475
 """Of the rod [m]."""

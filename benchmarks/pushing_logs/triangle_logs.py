@@ -18,8 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from objectmodels import PrismModel
-from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.support_points import Support
+from objectmodels.geometry.base_shapes import Array, Support
 
 LEG = 0.150
 """Length of the two legs [m]."""

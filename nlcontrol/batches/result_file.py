@@ -16,7 +16,7 @@ from pydantic import ValidationError
 
 from nlcontrol.batches.row_result import RowOutcome, RowResult
 from nlcontrol.errors import error, known_errors_raised
-from objectmodels.files.file_reading import error_of_system
+from objectmodels.files.yaml_documents import error_of_system
 
 _SYNC_TIME = 1.0  # from one flush to the disk to the next [s]
 

@@ -23,9 +23,8 @@ from nlcontrol.errors import ControlError, ErrorInfo, known_errors_raised
 from nlcontrol.installed_versions import library_versions
 from objectmodels import Registry
 from objectmodels.errors import printable
-from objectmodels.files.limits import LIMITS
-from objectmodels.files.validation_faults import first_fault
-from objectmodels.registry.model_files import model_document
+from objectmodels.files.yaml_documents import LIMITS, first_fault
+from objectmodels.registry.model_registry import model_document
 from sim.truth.scene_file import load_scene
 
 Row = BatchRow | Mapping[str, object] | str | bytes

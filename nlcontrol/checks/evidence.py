@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from grammar.frames.command import Frame
     from nlcontrol.checks.trace_measures import Array
     from objectmodels import ObjectModel
-    from objectmodels.models.resting_face import Resting
+    from objectmodels.models.object_model import Resting
     from planner.types.defaults import Defaults
     from planner.types.world_state import TableState
     from sim.traces.trace import Trace

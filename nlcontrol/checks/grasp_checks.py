@@ -14,7 +14,7 @@ import numpy as np
 from grammar.frames import command as g
 from nlcontrol.checks import trace_measures as measures
 from nlcontrol.checks.verdicts import Check, Clause, Unit, compare, object_name, relation_of
-from objectmodels.containers.lid_geometry import is_off
+from objectmodels.containers.lids import is_off
 from objectmodels.models.object_parts import FlipLid, LiftOffLid, ScrewCap
 
 if TYPE_CHECKING:

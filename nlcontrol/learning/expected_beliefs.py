@@ -10,7 +10,7 @@ import numpy as np
 from nlcontrol.learning.exploration_session import precisions_asked
 from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.identification.experiment_design import parameter_precisions
-from objectmodels.identification.parameter_coordinates import with_belief
+from objectmodels.identification.measurement_model import with_belief
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel

@@ -25,17 +25,18 @@ from nlcontrol.learning.log_fitting import correlations, fitted_parameter, with_
 from objectmodels.errors import ModelError
 from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.identification.belief_update import initial_belief as guessed
-from objectmodels.identification.closed_form_estimates import (
-    Estimates,
-    estimates_from_trials,
-    repetition_table,
-)
 from objectmodels.identification.experiment_design import (
     Candidate,
     is_precise_enough,
     rank_candidates,
 )
-from objectmodels.identification.joint_fit import Fit, fit
+from objectmodels.identification.joint_fit import (
+    Estimates,
+    Fit,
+    estimates_from_trials,
+    fit,
+    repetition_table,
+)
 from planner.touch_experiments import Experiment, Kind, expected_trials
 from sim.supervision import Monitor, Stopped
 

@@ -17,7 +17,7 @@ import numpy as np
 from nlcontrol.checks import trace_measures as measures
 from nlcontrol.learning.learning_reports import Change, Lesson
 from nlcontrol.learning.lessons import beliefs_after_grasp, weight_from_grasp
-from objectmodels.identification.withstood_loads import (
+from objectmodels.identification.belief_update import (
     RevisedBelief,
     belief_of_slipperier_object,
     belief_of_stiffer_lid,

@@ -19,13 +19,13 @@ from nlcontrol.checks import trace_measures as measures
 from nlcontrol.learning.learning_reports import Change, Lesson
 from objectmodels.errors import ModelError
 from objectmodels.geometry.pushed_body import UNCERTAIN
-from objectmodels.identification.lying_belief import standing_belief
-from objectmodels.identification.parameter_coordinates import (
+from objectmodels.identification.belief_update import standing_belief
+from objectmodels.identification.measurement_model import (
     container_with_mass,
     container_with_volume,
 )
+from objectmodels.mechanics.push_motion import learned_radius
 from objectmodels.mechanics.push_thresholds import GRAVITY
-from objectmodels.mechanics.turning_push import learned_radius
 from planner.types.actions import LiftUp, PourOut
 from planner.types.plan import Plan
 from sim.control.grasping.held_object_sensing import Weight, estimate_weight

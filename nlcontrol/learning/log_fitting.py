@@ -15,9 +15,9 @@ from pathlib import Path
 from nlcontrol.learning.learning_reports import FitReport, FittedParameter
 from objectmodels import ModelError, ObjectModel, Provenance
 from objectmodels.geometry.pushed_body import UNCERTAIN
-from objectmodels.identification.identifiability import UNKNOWN
+from objectmodels.identification.experiment_design import UNKNOWN
 from objectmodels.identification.joint_fit import Fit, fit
-from objectmodels.identification.logs.touch_log import FORCE_SHARE, Reading, read_data
+from objectmodels.identification.touch_log import FORCE_SHARE, Reading, read_data
 
 TOLD = 0.3
 """Correlations from this size on are told."""

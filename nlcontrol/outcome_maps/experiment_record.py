@@ -20,7 +20,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from nlcontrol.errors import ControlError, error
 from nlcontrol.json_document import SCHEMA_VERSION, is_readable
 from objectmodels.errors import ModelError
-from objectmodels.files.file_reading import error_of_system, read_bytes
+from objectmodels.files.yaml_documents import error_of_system, read_bytes
 from sim.face_experiment.face_contact import Contact, TouchResult, Way
 from sim.truth.observer import Moved
 

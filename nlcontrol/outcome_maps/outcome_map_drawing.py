@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from nlcontrol.outcome_maps.map_comparison import BY, Comparison, agreement_text
 from nlcontrol.outcome_maps.outcome_map_table import legend
-from objectmodels.mechanics.outcome_map_picture import COLOURS
+from objectmodels.mechanics.outcome_map import COLOURS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

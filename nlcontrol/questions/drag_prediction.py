@@ -1,6 +1,6 @@
 """Prediction of one drag: a fingertip that presses on top of an object and is led along it.
 
-All numbers are those of the exact tier (`objectmodels.mechanics.exact.top_drag`), by which drags
+All numbers are those of the exact tier (`objectmodels.exact.top_drag`), by which drags
 are planned, too. Frame B: the origin in the middle of the base, z up.
 """
 
@@ -15,9 +15,9 @@ from nlcontrol.errors import error
 from nlcontrol.json_document import Document, finite_or_none
 from nlcontrol.questions.push_direction import heading_text, unit_direction
 from objectmodels import ObjectModel
-from objectmodels.geometry.support_points import is_within
-from objectmodels.mechanics.exact.top_drag import DragOutcome, drag_probability, top_drag
-from objectmodels.models.top_face import top_face
+from objectmodels.exact.top_drag import DragOutcome, drag_probability, top_drag
+from objectmodels.geometry.base_shapes import is_within
+from objectmodels.models.shapes import top_face
 from planner.geometry.directions import heading_of
 from planner.types.probability_text import probability_text
 

@@ -1,8 +1,8 @@
 """Questions about what a whole hand does, and about liquid that is spilled; nothing moves for one.
 
 What a hand would do is asked of the planner, whose plan holds the prediction. What a tilt or a push
-spills follows from the cavity (`objectmodels.models.vessel`): what stands above its lip runs out. A
-push that topples an object lays it on its side.
+spills follows from the cavity (`objectmodels.models.object_parts`): what stands above its lip runs
+out. A push that topples an object lays it on its side.
 
 Frames: W is the world, B the object. Headings are in W unless they are said to be in B.
 """

@@ -20,7 +20,7 @@ from nlcontrol.json_document import Document, finite_or_none
 from nlcontrol.questions.push_direction import heading_text, unit_direction
 from nlcontrol.text_format import aside_text
 from objectmodels import Face, ObjectModel
-from objectmodels.mechanics.outcome_probability import sample_at
+from objectmodels.mechanics.push_outcomes import sample_at
 from planner.geometry.directions import heading_of
 from planner.types.probability_text import probability_text
 
@@ -358,7 +358,7 @@ def deviations(model: ObjectModel, p: Array, u: Array) -> tuple[float | None, fl
     Returns:
         Of sliding and of toppling; None for what does not happen all over the parameters' range.
     """
-    from objectmodels.mechanics.exact.exact_thresholds import thresholds_of_sample
+    from objectmodels.exact.exact_thresholds import thresholds_of_sample
 
     shifts = np.diag(model.deviations)
     means = model.means + np.vstack((shifts, -shifts, np.zeros(len(shifts))))

@@ -20,7 +20,7 @@ _COLUMNS = ("mean", "sd", "%", "min", "max", "joint fit", "±", "believed", "tru
 
 def with_truth(report: ExplorationReport, truth: Truth) -> ExplorationReport:
     """The report of a finished exploration with how the object really is, by an observer."""
-    from objectmodels.geometry.support_points import mean_distance
+    from objectmodels.geometry.base_shapes import mean_distance
 
     feet = np.array(truth.support)
     figures = {

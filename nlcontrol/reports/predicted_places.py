@@ -16,7 +16,7 @@ from sim.views.run_story import ContactMark, Ghost
 
 if TYPE_CHECKING:
     from nlcontrol.results.result import Step
-    from objectmodels.models.resting_face import Resting
+    from objectmodels.models.object_model import Resting
     from planner.types.actions import GraspAction, PushAction
     from planner.types.plan import Plan
     from planner.types.world_state import SeenObject

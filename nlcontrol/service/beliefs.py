@@ -23,7 +23,7 @@ import numpy as np
 from nlcontrol.errors import ControlError, error
 from nlcontrol.json_document import finite_or_none
 from nlcontrol.service.documents import TableObject, TableView
-from objectmodels.registry.model_files import model_document
+from objectmodels.registry.model_registry import model_document
 from sim.cell.cell_description import LOOK
 
 if TYPE_CHECKING:

@@ -16,8 +16,7 @@ from nlcontrol.errors import ControlError, ErrorInfo
 from nlcontrol.json_document import Document, DocumentPart
 from nlcontrol.results.result import Result
 from nlcontrol.session.events import Event
-from objectmodels.files.limits import LIMITS
-from objectmodels.files.value_types import Coordinate, Name, length_of
+from objectmodels.files.yaml_documents import LIMITS, Coordinate, Name, length_of
 from planner.affordances import Affordance
 from planner.explanation.rows import Row
 from planner.types.marks import Mark

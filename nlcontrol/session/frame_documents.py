@@ -25,9 +25,7 @@ from nlcontrol.references.reference_resolution import parts_within
 from nlcontrol.session.remarks.merged_frames import without_spans
 from nlcontrol.text_format import encodable_text
 from objectmodels.errors import suggest
-from objectmodels.files.file_reading import read_bytes
-from objectmodels.files.limits import LIMITS
-from objectmodels.files.validation_faults import classes_in, short_text
+from objectmodels.files.yaml_documents import LIMITS, classes_in, read_bytes, short_text
 
 if TYPE_CHECKING:
     from grammar.parser import Parser

@@ -22,7 +22,7 @@ from nlcontrol.json_document import Document, DocumentPart
 from nlcontrol.session.executor import Motion
 from nlcontrol.text_format import encodable_text
 from objectmodels import ObjectModel
-from objectmodels.registry.model_files import model_document
+from objectmodels.registry.model_registry import model_document
 from sim.simulated_executor import SimulatedExecutor
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from nlcontrol.session.proposals import Proposal
 from nlcontrol.session.recipe import Recipe
 from objectmodels import Registry
 from objectmodels.errors import printable
-from objectmodels.registry.model_files import model_from_document
+from objectmodels.registry.model_registry import model_from_document
 from planner.types.defaults import Defaults
 from sim.simulated_executor import SimulatedExecutor, simulation
 

@@ -1,7 +1,7 @@
 """Pouring: how fast a leaning vessel runs out, where the stream lands, and how much is caught.
 
-Model: the vessel's liquid is at rest (`objectmodels.models.vessel`), so what runs out depends on
-the head h, the height of the surface above the lip. Each piece of the rim under the surface is a
+Model: the vessel's liquid is at rest (`objectmodels.models.object_parts`), so what runs out depends
+on the head h, the height of the surface above the lip. Each piece of the rim under the surface is a
 weir, which passes ⅔ c √(2g) d^1.5 per metre at its own depth d: all round where the opening lies
 level, only forwards where it stands upright (then it is the circular weir); never more than the
 full hole, c π r² √(2gh). It leaves with the critical speed √(⅔ g h), level, or along the wall where
@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike
 
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.mechanics.push_thresholds import GRAVITY
-from objectmodels.models.vessel import Vessel
+from objectmodels.models.object_parts import Vessel
 
 DISCHARGE = 0.6
 """Share c of the ideal flow over a weir or through a hole with a sharp edge."""

@@ -11,9 +11,8 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from objectmodels.geometry.base_shapes import Array, Base
+from objectmodels.geometry.base_shapes import Array, Base, Support
 from objectmodels.geometry.side_faces import Face
-from objectmodels.geometry.support_points import Support
 
 Friction = Literal["static", "kinetic"]
 
@@ -56,7 +55,7 @@ class PushedBody(Protocol):
 
     @property
     def support(self) -> Support:
-        """Points on which it stands; see `objectmodels.geometry.support_points`."""
+        """Points on which it stands; see `objectmodels.geometry.base_shapes`."""
 
     @property
     def mass(self) -> float:

@@ -4,23 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from objectmodels.lazy_names import lazy_names
+from objectmodels.lazy import lazy_names
 
 if TYPE_CHECKING:
     from objectmodels.identification.belief_update import Update as Update
     from objectmodels.identification.belief_update import belief_after_trial as belief_after_trial
     from objectmodels.identification.belief_update import initial_belief as initial_belief
     from objectmodels.identification.belief_update import update_belief as update_belief
-    from objectmodels.identification.closed_form_estimates import Estimates as Estimates
-    from objectmodels.identification.closed_form_estimates import (
-        estimates_by_repetition as estimates_by_repetition,
-    )
-    from objectmodels.identification.closed_form_estimates import (
-        estimates_from_trials as estimates_from_trials,
-    )
-    from objectmodels.identification.closed_form_estimates import (
-        repetition_table as repetition_table,
-    )
     from objectmodels.identification.experiment_design import Candidate as Candidate
     from objectmodels.identification.experiment_design import Worth as Worth
     from objectmodels.identification.experiment_design import is_precise_enough as is_precise_enough
@@ -28,8 +18,18 @@ if TYPE_CHECKING:
         parameter_precisions as parameter_precisions,
     )
     from objectmodels.identification.experiment_design import rank_candidates as rank_candidates
+    from objectmodels.identification.joint_fit import Estimates as Estimates
     from objectmodels.identification.joint_fit import Fit as Fit
+    from objectmodels.identification.joint_fit import (
+        estimates_by_repetition as estimates_by_repetition,
+    )
+    from objectmodels.identification.joint_fit import (
+        estimates_from_trials as estimates_from_trials,
+    )
     from objectmodels.identification.joint_fit import fit as fit
+    from objectmodels.identification.joint_fit import (
+        repetition_table as repetition_table,
+    )
     from objectmodels.identification.onset_detection import Onset as Onset
     from objectmodels.identification.onset_detection import detect_onset as detect_onset
     from objectmodels.identification.trial import Moved as Moved
@@ -38,11 +38,13 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "belief_update": ["Update", "belief_after_trial", "initial_belief", "update_belief"],
-    "closed_form_estimates": [
+    "joint_fit": [
         "Estimates",
         "estimates_by_repetition",
         "estimates_from_trials",
         "repetition_table",
+        "Fit",
+        "fit",
     ],
     "experiment_design": [
         "Candidate",
@@ -51,7 +53,6 @@ _HOMES = {
         "parameter_precisions",
         "rank_candidates",
     ],
-    "joint_fit": ["Fit", "fit"],
     "onset_detection": ["Onset", "detect_onset"],
     "trial": ["Moved", "Statistics", "Trial"],
 }

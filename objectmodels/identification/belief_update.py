@@ -24,15 +24,20 @@ from math import erfc, exp, log, pi, sqrt
 
 import numpy as np
 
+from objectmodels.containers.lids import flip_torques
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.identification.least_squares import damped_step, require_possible
-from objectmodels.identification.measurement_model import Balance, Linear
-from objectmodels.identification.parameter_coordinates import (
+from objectmodels.identification.measurement_model import (
     COM_X,
+    FINGER,
     FRICTION,
     LOGARITHMIC,
+    MASS,
+    RADIUS,
+    Balance,
+    Linear,
     coordinate_units,
     coordinates_of,
     values_at,
@@ -40,7 +45,9 @@ from objectmodels.identification.parameter_coordinates import (
     with_values,
 )
 from objectmodels.identification.trial import Moved, Trial
-from objectmodels.models.object_model import ObjectModel
+from objectmodels.mechanics.push_thresholds import GRAVITY
+from objectmodels.models.object_model import ObjectModel, Resting
+from objectmodels.models.object_parts import FlipLid, LiftOffLid, ScrewCap
 
 SURPRISING = 3.0
 """Standard deviations from which on a trial contradicts what was believed."""
@@ -283,3 +290,120 @@ def normal_hazard(z: float) -> float:
         # The third term counts: without it λ(λ − z) is above one, and a variance below zero.
         return z + 1.0 / z - 2.0 / z**3
     return exp(-0.5 * z * z) / sqrt(2.0 * pi) / (0.5 * erfc(z / sqrt(2.0)))
+
+
+# --- lying belief ---------------------------------------------------------------------------------
+#
+# Belief of an object on its bottom from what was learned of it as it lies on another face.
+#
+# With N the frame of that face and B that of the bottom, p_BC = R_BN p_NC + p_BN for the centre
+# of mass C, so that Σ_B = J Σ_N Jᵀ with J = diag(1, 1, 1, 0, R_BN). Mass and coefficients are
+# those of the whole object; the friction radius is each face's own.
+
+
+def standing_belief(rest: Resting, lying: ObjectModel) -> ObjectModel:
+    """Belief of an object on its bottom.
+
+    Args:
+        rest: how it lies, as it was believed before.
+        lying: what is believed of it in N now.
+
+    Raises:
+        ModelError: `not_possible` if it would not stand on its bottom.
+    """
+    standing, J = rest.standing, np.zeros((len(lying.means), len(lying.means)))
+    for same in (MASS, FRICTION, FINGER):
+        J[same, same] = 1.0
+    J[COM_X:, COM_X:] = rest.R_BN
+    values, P = J @ lying.means, J @ lying.covariance @ J.T
+    values[COM_X:] += rest.p_BN
+    values[RADIUS], P[RADIUS, RADIUS] = standing.friction_radius, standing.friction_radius_sd**2
+    return with_belief(with_values(standing, values), P)
+
+
+# --- withstood loads ------------------------------------------------------------------------------
+#
+# Beliefs about what withstood a load: a lid that did not open, a hold that slipped.
+#
+# Model: what resists is a sum w·x of uncertain quantities x ≥ 0, independent and normal by what
+# is believed. That it withstood a load leaves the part of the distribution where w·x is above it.
+# With z = (load − w·m)/σ, σ² = Σ (w s)², and the hazard λ of a standard normal distribution at z,
+# means m rise by λ w s² / σ and variances s² fall by λ(λ − z) (w s²)² / σ² (as in
+# `objectmodels.identification.belief_update`). What withstood more than was thought possible was
+# believed too surely: it is widened first, until the load is just surprising.
+
+
+_DOUBTED = 0.1  # least relative standard deviation of what has withstood more than was believed
+
+
+@dataclass(frozen=True)
+class RevisedBelief:
+    """Belief after something withstood a load.
+
+    Attributes:
+        model: the belief.
+        surprise: how far the load was above what was believed to resist, in standard deviations.
+    """
+
+    model: ObjectModel
+    surprise: float
+
+
+def belief_of_stiffer_lid(
+    model: ObjectModel, load: float, *, angle: float = 0.0, opens: bool = True
+) -> RevisedBelief:
+    """The belief of an object whose lid did not give way.
+
+    Args:
+        model: the object with its lid.
+        load: force of the fingertip across a flip lid [N], pull [N], or torque about a cap [N·m].
+        angle: of a flip lid then [rad].
+        opens: whether a flip lid was being opened.
+    """
+    lid = model.lid
+    assert lid is not None, "a lid withstood"
+    weights, rest = np.ones(1), 0.0
+    match lid:
+        case FlipLid():
+            names: tuple[str, ...] = ("friction_torque", "snap_torque")
+            lever, snap, weight = flip_torques(model, lid, angle)
+            weights, rest = np.array([1.0, snap if opens else -snap]), weight if opens else -weight
+            load = lever * load
+        case LiftOffLid():
+            names, rest = ("retention",), lid.mass * GRAVITY
+        case ScrewCap():
+            names = ("friction_torque",)
+    means = np.array([getattr(lid, name) for name in names])
+    sds = np.array([getattr(lid, f"{name}_sd") for name in names])
+    means, sds, surprise = _above(means, np.maximum(sds, _DOUBTED * means), weights, load - rest)
+    values = zip(names, means.tolist(), sds.tolist(), strict=True)
+    changed = {key: v for name, m, sd in values for key, v in ((name, m), (f"{name}_sd", sd))}
+    return RevisedBelief(model.model_copy(update={"lid": lid.model_copy(update=changed)}), surprise)
+
+
+def belief_of_slipperier_object(model: ObjectModel, share: float) -> RevisedBelief:
+    """The belief of an object that slipped through fingers: it is more slippery than that.
+
+    The squeeze was this `share` of the one that just holds by what is believed; the logarithm of
+    1/μ lies so much higher at least.
+    """
+    friction = model.finger_friction
+    doubt = np.array([max(model.finger_friction_sd / friction, _DOUBTED)])
+    (rise,), (sd,), surprise = _above(np.zeros(1), doubt, np.ones(1), log(share))
+    less = float(np.exp(-rise))
+    changed = {"finger_friction": less * friction, "finger_friction_sd": less * friction * sd}
+    if model.finger_friction_kinetic is not None:
+        changed["finger_friction_kinetic"] = less * model.finger_friction_kinetic
+    return RevisedBelief(model.model_copy(update=changed), surprise)
+
+
+def _above(means: Array, sds: Array, weights: Array, load: float) -> tuple[Array, Array, float]:
+    """Means and standard deviations if w·x is above a load, shape (k,), and the surprise."""
+    off = load - float(weights @ means)
+    surprise = off / float(np.linalg.norm(weights * sds))
+    sds = sds * max(1.0, surprise / SURPRISING)
+    sigma = float(np.linalg.norm(weights * sds))
+    z, gain = off / sigma, weights * sds**2 / sigma
+    hazard = normal_hazard(z)
+    variances = sds**2 - hazard * (hazard - z) * gain**2
+    return means + hazard * gain, np.sqrt(np.maximum(variances, 0.0)), surprise

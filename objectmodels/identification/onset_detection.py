@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.vector_arrays import rotate
+from objectmodels.geometry.rotations import rotate
 from objectmodels.identification.trial import ContactPath, Moved, Trial, Vector
 
 if TYPE_CHECKING:

@@ -25,19 +25,20 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
-from objectmodels.cached_values import remember_answers
 from objectmodels.geometry.base_shapes import Array, Base
-from objectmodels.geometry.vector_arrays import unique_rows
-from objectmodels.mechanics.margin_search import MarginSearch, circle_corners
-from objectmodels.mechanics.outcome_probability import (
+from objectmodels.geometry.rotations import unique_rows
+from objectmodels.lazy import remember_answers
+from objectmodels.mechanics.push_outcomes import (
     BLOCK,
     NODES,
     Draws,
+    MarginSearch,
+    circle_corners,
     class_probabilities,
     draw_parameters,
+    force_gap,
     normal_nodes,
 )
-from objectmodels.mechanics.push_outcomes import force_gap
 from objectmodels.mechanics.push_thresholds import (
     push_moment,
     slide_threshold,

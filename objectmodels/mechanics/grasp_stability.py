@@ -6,7 +6,7 @@ squeeze, so that the normal loads are known; all of them must press. The rest of
 the plane of the sides. The friction of both sides adds up in it as if they were one, and so the
 grasp slips as a body on loaded points does: the exact limit of
 `objectmodels.mechanics.friction_limit`. Where fingertips touch a round side beside its middle, a
-part of the friction keeps them from sliding off (`objectmodels.geometry.side_press`).
+part of the friction keeps them from sliding off (`objectmodels.geometry.side_faces`).
 
 What is not taken in: that the sides lie apart, so that a weight off the middle between them, or off
 the contacts along the approach while it presses along the closing direction, twists the friction
@@ -28,9 +28,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.side_press import FLAT, SidePress
+from objectmodels.geometry.side_faces import FLAT, SidePress
 from objectmodels.mechanics.friction_limit import friction_limit
-from objectmodels.mechanics.outcome_probability import (
+from objectmodels.mechanics.push_outcomes import (
     NODES,
     SMALLEST_SHARE,
     normal_cdf,

@@ -15,25 +15,28 @@ does to the base: origin at its centre on the table, z up. A pose of B picks the
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any, Literal, Self, overload
+from dataclasses import dataclass
+from math import inf, sqrt
+from typing import TYPE_CHECKING, Any, Literal, Self, TypeGuard, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import model_validator
 
-from objectmodels.cached_values import cached_property
 from objectmodels.errors import ModelError
-from objectmodels.geometry.base_shapes import Array, Base
+from objectmodels.geometry.base_shapes import Array, Base, carrying_base, friction_radius, is_within
 from objectmodels.geometry.pushed_body import Friction, contact_room
-from objectmodels.geometry.side_faces import Face
-from objectmodels.geometry.support_points import carrying_base, friction_radius, is_within
-from objectmodels.geometry.vector_arrays import (
+from objectmodels.geometry.rotations import (
+    UNIT,
     checked_pairs,
+    checked_rotation,
     require_amount,
     require_normals,
     require_units,
 )
-from objectmodels.mechanics import tilt_limits
+from objectmodels.geometry.side_faces import Face
+from objectmodels.lazy import cached_property
+from objectmodels.mechanics import push_thresholds
 from objectmodels.mechanics.friction_cone import ConeThresholds, cone_thresholds
 from objectmodels.mechanics.push_outcomes import (
     Prediction,
@@ -41,18 +44,179 @@ from objectmodels.mechanics.push_outcomes import (
     closed_form_thresholds,
     size_and_direction,
 )
-from objectmodels.models.contact_points import checked_contacts
+from objectmodels.models.object_parts import Vessel
 from objectmodels.models.parameters import RADIUS_SHARE_SD, Parameters
-from objectmodels.models.resting_face import Resting, lowest_rest
-from objectmodels.models.single_push import single_prediction, single_thresholds
-from objectmodels.models.vessel import Vessel
 
 if TYPE_CHECKING:
-    from objectmodels.mechanics.exact.exact_thresholds import ExactThresholds
-    from objectmodels.mechanics.outcome_probability import Likelihood
+    from objectmodels.exact.exact_thresholds import ExactThresholds
+    from objectmodels.geometry.pushed_body import PushedBody
     from objectmodels.mechanics.push_motion import Stroke
-    from objectmodels.mechanics.push_outcomes import SuddenPush
-    from objectmodels.models.calibration import SeenPushes
+    from objectmodels.mechanics.push_outcomes import Likelihood, SuddenPush
+    from objectmodels.models.predictor import SeenPushes
+
+
+# --- contact points -------------------------------------------------------------------------------
+#
+# Contact points that callers hand in: on the object, in metres.
+#
+# Checked where a caller comes in, never inside the mechanics.
+
+
+def checked_contacts(
+    model: ObjectModel, points: ArrayLike, vectors: ArrayLike
+) -> tuple[Array, Array]:
+    """Contact points on an object in B, and a vector for each; both finite, shape (n, 3).
+
+    Raises:
+        ModelError: `bad_array`; `off_object` if a point is far outside of the box around it.
+    """
+    p, v = checked_pairs(points, vectors)
+    low, high = model.contact_room
+    if p.size and ((p.min(axis=0) < low) | (p.max(axis=0) > high)).any():
+        off = ((p < low) | (p > high)).any(axis=1)
+        raise _off_object(model, p[off.argmax()], low, high)
+    return p, v
+
+
+def _off_object(model: ObjectModel, p: Array, low: Array, high: Array) -> ModelError:
+    x, y, z = (f"{side:.4g}" for side in model.extents)
+    hint = "points are in B: the origin is the centre of the base, z goes up, in metres"
+    if (
+        np.abs(p).max() > 10.0 * max(model.extents)
+        and ((low <= 1e-3 * p) & (1e-3 * p <= high)).all()
+    ):
+        hint = "millimetres? points are in metres"
+    return ModelError(
+        "off_object",
+        f"the point [{', '.join(f'{c:.4g}' for c in p)}] m is not on the {model.name}, which is "
+        f"{x} × {y} × {z} m large",
+        suggestions=(hint,),
+    )
+
+
+# --- resting face ---------------------------------------------------------------------------------
+#
+# Face on which an object lies, and what is believed of it as it lies there.
+
+
+LEVEL = np.radians(10.0)
+"""An object lies on a face that is tilted by at most so much."""
+
+
+@dataclass(frozen=True)
+class Resting:
+    """A way in which an object lies.
+
+    Attributes:
+        face: name of the face that is below; `bottom` is the one that its model stands on.
+        model: what is believed of it as it lies there, in N.
+        R_BN: orientation of N in B, shape (3, 3).
+        p_BN: origin of N in B, shape (3,) [m].
+        standing: what is believed of it on its bottom, in B.
+    """
+
+    face: str
+    model: ObjectModel
+    R_BN: Array
+    p_BN: Array
+    standing: ObjectModel
+
+    @property
+    def down(self) -> Array:
+        """Outward normal of the face below in B, shape (3,)."""
+        return -self.R_BN[:, 2]
+
+    @property
+    def foot(self) -> Array:
+        """Outward normal of the bottom in N, shape (3,)."""
+        return np.asarray(-self.R_BN[2])
+
+    def lying_pose(self, R_WB: Array, p_WB: Array) -> tuple[Array, Array]:
+        """R_WN, shape (3, 3), and p_WN, shape (3,) [m], of the same object."""
+        return R_WB @ self.R_BN, p_WB + R_WB @ self.p_BN
+
+    def body_pose(self, R_WN: Array, p_WN: Array) -> tuple[Array, Array]:
+        """R_WB, shape (3, 3), and p_WB, shape (3,) [m], of the same object."""
+        R_WB = R_WN @ self.R_BN.T
+        return R_WB, p_WN - R_WB @ self.p_BN
+
+
+def lowest_rest(model: ObjectModel, R_WB: ArrayLike) -> Resting:
+    """The way of resting of an object in this orientation of B in W; see `resting_face`."""
+    down = -checked_rotation(R_WB)[2]  # W's downward direction in B
+    nearest = max(model.rests, key=lambda rest: float(rest.down @ down))
+    off = float(np.arccos(np.clip(nearest.down @ down, -1.0, 1.0)))
+    if off > LEVEL:
+        raise ModelError(
+            "not_resting",
+            f"the {model.name} does not lie on a face: it leans {np.degrees(off):.0f}° off "
+            f"{nearest.face!r}",
+            suggestions=(f"it rests on: {', '.join(rest.face for rest in model.rests)}",),
+        )
+    return nearest
+
+
+# --- single push ----------------------------------------------------------------------------------
+#
+# A single push as plain numbers: calls of numpy to check and turn it take longer than they do.
+#
+# What is not plain, such as what is to be refused, is left to those who look at arrays.
+
+
+_TINY = float(np.finfo(float).tiny)
+
+
+def single_thresholds(
+    model: PushedBody, points: ArrayLike, directions: ArrayLike, friction: Friction
+) -> Thresholds | None:
+    """Thresholds of one push by the closed form; None if arrays are to be looked at.
+
+    Args:
+        model: what is believed.
+        points: contact p_BC, shape (1, 3) [m].
+        directions: unit direction of the force in B, shape (1, 3).
+        friction: which coefficient at the table decides.
+    """
+    if not (_is_on(points, model) and _is_single(directions)):
+        return None
+    is_unit = abs(_size(directions) - 1.0) <= UNIT
+    return closed_form_thresholds(model, points, directions, friction) if is_unit else None
+
+
+def single_prediction(
+    model: PushedBody, points: ArrayLike, forces: ArrayLike, friction: Friction
+) -> Prediction | None:
+    """Outcome of one push with a force, shape (1, 3) [N]; None as for `single_thresholds`."""
+    if not (_is_on(points, model) and _is_single(forces)):
+        return None
+    size = _size(forces)
+    if not size < inf:
+        return None
+    u = forces / max(size, _TINY)
+    return Prediction(np.array([size]), closed_form_thresholds(model, points, u, friction))
+
+
+def _is_single(vectors: ArrayLike) -> TypeGuard[Array]:
+    """Return True for an array of one vector."""
+    return isinstance(vectors, np.ndarray) and vectors.shape == (1, 3) and vectors.dtype == float
+
+
+def _is_on(points: ArrayLike, model: PushedBody) -> TypeGuard[Array]:
+    """Return True for one contact on a model."""
+    if not _is_single(points):
+        return False
+    ((x, y, z),) = points.tolist()
+    low, high = (corner.tolist() for corner in model.contact_room)
+    return bool(low[0] <= x <= high[0] and low[1] <= y <= high[1] and low[2] <= z <= high[2])
+
+
+def _size(vectors: Array) -> float:
+    ((x, y, z),) = vectors.tolist()
+    return sqrt(x * x + y * y + z * z)
+
+
+# --- object model ---------------------------------------------------------------------------------
+
 
 _OF_ITS_BASE = ("friction_radius", "friction_radius_sd", "correlations", "container", "inside",
                 "lid")  # fmt: skip
@@ -253,7 +417,7 @@ class ObjectModel(Parameters, ABC):
     ) -> Thresholds:
         if not exact:
             return closed_form_thresholds(self, p, u, friction)
-        from objectmodels.mechanics.exact import exact_thresholds as tier
+        from objectmodels.exact import exact_thresholds as tier
 
         compute = tier.exact_near_the_border if exact == "border" else tier.exact_thresholds
         return compute(self, p, u, friction)
@@ -316,10 +480,10 @@ class ObjectModel(Parameters, ABC):
         """
         p, u = checked_contacts(self, points, directions)
         if exact:
-            from objectmodels.mechanics.exact.exact_probability import exact_likelihood
+            from objectmodels.exact.exact_probability import exact_likelihood
 
             return exact_likelihood(self, p, u, force)
-        from objectmodels.mechanics.outcome_probability import outcome_likelihood
+        from objectmodels.mechanics.push_outcomes import outcome_likelihood
 
         return outcome_likelihood(self, p, u, force)
 
@@ -378,23 +542,23 @@ class ObjectModel(Parameters, ABC):
         Raises:
             ModelError: `bad_array`, `bad_value`, `off_object`.
         """
-        from objectmodels.mechanics.exact.loaded_points import LoadedPoints
+        from objectmodels.exact.top_drag import LoadedPoints
+        from objectmodels.mechanics.friction_limit import Ellipsoid
         from objectmodels.mechanics.push_motion import LawOf, integrate_stroke
-        from objectmodels.mechanics.sliding_law import Ellipsoid
 
         law: LawOf = LoadedPoints.of_model if exact else Ellipsoid.of_model
         return integrate_stroke(self, points, normals, direction, travel, tip_radius, law)
 
     def angle_of_no_return(self, direction: ArrayLike, *, sigmas: float = 0.0) -> float:
-        """Tilt past which it falls by itself; see `tilt_limits.angle_of_no_return` [rad]."""
-        return tilt_limits.angle_of_no_return(self, direction, sigmas)
+        """Tilt past which it falls by itself; see `push_thresholds.angle_of_no_return` [rad]."""
+        return push_thresholds.angle_of_no_return(self, direction, sigmas)
 
     def topple_stroke(self, direction: ArrayLike, height: float, angle: float) -> float:
-        """Travel of a finger that tilts it by an angle; see `tilt_limits.topple_stroke` [m]."""
-        return tilt_limits.topple_stroke(self, direction, height, angle)
+        """Travel of a finger that tilts it by an angle; see `push_thresholds.topple_stroke` [m]."""
+        return push_thresholds.topple_stroke(self, direction, height, angle)
 
     def stroke_tilt(
         self, direction: ArrayLike, height: float, travel: float
     ) -> tuple[float, float]:
-        """Tilts to which a finger's travel may bring it; see `tilt_limits.stroke_tilt` [rad]."""
-        return tilt_limits.stroke_tilt(self, direction, height, travel)
+        """Tilts to which a finger's travel may bring it; see `push_thresholds` [rad]."""
+        return push_thresholds.stroke_tilt(self, direction, height, travel)

@@ -17,17 +17,15 @@ from pydantic import (
     model_validator,
 )
 
-from objectmodels.cached_values import cached_property
 from objectmodels.errors import ModelError
-from objectmodels.files.value_types import Coordinate, Deviation, Length, Mass, Name, length_of
-from objectmodels.files.value_types import Friction as Coefficient
-from objectmodels.geometry.base_shapes import Array
+from objectmodels.files.yaml_documents import Coordinate, Deviation, Length, Mass, Name, length_of
+from objectmodels.files.yaml_documents import Friction as Coefficient
+from objectmodels.geometry.base_shapes import Array, Support
 from objectmodels.geometry.pushed_body import UNCERTAIN, Friction
-from objectmodels.geometry.support_points import Support
-from objectmodels.geometry.vector_arrays import as_tuple, as_tuples
+from objectmodels.geometry.rotations import as_tuple, as_tuples
+from objectmodels.lazy import cached_property
 from objectmodels.mechanics.push_thresholds import GRAVITY
-from objectmodels.models.object_parts import Cavity, Container, Graspable, Lid, Part
-from objectmodels.models.open_box import cavity_error
+from objectmodels.models.object_parts import Cavity, Container, Graspable, Lid, Part, cavity_error
 
 RADIUS_SHARE_SD = 0.45
 """Standard deviation of an unfitted friction radius as a share of it: real objects spread so."""
@@ -75,7 +73,7 @@ class Parameters(Part):
         finger_friction: static friction coefficient between object and fingertip.
         finger_friction_kinetic: the same while it slips, if known.
         com: centre of mass in B [m]; that of the solid shape if not given.
-        support: how the base carries it; see `objectmodels.geometry.support_points`.
+        support: how the base carries it; see `objectmodels.geometry.base_shapes`.
         friction_radius: c̄ = m_max / f_max [m]; from `support` if not given.
         friction_radius_sd: 45 % of c̄ if not given, which is the spread over real objects.
         correlations: of the beliefs, as (name, name, coefficient); names of `UNCERTAIN`.

@@ -14,16 +14,14 @@ from typing import Any
 import numpy as np
 
 from objectmodels.errors import ModelError
-from objectmodels.files.validation_faults import short_text
-from objectmodels.geometry.base_shapes import Array, Polygon
+from objectmodels.exact.slide_search import CERTAIN
+from objectmodels.files.yaml_documents import short_text
+from objectmodels.geometry.base_shapes import Array, Polygon, is_within
 from objectmodels.geometry.side_faces import Face
-from objectmodels.geometry.support_points import is_within
-from objectmodels.mechanics.exact.slide_search import CERTAIN
-from objectmodels.models.calibration import require_calibration
 from objectmodels.models.object_model import ObjectModel
-from objectmodels.models.predictor import own_predictions
-from objectmodels.models.upright_solids import BoxModel
-from objectmodels.registry.model_files import kind_of, model_document, model_from_document
+from objectmodels.models.predictor import own_predictions, require_calibration
+from objectmodels.models.shapes import BoxModel
+from objectmodels.registry.model_registry import kind_of, model_document, model_from_document
 
 SLOWEST = 20.0
 """Time that predictions may take, in that of a box: a plan asks for some thousands of them."""

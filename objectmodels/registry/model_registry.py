@@ -12,19 +12,291 @@ one is back when that file is removed. Synonyms take over nothing.
 from __future__ import annotations
 
 import os
-from collections.abc import Collection, Iterator, Mapping
+import re
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from functools import cache
+from importlib.metadata import EntryPoint, entry_points
 from importlib.resources import as_file, files
+from itertools import count, islice
+from os import PathLike
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any
+
+import yaml
+from pydantic import TypeAdapter, ValidationError
 
 from objectmodels.errors import ModelError, fold_text, suggest
-from objectmodels.models.calibration import require_calibration
+from objectmodels.files.plugin_loading import PluginError, package_name, place_of, taken_in
+from objectmodels.files.yaml_documents import (
+    Fault,
+    Name,
+    first_fault,
+    lock_folder,
+    read_mapping,
+    remove_file,
+    replace_file,
+    short_text,
+)
 from objectmodels.models.object_model import ObjectModel
-from objectmodels.models.predictor import own_predictions
-from objectmodels.registry.model_files import BUILT_IN_KINDS, kind_of, load_model
-from objectmodels.registry.plugin_offers import Offer, plugin_offers
-from objectmodels.registry.user_folder import user_folder
+from objectmodels.models.predictor import own_predictions, require_calibration
+from objectmodels.models.shapes import BoxModel, CylinderModel, HullModel, PrismModel
+
+# --- model files ----------------------------------------------------------------------------------
+#
+# Model files: a YAML file with units in its keys, read into an object model and written again.
+#
+# A file begins with `format: KIND/VERSION`, e.g. `box/1`; the kind is a class of model, whose
+# fields are the file's keys (by their aliases, which carry the units). It is read strictly: what
+# is unknown, of another type or out of range is an error that names file, key, what was found and
+# what was expected. See `objectmodels/registry/builtin/` for examples.
+
+
+Kinds = Mapping[str, type[ObjectModel]]
+
+BUILT_IN_KINDS: Kinds = {
+    "box": BoxModel,
+    "prism": PrismModel,
+    "cylinder": CylinderModel,
+    "hull": HullModel,
+}
+"""Kinds of model that a file may name without any plug-in."""
+
+
+_SUPPORTS = "corners, uniform, or three or more points [x, y] or [x, y, weight]"
+
+
+def kind_of(model: ObjectModel | type[ObjectModel]) -> str:
+    """Name of a model's kind, as in `format: KIND/VERSION`."""
+    cls = model if isinstance(model, type) else type(model)
+    return str(cls.model_fields["kind"].default)
+
+
+def load_model(path: Path, kinds: Kinds = BUILT_IN_KINDS) -> ObjectModel:
+    """Reads a model file.
+
+    Args:
+        path: the YAML file.
+        kinds: classes of model by name.
+
+    Raises:
+        ModelError: `unreadable_file`, `bad_yaml`, `unknown_format`, `missing_key`, `unknown_key`,
+            `bad_value` or `broken_kind`; names the file, the key, what was found and expected.
+    """
+    return model_from_document(read_mapping(path, "model_file"), str(path), kinds)
+
+
+def model_from_document(
+    content: Mapping[str, Any], path: str, kinds: Kinds = BUILT_IN_KINDS
+) -> ObjectModel:
+    """The model of which `content` stands in a file, as `model_document` has it.
+
+    Raises:
+        ModelError: as `load_model` does; names `path`.
+    """
+    cls = _class_of(content, path, kinds)
+    stated = {key: value for key, value in content.items() if key != "format"}
+    if "provenance" not in stated:
+        raise ModelError(
+            "missing_key",
+            "is required, but not given",
+            path=f"{path}: provenance",
+            suggestions=("say where the figures come from: `provenance: {source: …}`",),
+        )
+    if "kind" in stated:
+        raise ModelError(
+            "unknown_key",
+            "is not a key of this format",
+            path=f"{path}: kind",
+            suggestions=("the kind stands in `format`",),
+        )
+    try:
+        return cls.model_validate(stated, by_alias=True, by_name=False)
+    except ValidationError as error:
+        raise _model_fault(error, cls).error(path) from error
+    except Exception as error:  # kinds of plug-ins may fail in any way
+        raise ModelError(
+            "broken_kind",
+            f"{cls.__name__} fails on it: {type(error).__name__}: {short_text(str(error))}",
+            path=path,
+            suggestions=("mend or uninstall the package that the kind is from",),
+        ) from error
+
+
+def model_document(model: ObjectModel) -> dict[str, Any]:
+    """Contents of a model's file."""
+    stated = model.model_dump(mode="json", by_alias=True, exclude_unset=True, exclude={"kind"})
+    stated.setdefault("provenance", model.provenance.model_dump(exclude_none=True))
+    return {"format": f"{kind_of(model)}/{type(model).version}", **stated}
+
+
+def save_model(model: ObjectModel, path: Path) -> None:
+    """Writes a model file, whole or not at all; only what was stated, not what follows from it.
+
+    Raises:
+        ModelError: `cannot_write`.
+    """
+    text = yaml.safe_dump(
+        model_document(model), sort_keys=False, allow_unicode=True, default_flow_style=None
+    )
+    with replace_file(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+
+
+def _class_of(content: Mapping[str, Any], path: str, kinds: Kinds) -> type[ObjectModel]:
+    known = [f"{kind}/{cls.version}" for kind, cls in kinds.items()]
+    found = content.get("format")
+    if found in known:
+        return kinds[str(found).split("/")[0]]
+    what = f"format {short_text(found)}" if "format" in content else "no `format`"
+    raise ModelError(
+        "unknown_format",
+        f"{what}, expected one of: {', '.join(known)}",
+        path=path,
+        suggestions=(f"begin the file with `format: {known[0]}`",),
+    )
+
+
+def _model_fault(error: ValidationError, cls: type[ObjectModel]) -> Fault:
+    """The fault of a model file."""
+    fault = first_fault(error, cls)
+    if not fault.key.startswith("support.") and fault.key != "support":
+        return fault
+    # A union, of which pydantic names one branch only.
+    (found, *_) = (e["input"] for e in error.errors() if e["loc"][:1] == ("support",))
+    message = f"found {short_text(found)}, expected {_SUPPORTS}"
+    return Fault("bad_value", "support", message, fault.suggestions)
+
+
+# --- plugin offers --------------------------------------------------------------------------------
+#
+# What other packages bring: entry points of the group `nlcontrol.objectmodels`.
+#
+# An entry point names a class of models (a new *kind*, whose name then stands in the `format` of
+# model files), a model, a path of a model file or of a folder of them, an iterable of these, or a
+# function without arguments that returns one of them.
+
+
+GROUP = "nlcontrol.objectmodels"
+"""Entry points of other packages that bring object models."""
+
+MOST_OFFERS = 10_000
+"""Models that one plug-in may bring."""
+
+Offer = type[ObjectModel] | ObjectModel | Path
+"""What a plug-in brings, one at a time."""
+
+
+def plugin_offers(entry: str | None = None) -> Iterator[tuple[str, Offer | ModelError]]:
+    """Offers of the installed plug-ins, each with its place; errors of the broken ones.
+
+    A plug-in that fails takes no other one down. Kinds come first, so that model files of one
+    plug-in may be of a kind of another one.
+
+    Args:
+        entry: name of one entry point, or of one package, or `module:object` as an entry point
+            would name it; all that are installed if not given.
+
+    Raises:
+        ModelError: `unknown_plugin` if none is called so.
+    """
+    found: list[tuple[str, Offer | ModelError]] = []
+    for point in _entry_points(entry):
+        place = place_of(point)
+        try:
+            found += [(place, offer) for offer in taken_in(point, _offers)]
+        except PluginError as failure:
+            found.append((place, _plugin_error(place, failure)))
+    yield from sorted(found, key=lambda offer: not isinstance(offer[1], type))
+
+
+def _entry_points(entry: str | None) -> list[EntryPoint]:
+    installed = sorted(entry_points(group=GROUP), key=lambda p: (package_name(p), p.name))
+    named = [point for point in installed if entry in (None, point.name, package_name(point))]
+    if named or entry is None:
+        return named
+    if ":" in entry:
+        return [EntryPoint(entry, entry, GROUP)]
+    names = ", ".join(point.name for point in installed) or "none"
+    raise ModelError(
+        "unknown_plugin",
+        f"no plug-in of object models is called {entry!r}; installed: {names}",
+        suggestions=("name the object itself, like my_package:MyModel",),
+    )
+
+
+def _offers(thing: object) -> list[Offer]:
+    """All offers in what an entry point names; raises ValueError if they do not end."""
+    found = list(islice(_offers_from(thing), MOST_OFFERS + 1))
+    if len(found) > MOST_OFFERS:
+        raise ValueError(f"it offers more than {MOST_OFFERS} models")
+    return found
+
+
+def _offers_from(thing: object) -> Iterator[Offer]:
+    """The offers in what an entry point names."""
+    if isinstance(thing, type):
+        if not issubclass(thing, ObjectModel):
+            raise TypeError(f"{thing.__name__} is not a subclass of ObjectModel")
+        yield thing
+    elif isinstance(thing, ObjectModel):
+        yield thing
+    elif isinstance(thing, str | PathLike):
+        yield Path(thing)
+    elif callable(thing):
+        yield from _offers_from(thing())
+    elif isinstance(thing, Iterable):
+        for each in thing:
+            yield from _offers_from(each)
+    else:
+        raise TypeError(
+            f"expected a class, a model, a path or a function, found {type(thing).__name__}"
+        )
+
+
+def _plugin_error(place: str, failure: PluginError) -> ModelError:
+    cause = failure.__cause__
+    if isinstance(cause, ModelError):
+        return ModelError(
+            cause.code, f"{place}: {cause.message}", path=cause.path, suggestions=cause.suggestions
+        )
+    return ModelError(
+        "broken_plugin",
+        f"{place} failed: {failure}",
+        suggestions=("mend or uninstall the package",),
+    )
+
+
+# --- user folder ----------------------------------------------------------------------------------
+#
+# The folder of the user's own models, and the files in it.
+
+
+FOLDER_VARIABLE = "NLCONTROL_OBJECTS"
+"""Environment variable that names the user's folder of models."""
+
+_LONGEST = 50  # characters of a file's name; each of them may take four bytes of 255
+
+
+def user_folder() -> Path:
+    """The folder of the user's own models, where `objects add` and `import` put them."""
+    named = os.environ.get(FOLDER_VARIABLE)
+    if named:
+        return Path(named)
+    data = os.environ.get("APPDATA" if os.name == "nt" else "XDG_DATA_HOME")
+    home = Path(data) if data else Path.home() / ".local" / "share"
+    return home / "nlcontrol" / "objects"
+
+
+def free_file(name: str) -> Path:
+    """A file in the user's folder that is not there yet, for a model of that name."""
+    plain = re.sub(r"[^\w.+-]+", "_", name).lstrip(".")[:_LONGEST] or "_"
+    names = (plain if number == 1 else f"{plain}_{number}" for number in count(1))
+    files = (user_folder() / f"{name}.yaml" for name in names)
+    return next(file for file in files if not os.path.lexists(file))
+
+
+# --- model registry -------------------------------------------------------------------------------
 
 
 class Registry:
@@ -301,3 +573,110 @@ def _built_in() -> Registry:
     with as_file(files("objectmodels.registry") / "builtin") as folder:
         registry.load(folder, place="built in")
     return registry
+
+
+# --- user models ----------------------------------------------------------------------------------
+#
+# The user's own models: how one is put among them, and taken away again.
+#
+# Every change is made under a lock of the folder, on what stands in it then, so that of several
+# processes none undoes what another one did.
+
+
+def place_model(registry: Registry, model: ObjectModel, *, replace: bool = False) -> Path:
+    """Puts a model into a registry as one of the user's own, and names the file for it.
+
+    Nothing is written: on a copy of a registry this tells beforehand whether it can be kept. The
+    file is a new one, unless it replaces the user's own model of that name.
+
+    Args:
+        registry: takes the model.
+        model: the model.
+        replace: whether it takes the place of a model of that very name.
+
+    Raises:
+        ModelError: `duplicate_name` if a name of it is taken otherwise.
+    """
+    own = replace and model.name in registry and _is_own(Path(registry.place(model.name)))
+    path = Path(registry.place(model.name)) if own else free_file(model.name)
+    registry.add(model, place=str(path), over=registry.names() if replace else ())
+    return path
+
+
+def store_model(
+    registry: Registry, model: ObjectModel, *, replace: bool = False
+) -> tuple[Path, str | None]:
+    """Puts a model among the user's own, and into a registry.
+
+    Args:
+        registry: see `place_model`.
+        model: see `place_model`.
+        replace: see `place_model`.
+
+    Returns:
+        The file, and where the model comes from whose place it takes, if not the user's own.
+
+    Raises:
+        ModelError: as `place_model`; `cannot_write`.
+    """
+    place_model(registry.copy(), model, replace=replace)
+    with lock_folder(user_folder()):
+        path = place_model(Registry.default(), model, replace=replace)
+        save_model(model, path)
+    registry.add(model, place=str(path), over=(model.name,))
+    replaced = registry.replaced_place(model.name)
+    return path, None if replaced == str(path) else replaced
+
+
+def remove_model(text: str) -> tuple[str, Path]:
+    """Removes one of the user's own models.
+
+    Args:
+        text: its name, or a synonym.
+
+    Returns:
+        Its name, and the file that is gone.
+
+    Raises:
+        ModelError: as `Registry.find_one`; `not_yours`; `cannot_write`.
+    """
+    _own_model(text)
+    with lock_folder(user_folder()):
+        name, path = _own_model(text)  # unless another process removed it meanwhile
+        remove_file(path)
+    return name, path
+
+
+def rename_model(model: ObjectModel, name: str) -> ObjectModel:
+    """The model under another name; its synonyms stay with the model that they belong to.
+
+    Raises:
+        ModelError: `bad_value` if it cannot be a name.
+    """
+    try:
+        TypeAdapter(Name).validate_python(name, strict=True)
+    except ValidationError as error:
+        raise ModelError(
+            "bad_value",
+            f"{short_text(name)} cannot be a name",
+            suggestions=("take a name of letters and digits, like 'red box'",),
+        ) from error
+    return model.model_copy(update={"name": name, "synonyms": ()})
+
+
+def _own_model(text: str) -> tuple[str, Path]:
+    """Name and file of one of the user's own models."""
+    registry = Registry.default()
+    name = registry.find_one(text).name
+    place = registry.place(name)
+    if not _is_own(Path(place)):
+        raise ModelError(
+            "not_yours",
+            f"the {name} is not one of your own models: it comes from {place}",
+            suggestions=(f"your own are in {user_folder()}",),
+        )
+    return name, Path(place)
+
+
+def _is_own(path: Path) -> bool:
+    return path.parent == user_folder()

@@ -17,8 +17,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from objectmodels.geometry.base_shapes import Array, Disc
-from objectmodels.geometry.support_points import hull_polygon
+from objectmodels.geometry.base_shapes import Array, Disc, hull_polygon
 from planner.geometry.directions import heading_of, unit
 from planner.types.world_state import SeenObject, TableState
 

@@ -2,7 +2,7 @@
 
 Model: what is seen as high above the table as another object's top, its middle over that, stands on
 it; what is seen within the walls of an open box, below its rim, stands on its floor. Stability is
-that of `objectmodels.mechanics.balance.stack_stability`. Frames: W is the world, B an object.
+that of `objectmodels.mechanics.standing_balance`. Frames: W is the world, B an object.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from dataclasses import replace
 import numpy as np
 
 from objectmodels.geometry.base_shapes import Polygon
-from objectmodels.mechanics.balance.stack_stability import StackedBody
-from objectmodels.models.open_box import inner_floor
-from objectmodels.models.top_face import standing_face, standing_height, top_face
+from objectmodels.mechanics.standing_balance import StackedBody
+from objectmodels.models.object_parts import inner_floor
+from objectmodels.models.shapes import standing_face, standing_height, top_face
 from planner.types.world_state import SeenObject
 
 _SAME_HEIGHT = 0.012  # heights that differ by less are one, as a biased camera sees them [m]

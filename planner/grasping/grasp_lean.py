@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from objectmodels.mechanics.outcome_probability import normal_cdf
+from objectmodels.mechanics.push_outcomes import normal_cdf
 from objectmodels.models.object_model import ObjectModel
 from planner.grasping.grasp_sampling import Candidate
 

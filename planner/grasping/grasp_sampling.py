@@ -22,9 +22,8 @@ from typing import Literal
 import numpy as np
 
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.side_faces import Face
-from objectmodels.geometry.side_press import FLAT, SidePress
-from objectmodels.geometry.vector_arrays import spatial_cross
+from objectmodels.geometry.rotations import spatial_cross
+from objectmodels.geometry.side_faces import FLAT, Face, SidePress
 from objectmodels.models.object_parts import LiftOffLid, ScrewCap
 from planner.geometry.footprints import footprint, overlaps
 from planner.problem.planning_problem import GraspProblem

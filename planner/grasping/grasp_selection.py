@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.vector_arrays import spatial_cross
+from objectmodels.geometry.rotations import spatial_cross
 from objectmodels.mechanics.grasp_stability import Contacts, Lifted, least_squeezes
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.models.object_model import ObjectModel

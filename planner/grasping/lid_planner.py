@@ -2,7 +2,7 @@
 
 Model: a flip lid is moved over its arc by a fingertip on its tab; a lid that lifts off and a cap
 are held from above, pulled or turned, and put aside on the table. The object itself is not held:
-it must resist what moves its lid by a reserve (`objectmodels.containers.lid_forces`), or stand in a
+it must resist what moves its lid by a reserve (`objectmodels.containers.lids`), or stand in a
 holder.
 
 Frames: W is the world, B the object.
@@ -16,10 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from objectmodels.containers.lid_forces import FlipArc, Loosening, flip, lift_off, unscrew
-from objectmodels.containers.lid_geometry import is_off
-from objectmodels.geometry.base_shapes import Array, Disc
-from objectmodels.geometry.support_points import hull_polygon
+from objectmodels.containers.lids import FlipArc, Loosening, flip, is_off, lift_off, unscrew
+from objectmodels.geometry.base_shapes import Array, Disc, hull_polygon
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.models.object_parts import FlipLid, LiftOffLid, ScrewCap
 from planner.geometry.footprints import footprint, gap, room_to_edge

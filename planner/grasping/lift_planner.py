@@ -16,7 +16,7 @@ from functools import partial
 import numpy as np
 
 from grammar.frames import command as g
-from objectmodels.geometry.support_points import hull_polygon
+from objectmodels.geometry.base_shapes import hull_polygon
 from planner.geometry.footprints import footprint, gap, room_to_edge
 from planner.geometry.stacks import put_on
 from planner.grasping.grasp_plans import (

@@ -8,8 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from grammar.frames import command as g
-from objectmodels.models.object_parts import Container
-from objectmodels.models.vessel import Vessel
+from objectmodels.models.object_parts import Container, Vessel
 from planner.grasping.lid_planner import is_open
 from planner.problem.planning_problem import GraspProblem
 from planner.refusals.refusal_builder import no_plan

@@ -20,7 +20,7 @@ import numpy as np
 from grammar.frames import command as g
 from objectmodels.containers.pour_dynamics import Catch, Poured, UncertainPour, pour, tilt_for
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.models.vessel import Vessel
+from objectmodels.models.object_parts import Vessel
 from planner.geometry.directions import heading_of, unit
 from planner.grasping import lift_planner
 from planner.grasping.grasp_plans import MotionDraft, first_plan_of_groups, first_reachable_plan

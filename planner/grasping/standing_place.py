@@ -1,6 +1,6 @@
 """Whether something stands where it is to be put on another object, or into it.
 
-Model: `objectmodels.mechanics.balance.stack_stability`, with the place of what is put down known
+Model: `objectmodels.mechanics.standing_balance`, with the place of what is put down known
 as well as hands put things down. Frame: W.
 """
 
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from grammar.frames import command as g
 from objectmodels.geometry.base_shapes import Polygon
-from objectmodels.mechanics.balance.stack_stability import stack_margins, standing_probability
+from objectmodels.mechanics.standing_balance import stack_margins, standing_probability
 from planner.geometry.stacks import level_top, stack_with, stacked_bodies
 from planner.problem.place_regions import region
 from planner.problem.places_in_boxes import WALL_ROOM, InBox

@@ -16,7 +16,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.models.resting_face import Resting
+from objectmodels.models.object_model import Resting
 from planner.geometry.directions import heading_of
 from planner.geometry.spatial_rotations import axis_and_angle, rotation_about
 from planner.grasping import lift_planner

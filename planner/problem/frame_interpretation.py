@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from grammar.frames import command as g
 from objectmodels.geometry.base_shapes import Disc
-from objectmodels.models.resting_face import LEVEL
+from objectmodels.models.object_model import LEVEL
 from planner.geometry.directions import HEADINGS, heading_of
 from planner.problem import planning_problem
 from planner.problem.constraint_limits import apply_constraint, grasp_limits

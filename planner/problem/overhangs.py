@@ -1,7 +1,7 @@
 """Overhangs: how far an object hangs over each edge of the table, and how far it may.
 
 Model: what lies on the table is carried by what of its base is over it
-(`objectmodels.mechanics.balance.edge_support`). It may hang over so far that it lies with the
+(`objectmodels.mechanics.standing_balance`). It may hang over so far that it lies with the
 probability that a plan must have: its centre of mass is not known for sure, nor where it ends.
 
 Frames: W is the world, B the object.
@@ -17,7 +17,7 @@ from statistics import NormalDist
 import numpy as np
 
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.mechanics.balance.edge_support import UNLOADED, TopLoad, largest_overhang
+from objectmodels.mechanics.standing_balance import UNLOADED, TopLoad, largest_overhang
 from planner.geometry.directions import HEADINGS, unit
 from planner.geometry.footprints import footprint, travel_to_edge
 from planner.types.defaults import Defaults

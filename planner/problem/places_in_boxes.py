@@ -11,9 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.models.object_parts import Cavity
-from objectmodels.models.open_box import inner_floor
-from objectmodels.models.top_face import standing_height
+from objectmodels.models.object_parts import Cavity, inner_floor
+from objectmodels.models.shapes import standing_height
 from planner.geometry.footprints import footprint, gap
 from planner.geometry.stacks import face_in_world
 from planner.problem.place_measures import Measure, Region

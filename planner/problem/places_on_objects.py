@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from objectmodels.geometry.base_shapes import Array, Polygon
-from objectmodels.models.top_face import top_face
+from objectmodels.models.shapes import top_face
 from planner.geometry.footprints import footprint, gap
 from planner.geometry.stacks import face_in_world
 from planner.problem.place_measures import Measure, Region

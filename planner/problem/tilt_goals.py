@@ -1,8 +1,9 @@
 """Tilting an object and letting it back onto its base: how far, and whether it surely comes back.
 
-Model: the object pivots about the far edge of its base; see `objectmodels.mechanics.tilt_limits`.
-It must come back with the probability that plans need, from the asked angle and from what the
-control may miss it by. It leans over by sin θ times its height on the way.
+Model: the object pivots about the far edge of its base; see
+`objectmodels.mechanics.push_thresholds`. It must come back with the probability that plans need,
+from the asked angle and from what the control may miss it by. It leans over by sin θ times its
+height on the way.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from grammar.frames.command import Tilt
 from objectmodels import ObjectModel
-from objectmodels.mechanics.tilt_limits import largest_return, return_probability
+from objectmodels.mechanics.push_thresholds import largest_return, return_probability
 from planner.geometry.footprints import footprint, free_travel, leading_point
 from planner.problem.planning_problem import PushProblem, value_in_bound
 from planner.refusals.refusal_builder import QUANTITIES, no_plan, refusal

@@ -243,7 +243,7 @@ def outcome_probability(model: ObjectModel, touch: Touch) -> float:
     By the exact tier, with which the closed form agrees where the object does not turn.
     """
     if touch.turns:
-        from objectmodels.mechanics.exact.exact_probability import least_probability
+        from objectmodels.exact.exact_probability import least_probability
 
         return least_probability(model, touch.point, np.array(touch.normal), touch.outcome)
     point, normal = touch.point[None], np.array([touch.normal])

@@ -16,11 +16,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.support_points import is_within
-from objectmodels.mechanics.balance.edge_support import TopLoad
-from objectmodels.mechanics.exact.top_drag import drag_probability, press_range, top_drag
-from objectmodels.models.top_face import top_face
+from objectmodels.exact.top_drag import drag_probability, press_range, top_drag
+from objectmodels.geometry.base_shapes import Array, is_within
+from objectmodels.mechanics.standing_balance import TopLoad
+from objectmodels.models.shapes import top_face
 from planner.geometry.directions import unit
 from planner.problem.overhangs import Overhang, most_overhang, overhangs, table_with_room
 from planner.problem.planning_problem import PushProblem

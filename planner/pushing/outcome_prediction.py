@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 from objectmodels import ObjectModel, Thresholds
 from objectmodels.geometry.base_shapes import Array, Disc
 from objectmodels.mechanics.friction_cone import contact_forces
-from objectmodels.mechanics.margin_search import circle_corners
-from objectmodels.mechanics.push_outcomes import OUTCOMES
+from objectmodels.mechanics.push_outcomes import OUTCOMES, circle_corners
 from objectmodels.mechanics.push_thresholds import slide_threshold, yaw_arm
 from objectmodels.models.predictor import own_predictions
 from planner.problem.planning_problem import PushProblem, PushStep
@@ -152,7 +151,7 @@ def _exact_probability(
 
     What turns the object presses on it sideways.
     """
-    from objectmodels.mechanics.exact.exact_probability import least_probability
+    from objectmodels.exact.exact_probability import least_probability
 
     spins = outcome == "topple" and isinstance(model.base, Disc)
     topples_at = 1.0 - _SPINS if spins else 1.0
@@ -176,7 +175,7 @@ def _exact_outcomes(
     """Classes of the same pushes."""
     if own_predictions(type(model), ObjectModel):
         return _exact_thresholds(model, point, normal, grip).outcome
-    from objectmodels.mechanics.exact.exact_thresholds import exact_codes
+    from objectmodels.exact.exact_thresholds import exact_codes
 
     return np.asarray(OUTCOMES[exact_codes(model, *_cone_pushes(point, normal, grip))])
 

@@ -1,7 +1,7 @@
 """Turning an object about the vertical: pushes off the middle of opposite sides by turns.
 
 Model: each push turns the object about a pivot off its middle
-(`objectmodels.mechanics.turning_push`), so that it is displaced as well; the next push, on the
+(`objectmodels.mechanics.push_motion`), so that it is displaced as well; the next push, on the
 opposite side, takes most of that back. Of some ways to part a turn (equal parts, or those of
 `turn_parts`, whose displacements cancel) and of all sides to begin on, the one is taken that ends
 nearest to where the object should be with few pushes. It is parted anew after each push, from where
@@ -31,7 +31,7 @@ import numpy as np
 
 from objectmodels import Face, ObjectModel
 from objectmodels.geometry.base_shapes import Disc
-from objectmodels.mechanics.turning_push import TurningPush, best_turn
+from objectmodels.mechanics.push_motion import TurningPush, best_turn
 from planner.geometry.directions import heading_of
 from planner.geometry.footprints import footprint, gap, room_to_edge
 from planner.problem.planning_problem import Side

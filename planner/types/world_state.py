@@ -15,12 +15,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from objectmodels.containers.lid_geometry import lid_rise
+from objectmodels.containers.lids import lid_rise
 from objectmodels.errors import ModelError
-from objectmodels.geometry.support_points import hull_polygon
-from objectmodels.geometry.vector_arrays import circle_around
-from objectmodels.models.object_model import ObjectModel
-from objectmodels.models.resting_face import Resting
+from objectmodels.geometry.base_shapes import hull_polygon
+from objectmodels.geometry.rotations import circle_around
+from objectmodels.models.object_model import ObjectModel, Resting
 from planner.types.actions import Grasp
 
 Colour = tuple[float, float, float]

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from objectmodels.files.value_types import Angle, Deviation, Name, TableLength, range_of
+from objectmodels.files.yaml_documents import Angle, Deviation, Name, TableLength, range_of
 from planner.types.defaults import DEFAULTS, Defaults
 from planner.types.world_state import TableState
 from sim.cell.strict_model import Angles3, AsItIs, Part, Point2, Point3

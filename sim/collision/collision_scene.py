@@ -15,9 +15,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from objectmodels.geometry.vector_arrays import circle_around
-from objectmodels.models.open_box import open_box_parts
-from objectmodels.models.upright_solids import CylinderModel
+from objectmodels.geometry.rotations import circle_around
+from objectmodels.models.object_parts import open_box_parts
+from objectmodels.models.shapes import CylinderModel
 from planner.types.world_state import SeenObject, WorldState
 from sim.collision.collision_spheres import (
     distance_to_box,

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike
 
-    from objectmodels.models.resting_face import Resting
+    from objectmodels.models.object_model import Resting
     from sim.hands.mount import Mount
     from sim.rotations import Array
     from sim.supervision import Progress

@@ -19,7 +19,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from objectmodels.geometry.side_press import FLAT, SidePress
+from objectmodels.geometry.side_faces import FLAT, SidePress
 from planner.types.robot import Grip
 from sim.collision.collision_spheres import place_spheres
 from sim.paths.lid_arc_path import LidPath, LidShape

@@ -2,7 +2,7 @@
 
 Model: a push that turns an object goes along an arc, since a fingertip that sticks to the object
 and keeps its direction relative to it makes the object turn about a point at rest; see
-`objectmodels.mechanics.turning_push`. All other pushes go straight. While an object is tilted about
+`objectmodels.mechanics.push_motion`. All other pushes go straight. While an object is tilted about
 the far edge of its base, that edge does not slide.
 
 Frames: W is the world, B the object's, T the midpoint of the pushing fingertips' centres. D is the

@@ -21,9 +21,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from objectmodels.containers import lid_geometry
-from objectmodels.geometry.side_press import SidePress
-from objectmodels.geometry.vector_arrays import spatial_cross
+from objectmodels.containers import lids
+from objectmodels.geometry.rotations import spatial_cross
+from objectmodels.geometry.side_faces import SidePress
 from objectmodels.models.object_parts import ScrewCap
 from planner.types.actions import (
     Action,
@@ -162,7 +162,7 @@ class HeldObject:
 
 def _lid_as_object(target: SeenObject, pitch: float) -> tuple[SeenObject, float]:
     """A lid as an object of its own, and the height of its base [m]."""
-    model = lid_geometry.detached_lid(target.model, target.name)
+    model = lids.detached_lid(target.model, target.name)
     assert model is not None, "a lid that is held comes off"
     pose, height = target.pose, target.model.top + pitch * (target.lid or 0.0) / THREAD
     if target.lid_at is not None:

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from objectmodels.containers import lid_geometry
-from objectmodels.containers.lid_geometry import GRIP, TAB_WIDTH, THICKNESS
+from objectmodels.containers import lids
+from objectmodels.containers.lids import GRIP, TAB_WIDTH, THICKNESS
 from objectmodels.models.object_parts import FlipLid
 from planner.types.actions import FlipOver
 from planner.types.world_state import SeenObject
@@ -146,7 +146,7 @@ class LidPath:
 def lid_shape(step: FlipOver, target: SeenObject, tip_radius: float) -> LidShape:
     """The lid of an object that is seen, for a fingertip of a radius [m]."""
     lid, hinge = _lid_and_hinge(target)
-    rim = lid_geometry.lid_rim(target.model)
+    rim = lids.lid_rim(target.model)
     across = np.array([-hinge.out[1], hinge.out[0]])
     return LidShape(
         length=round(hinge.reach, 5),
@@ -166,11 +166,11 @@ def hinge_pose(target: SeenObject) -> tuple[Array, Array]:
     return R_WE, target.pose.p_WB + target.pose.R_WB @ hinge.p_BH
 
 
-def _lid_and_hinge(target: SeenObject) -> tuple[FlipLid, lid_geometry.Hinge]:
+def _lid_and_hinge(target: SeenObject) -> tuple[FlipLid, lids.Hinge]:
     """Of an object that has a flip lid."""
     lid = target.model.lid
     assert isinstance(lid, FlipLid), "only a flip lid is flipped over"
-    return lid, lid_geometry.lid_hinge(lid, lid_geometry.lid_rim(target.model), target.model.top)
+    return lid, lids.lid_hinge(lid, lids.lid_rim(target.model), target.model.top)
 
 
 def _round_angle(angle: float) -> float:

@@ -10,9 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from objectmodels.containers.lid_geometry import detached_lid
-from objectmodels.models.object_model import ObjectModel
-from objectmodels.models.resting_face import LEVEL, Resting
+from objectmodels.containers.lids import detached_lid
+from objectmodels.models.object_model import LEVEL, ObjectModel, Resting
 from planner.geometry.stacks import with_supports
 from planner.types.world_state import Held, PlanarPose, SeenObject
 from sim.cell.cell_description import CellDescription

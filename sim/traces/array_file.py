@@ -17,9 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels.errors import ModelError
-from objectmodels.files.file_reading import read_bytes
-from objectmodels.files.file_writing import replace_file
-from objectmodels.files.limits import LIMITS
+from objectmodels.files.yaml_documents import LIMITS, read_bytes, replace_file
 
 Arrays = Mapping[str, NDArray[Any]]
 

@@ -14,13 +14,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import model_validator
 
-from objectmodels.containers import lid_geometry
-from objectmodels.files.value_types import Deviation, Friction, Length, Mass, length_of
-from objectmodels.geometry.base_shapes import Array, Base, Disc, Polygon
-from objectmodels.geometry.support_points import hull_polygon
-from objectmodels.models.object_parts import Cavity, Container, Lid
-from objectmodels.models.open_box import open_box_parts, require_open_box
-from objectmodels.models.vessel import Vessel
+from objectmodels.containers import lids
+from objectmodels.files.yaml_documents import Deviation, Friction, Length, Mass, length_of
+from objectmodels.geometry.base_shapes import Array, Base, Disc, Polygon, hull_polygon
+from objectmodels.models.object_parts import (
+    Cavity,
+    Container,
+    Lid,
+    Vessel,
+    open_box_parts,
+    require_open_box,
+)
 from sim.cell.strict_model import Fraction, Part, Point2, Point3
 
 _RIM_POINTS = 16
@@ -196,7 +200,7 @@ class Truth(Part):
         if self.lid is None:
             return self
         left = self.mass_kg - self.lid.mass
-        p_BL = lid_geometry.lid_centre(self.lid, self.rim, self.height)
+        p_BL = lids.lid_centre(self.lid, self.rim, self.height)
         com = (self.mass_kg * np.array(self.centre_of_mass) - self.lid.mass * p_BL) / left
         return self.model_copy(
             update={"mass_kg": left, "centre_of_mass_m": tuple(com.tolist()), "lid": None}

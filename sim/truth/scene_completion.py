@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeGuard
 from pydantic import ValidationError
 
 from objectmodels.errors import ModelError
-from objectmodels.files.validation_faults import first_fault
+from objectmodels.files.yaml_documents import first_fault
 from sim.truth.object_truth import Truth
 from sim.truth.truth_from_model import whole_truth
 

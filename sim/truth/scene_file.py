@@ -20,11 +20,17 @@ import numpy as np
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
 from objectmodels.errors import ModelError, printable
-from objectmodels.files.file_reading import read_text
-from objectmodels.files.validation_faults import first_fault
-from objectmodels.files.value_types import Angle, Coordinate, Deviation, length_of, range_of
-from objectmodels.files.yaml_documents import parse_yaml
-from objectmodels.geometry.support_points import hull_polygon
+from objectmodels.files.yaml_documents import (
+    Angle,
+    Coordinate,
+    Deviation,
+    first_fault,
+    length_of,
+    parse_yaml,
+    range_of,
+    read_text,
+)
+from objectmodels.geometry.base_shapes import hull_polygon
 from planner.geometry.footprints import gap
 from planner.types.default_kinds import DefaultsError
 from planner.types.defaults import DEFAULTS, Defaults, with_settings

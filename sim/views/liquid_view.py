@@ -19,7 +19,7 @@ from sim.rotations import Array, from_quaternion
 from sim.worlds.drake.liquid_transfer import lean_of
 
 if TYPE_CHECKING:
-    from objectmodels.models.vessel import Vessel
+    from objectmodels.models.object_parts import Vessel
     from sim.traces.trace import Trace
     from sim.truth.scene_file import Scene
 

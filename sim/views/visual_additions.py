@@ -13,12 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from objectmodels.models.convex_hull import HullModel
 from objectmodels.models.object_model import ObjectModel
-from objectmodels.models.object_parts import Cavity
-from objectmodels.models.open_box import open_box_parts
-from objectmodels.models.upright_solids import BoxModel, CylinderModel
-from objectmodels.models.vessel import Vessel
+from objectmodels.models.object_parts import Cavity, Vessel, open_box_parts
+from objectmodels.models.shapes import BoxModel, CylinderModel, HullModel
 from sim.rotations import quaternion, rot_z
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Scene, SceneObject

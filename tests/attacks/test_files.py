@@ -29,11 +29,11 @@ from nlcontrol.service.bundles.bundle_rerun import RerunReport, report_lines, re
 from nlcontrol.service.bundles.run_bundle import RunBundle, read_bundle
 from nlcontrol.service.bundles.run_request import run_request
 from objectmodels import ModelError, ObjectModel, Registry
-from objectmodels.descriptions.description_files import Format, description_texts
-from objectmodels.identification.logs.touch_log import read_data
-from objectmodels.registry.description_import import import_description
-from objectmodels.registry.mesh_import import FORMATS, import_mesh
-from objectmodels.registry.model_files import load_model, save_model
+from objectmodels.descriptions.description_import import import_description
+from objectmodels.descriptions.description_reading import Format, description_texts
+from objectmodels.descriptions.mesh_import import FORMATS, import_mesh
+from objectmodels.identification.touch_log import read_data
+from objectmodels.registry.model_registry import load_model, save_model
 from sim.truth.scene_file import load_scene, sample_world
 from tests.attacks.bad_files import (
     ROOT,

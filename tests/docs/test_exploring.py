@@ -18,7 +18,7 @@ from nlcontrol.cli.commands.explore_command import command
 from nlcontrol.learning.log_fitting import NAMES
 from nlcontrol.reports.exploration_report import _COLUMNS
 from objectmodels.identification.belief_update import SURPRISING
-from objectmodels.identification.outlying_trials import MOST_DROPPED, OUTLIER
+from objectmodels.identification.least_squares import MOST_DROPPED, OUTLIER
 from planner import touch_experiments as experiments
 from planner.types.defaults import DEFAULTS
 from sim.control.pushing import guarded_touch as touch

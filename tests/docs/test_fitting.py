@@ -14,7 +14,7 @@ from nlcontrol.cli import run
 from nlcontrol.learning.log_fitting import EXPERIMENTS
 from objectmodels import Registry
 from objectmodels.geometry.pushed_body import UNCERTAIN
-from objectmodels.identification.logs import touch_log
+from objectmodels.identification import touch_log
 from tests.docs.guide_blocks import only_block
 
 ROOT = Path(__file__).parents[2]

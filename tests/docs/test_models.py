@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from objectmodels import Registry
-from objectmodels.files.validation_faults import file_keys
+from objectmodels.files.yaml_documents import file_keys
 from objectmodels.models.object_parts import (
     Container,
     FlipLid,
@@ -21,7 +21,7 @@ from objectmodels.models.object_parts import (
     ScrewCap,
 )
 from objectmodels.models.predictor import PREDICTIONS
-from objectmodels.registry.model_files import BUILT_IN_KINDS, load_model
+from objectmodels.registry.model_registry import BUILT_IN_KINDS, load_model
 from tests.docs.guide_blocks import only_block
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "models.md").read_text(encoding="utf-8")

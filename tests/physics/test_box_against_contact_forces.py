@@ -16,8 +16,7 @@ from scipy.integrate import dblquad
 from scipy.optimize import linprog
 
 from objectmodels import BoxModel
-from objectmodels.geometry.base_shapes import Polygon
-from objectmodels.geometry.support_points import Support, friction_radius
+from objectmodels.geometry.base_shapes import Polygon, Support, friction_radius
 
 if TYPE_CHECKING:
     from objectmodels.geometry.base_shapes import Array

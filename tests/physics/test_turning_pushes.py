@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from objectmodels import Registry
-from objectmodels.mechanics.turning_push import TurningPush, best_turn
+from objectmodels.mechanics.push_motion import TurningPush, best_turn
 from planner.types.actions import Limits, Prediction, Push
 from planner.types.plan import Plan
 from sim import Trace, load_scene

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from objectmodels import Registry
-from objectmodels.containers.lid_forces import flip
+from objectmodels.containers.lids import flip
 from objectmodels.models.object_parts import FlipLid
 from planner import plan
 from planner.geometry.footprints import footprint, gap

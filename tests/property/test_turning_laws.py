@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from objectmodels import BoxModel
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.mechanics.turning_push import Turning, turning_motion
+from objectmodels.mechanics.push_motion import Turning, turning_motion
 
 ANGLES = st.floats(0.01, 3.0)
 SLANTS = st.floats(-1.2, 1.2)

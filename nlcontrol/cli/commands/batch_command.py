@@ -21,8 +21,7 @@ from nlcontrol.cli.console.console_output import (
     require_writable,
 )
 from nlcontrol.errors import OK
-from objectmodels.files.file_reading import error_of_system
-from objectmodels.files.file_writing import replace_file
+from objectmodels.files.yaml_documents import error_of_system, replace_file
 
 if TYPE_CHECKING:
     from nlcontrol.batches.batch import BatchProgress

@@ -145,7 +145,7 @@ def _use_registry() -> str:
 def _examine_own_models() -> Finding:
     """Models of plug-ins and of the user; a broken one stops no run."""
     from objectmodels import Registry
-    from objectmodels.registry.user_folder import user_folder
+    from objectmodels.registry.model_registry import user_folder
 
     registry = Registry.default()
     own = [name for name in registry.names() if not registry.place(name).startswith("built in")]

@@ -29,7 +29,7 @@ from nlcontrol.cli.console.console_output import (
 from nlcontrol.cli.console.robot_stop import stop_on_signal
 from nlcontrol.errors import ControlError, ErrorInfo
 from nlcontrol.interruption import SIGNALS
-from objectmodels.files.file_writing import replace_file
+from objectmodels.files.yaml_documents import replace_file
 from sim.supervision import Monitor
 
 if TYPE_CHECKING:
@@ -94,8 +94,7 @@ def command(
     from nlcontrol.outcome_maps.experiment_runner import object_on_table
     from nlcontrol.reports.exploration_report import report_lines, with_truth
     from objectmodels.geometry.pushed_body import UNCERTAIN
-    from objectmodels.registry.model_files import save_model
-    from objectmodels.registry.user_models import rename_model, store_model
+    from objectmodels.registry.model_registry import rename_model, save_model, store_model
     from sim.simulated_executor import simulation
 
     if precision is not None and math.isnan(precision):
@@ -140,7 +139,7 @@ def command(
 
 def _require_room(controller: Controller, name: str, saved_as: str) -> None:
     """Requires that the registry can take what will be found, before anything is touched."""
-    from objectmodels.registry.user_models import place_model, rename_model
+    from objectmodels.registry.model_registry import place_model, rename_model
 
     believed = controller.models[name]
     named = rename_model(believed, saved_as) if saved_as else believed

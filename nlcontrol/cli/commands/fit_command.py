@@ -45,8 +45,7 @@ def command(
     taken from there. The columns of the data files are explained in docs/fitting.md.
     """
     from nlcontrol.learning.log_fitting import fit_files, report_lines
-    from objectmodels.registry.model_files import save_model
-    from objectmodels.registry.user_models import rename_model, store_model
+    from objectmodels.registry.model_registry import rename_model, save_model, store_model
 
     _require_sensible(files, saved_as, output)
     registry = open_registry()
@@ -75,7 +74,7 @@ def _require_sensible(files: tuple[Path, ...], saved_as: str | None, output: Pat
 
 def _find_model(registry: Registry, name: str) -> ObjectModel:
     """The model of a name, or of a model file."""
-    from objectmodels.registry.model_files import load_model
+    from objectmodels.registry.model_registry import load_model
 
     if name.endswith((".yaml", ".yml")):
         return load_model(Path(name), registry.kinds)

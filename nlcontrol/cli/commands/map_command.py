@@ -27,7 +27,7 @@ from nlcontrol.cli.console.console_output import (
     require_writable,
 )
 from nlcontrol.json_document import document_text
-from objectmodels.files.file_writing import replace_file
+from objectmodels.files.yaml_documents import replace_file
 
 if TYPE_CHECKING:
     from nlcontrol.outcome_maps.map_comparison import Comparison
@@ -230,7 +230,7 @@ def _run_experiments(
     from nlcontrol.references.object_names import face_of
     from nlcontrol.session.controller import Controller
     from objectmodels.mechanics.outcome_map import outcome_map
-    from objectmodels.registry.model_files import load_model
+    from objectmodels.registry.model_registry import load_model
     from sim.simulated_executor import simulation
 
     controller = Controller(scene, registry=open_registry(), seed=seed)

@@ -17,7 +17,7 @@ from nlcontrol.text_format import error_lines
 
 if TYPE_CHECKING:
     from objectmodels import ModelError, ObjectModel, Registry
-    from objectmodels.descriptions.description_files import Format
+    from objectmodels.descriptions.description_reading import Format
 
 _name_argument = click.argument("name", shell_complete=complete_objects)
 
@@ -58,7 +58,7 @@ def show_model(name: str, as_json: bool) -> int:
 def validate_files(files: tuple[Path, ...], as_json: bool) -> int:
     """Check model FILES without adding them."""
     from objectmodels import ModelError
-    from objectmodels.registry.model_files import load_model
+    from objectmodels.registry.model_registry import load_model
 
     registry = open_registry()
     verdicts = []
@@ -137,9 +137,9 @@ def add_model(
 
     A model file, or a file of URDF, SDF or MJCF that describes one rigid object.
     """
+    from objectmodels.descriptions.description_import import import_description
     from objectmodels.descriptions.description_reading import FILE_ENDINGS
-    from objectmodels.registry.description_import import import_description
-    from objectmodels.registry.model_files import load_model
+    from objectmodels.registry.model_registry import load_model
 
     registry = open_registry()
     if file.suffix.lower() in FILE_ENDINGS:
@@ -192,8 +192,8 @@ def import_mesh_file(
     STL, OBJ, PLY and others; needs the extra `mesh`. Asks for the mass if neither mass nor density
     is given.
     """
-    from objectmodels.registry.mesh_import import import_mesh
-    from objectmodels.registry.model_files import save_model
+    from objectmodels.descriptions.mesh_import import import_mesh
+    from objectmodels.registry.model_registry import save_model
 
     if mass is None and density is None:
         if as_json or not sys.stdin.isatty():
@@ -235,7 +235,7 @@ def import_mesh_file(
 @json_option
 def export_model(name: str, form: Format, output: Path, as_json: bool) -> int:
     """Describe the object NAME to another simulator: inertia, feet and friction."""
-    from objectmodels.descriptions.description_files import write_description
+    from objectmodels.descriptions.description_reading import write_description
 
     model = open_registry().find_one(name)
     files = [str(path) for path in write_description(model, form, output)]
@@ -248,7 +248,7 @@ def export_model(name: str, form: Format, output: Path, as_json: bool) -> int:
 @json_option
 def remove_model(name: str, as_json: bool) -> int:
     """Remove the object NAME from your own models."""
-    from objectmodels.registry.user_models import remove_model as remove_own_model
+    from objectmodels.registry.model_registry import remove_model as remove_own_model
 
     removed, place = remove_own_model(name)
     document = {"ok": True, "removed": removed, "file": str(place)}
@@ -266,7 +266,7 @@ def _fault(count: int) -> ErrorInfo:
 
 def _keep_model(registry: Registry, model: ObjectModel, as_json: bool) -> int:
     """Write a model into the user's folder, unless its names are taken."""
-    from objectmodels.registry.user_models import store_model
+    from objectmodels.registry.model_registry import store_model
 
     path, _ = store_model(registry, model)
     return _print_written(model, path, as_json, _next_command(model))
@@ -307,7 +307,7 @@ def _print_written(
 
 
 def _model_lines(model: ObjectModel, place: str) -> list[str]:
-    from objectmodels.registry.model_files import kind_of
+    from objectmodels.registry.model_registry import kind_of
 
     places = zip(model.com, model.com_sd, strict=True)
     centre = [f"{1e3 * c:z.0f} ± {1e3 * sd:.0f}" for c, sd in places]

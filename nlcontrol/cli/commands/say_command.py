@@ -33,7 +33,7 @@ from nlcontrol.cli.console.live_answer import LiveAnswer, detail_options
 from nlcontrol.cli.console.robot_stop import exit_code_of, stop_on_signal
 from nlcontrol.cli.console.terminal_text import columns_of, print_lines
 from nlcontrol.errors import ControlError
-from objectmodels.files.file_writing import replace_file
+from objectmodels.files.yaml_documents import replace_file
 
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result

@@ -17,7 +17,7 @@ from nlcontrol.cli.console.console_output import (
 )
 from nlcontrol.cli.console.shell_completions import complete_scenes
 from nlcontrol.errors import error, known_errors_raised
-from objectmodels.files.file_writing import replace_file
+from objectmodels.files.yaml_documents import replace_file
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -169,7 +169,7 @@ def _token(file: Path | None) -> str | None:
     """
     if file is None:
         return os.environ.get(TOKEN_VARIABLE) or None
-    from objectmodels.files.file_reading import read_text
+    from objectmodels.files.yaml_documents import read_text
 
     with known_errors_raised():
         return read_text(file, "token_file").strip()

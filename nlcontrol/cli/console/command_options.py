@@ -276,7 +276,7 @@ def find_model_and_face(
 
 def find_model(name: str, lying_on: str, file: Path | None = None) -> ObjectModel:
     """The model of an object, lying on a face of it; that of a file in place of the registry's."""
-    from objectmodels.registry.model_files import load_model
+    from objectmodels.registry.model_registry import load_model
 
     registry = open_registry()
     model = load_model(file, registry.kinds) if file else registry.find_one(name)

@@ -14,8 +14,7 @@ from pathlib import Path
 import click
 
 from objectmodels.errors import ModelError
-from objectmodels.files.file_reading import read_bytes
-from objectmodels.files.file_writing import replace_file
+from objectmodels.files.yaml_documents import read_bytes, replace_file
 
 KEPT = 1000
 """Lines of history that are kept."""

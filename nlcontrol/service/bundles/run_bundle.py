@@ -25,9 +25,7 @@ from nlcontrol.json_document import is_readable
 from nlcontrol.reports.replay_story import replay_story
 from nlcontrol.service.bundles.run_request import RunRequest, run_request
 from objectmodels.errors import printable
-from objectmodels.files.file_reading import read_bytes
-from objectmodels.files.file_writing import replace_file
-from objectmodels.files.limits import LIMITS
+from objectmodels.files.yaml_documents import LIMITS, read_bytes, replace_file
 from sim.simulated_executor import simulation
 from sim.traces.trace import Trace
 from sim.views.html_replay import save_replay

@@ -177,7 +177,7 @@ def _scene_summary(name: str) -> SceneSummary:
 
 
 def _object_summary(model: ObjectModel) -> ObjectSummary:
-    from objectmodels.registry.model_files import kind_of
+    from objectmodels.registry.model_registry import kind_of
 
     return ObjectSummary(
         name=model.name,

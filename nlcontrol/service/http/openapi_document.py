@@ -13,7 +13,7 @@ from grammar.frames.command import Command
 from nlcontrol.json_schema import DescribedSchema
 from nlcontrol.service.http.problem_documents import Problem
 from nlcontrol.service.methods import body_example
-from objectmodels.files.validation_faults import classes_in
+from objectmodels.files.yaml_documents import classes_in
 
 if TYPE_CHECKING:
     from fastapi import APIRouter, FastAPI

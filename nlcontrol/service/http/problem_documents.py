@@ -15,7 +15,7 @@ from starlette.routing import Match, Route
 from nlcontrol.errors import ControlError, ErrorInfo
 from nlcontrol.json_document import DocumentPart
 from objectmodels.errors import printable, suggest
-from objectmodels.files.validation_faults import classes_in, short_text
+from objectmodels.files.yaml_documents import classes_in, short_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence

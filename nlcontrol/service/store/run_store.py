@@ -25,7 +25,7 @@ from nlcontrol.service.store.store_folder import FileKind, StoreFolder
 from nlcontrol.service.store.store_schema import file_error, open_database, store_error
 from nlcontrol.session.events import Event
 from objectmodels.errors import ModelError
-from objectmodels.files.file_writing import replace_file
+from objectmodels.files.yaml_documents import replace_file
 
 KEEP_BYTES = 2_000_000_000
 """Bytes of ended runs that are kept, if nothing else is said."""

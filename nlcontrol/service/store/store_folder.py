@@ -15,8 +15,7 @@ from types import MappingProxyType
 from typing import Literal
 
 from nlcontrol.errors import error
-from objectmodels.files.file_reading import error_of_system
-from objectmodels.files.file_writing import PREFIX
+from objectmodels.files.yaml_documents import PREFIX, error_of_system
 
 STORE_VARIABLE = "NLCONTROL_STORE"
 """Environment variable that names the folder of the store."""

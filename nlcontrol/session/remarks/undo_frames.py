@@ -22,7 +22,7 @@ from planner.geometry.directions import angle_between, heading_of, phrase
 
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result
-    from objectmodels.models.resting_face import Resting
+    from objectmodels.models.object_model import Resting
     from planner.explanation.push_explanation import Basis
     from planner.types.defaults import Defaults
     from planner.types.plan import Plan, PlanTask

@@ -15,7 +15,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from objectmodels.containers.lid_geometry import lid_name
+from objectmodels.containers.lids import lid_name
 from planner.types.world_state import SeenObject
 from sim.cell.cell_description import Vision
 from sim.control.camera_noise import noise_left

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from objectmodels.mechanics.tilt_limits import length_along
+from objectmodels.mechanics.push_thresholds import length_along
 from sim.control.pushing.force_control import ExecutionContext, ForceController
 from sim.control.pushing.push_guards import MOVED, TiltEstimator, TiltGuards
 from sim.control.trace_recorder import EarlyEndError

@@ -11,8 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from objectmodels import ObjectModel
-from objectmodels.mechanics.push_motion import touched_faces
-from objectmodels.mechanics.turning_push import turning_motion
+from objectmodels.mechanics.push_motion import touched_faces, turning_motion
 from sim.control.pushing.force_control import ExecutionContext, ForceController
 from sim.control.pushing.push_guards import MOVED, Guards
 from sim.control.pushing.turn_estimator import TurnedObject, TurnEstimator

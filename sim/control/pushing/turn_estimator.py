@@ -1,7 +1,7 @@
 """Estimate of the turn of an object while one fingertip pushes it around.
 
 Model: the fingertip sticks to the object and moves in a direction that is fixed in B, so the object
-turns at a constant rate κ per travel s of the contact (see `objectmodels.mechanics.turning_push`);
+turns at a constant rate κ per travel s of the contact (see `objectmodels.mechanics.push_motion`);
 the object model knows κ roughly. A Kalman filter estimates the turn θ, κ, and the slip y along the
 face, from the fingertip's motion and from late camera frames:
 

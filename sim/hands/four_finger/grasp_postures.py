@@ -19,7 +19,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from objectmodels.geometry.vector_arrays import spatial_cross
+from objectmodels.geometry.rotations import spatial_cross
 from planner.types.robot import Grip
 from sim.hands.four_finger.hand_kinematics import (
     EFFORT,

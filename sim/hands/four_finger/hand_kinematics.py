@@ -15,7 +15,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from objectmodels.geometry.vector_arrays import spatial_cross
+from objectmodels.geometry.rotations import spatial_cross
 from sim.hands.hand_model import Angles
 from sim.rotations import Array, axis_rotation, rot_x, rot_y
 

@@ -17,7 +17,7 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from objectmodels.containers.lid_geometry import lid_name
+from objectmodels.containers.lids import lid_name
 from objectmodels.models.object_parts import Lid, LiftOffLid
 from planner.types.world_state import Colour
 from sim.cell.cell_description import Vision

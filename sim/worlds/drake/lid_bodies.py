@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from objectmodels.containers import lid_geometry
+from objectmodels.containers import lids
 from objectmodels.geometry.base_shapes import Disc
 from objectmodels.models.object_parts import FlipLid, Lid, LiftOffLid, ScrewCap
 from sim.rotations import Array, rot_z
@@ -89,7 +89,7 @@ def add_lid(
     lid = item.truth.lid
     if lid is None:
         return None
-    name = lid_geometry.lid_name(item.name)
+    name = lids.lid_name(item.name)
     model = plant.AddModelInstance(name)
     if isinstance(lid, FlipLid):
         return _add_flip_lid(plant, item, lid, body, solid, model)
@@ -117,8 +117,8 @@ def _add_flip_lid(
     from pydrake.math import RigidTransform, RotationMatrix
     from pydrake.multibody.tree import RevoluteJoint
 
-    name, rim = lid_geometry.lid_name(item.name), item.truth.rim
-    hinge = lid_geometry.lid_hinge(lid, rim, item.truth.height)
+    name, rim = lids.lid_name(item.name), item.truth.rim
+    hinge = lids.lid_hinge(lid, rim, item.truth.height)
     covering = plant.AddRigidBody(name, model, _disc_inertia(lid, hinge))
     axis = np.cross(hinge.out, [0.0, 0.0, 1.0])
     joint = plant.AddJoint(
@@ -134,17 +134,17 @@ def _add_flip_lid(
     _add_friction(plant, joint, lid.friction_torque)
     across = rim.extent(np.array([axis[:2], -axis[:2]])).tolist()
     R_LT = rot_z(lid.tab_heading)
-    plate: Shape = Box(hinge.reach, sum(across), lid_geometry.THICKNESS)
+    plate: Shape = Box(hinge.reach, sum(across), lids.THICKNESS)
     if isinstance(rim, Disc):
-        plate = Cylinder(rim.radius, lid_geometry.THICKNESS)
+        plate = Cylinder(rim.radius, lids.THICKNESS)
     tab_middle = hinge.reach + 0.5 * lid.tab
     shapes = {
         "disc": (plate, 0.5 * hinge.reach),
-        "tab": (Box(lid.tab, lid_geometry.TAB_WIDTH, lid_geometry.THICKNESS), tab_middle),
+        "tab": (Box(lid.tab, lids.TAB_WIDTH, lids.THICKNESS), tab_middle),
     }
     solids = []
     for part, (shape, distance) in shapes.items():
-        p = distance * hinge.out + [0.0, 0.0, 0.5 * lid_geometry.THICKNESS]
+        p = distance * hinge.out + [0.0, 0.0, 0.5 * lids.THICKNESS]
         X_LG = RigidTransform(RotationMatrix(R_LT), p)
         solids.append(_add_solid(plant, covering, item, part, (shape, X_LG)))
     return LidBody(lid, covering, model, joint, None, None, solids, [], solid)
@@ -229,9 +229,9 @@ def _add_feet(
     return feet
 
 
-def _disc_inertia(lid: FlipLid, hinge: lid_geometry.Hinge) -> SpatialInertia:
+def _disc_inertia(lid: FlipLid, hinge: lids.Hinge) -> SpatialInertia:
     p_LLcm = hinge.centre_of_mass(0.0) - hinge.p_BH
-    return _cylinder_inertia(lid.mass, 0.5 * hinge.reach, lid_geometry.THICKNESS, p_LLcm)
+    return _cylinder_inertia(lid.mass, 0.5 * hinge.reach, lids.THICKNESS, p_LLcm)
 
 
 def shared_inertia(

@@ -1,7 +1,7 @@
 """Liquid in the containers of a scene: it moves their masses, runs out, is caught or is spilled.
 
-Model: at rest at every instant (`objectmodels.models.vessel`), with the flow and the stream of
-`objectmodels.containers.pour_dynamics`; between control steps both stay as they are. A stream is
+Model: at rest at every instant (`objectmodels.models.object_parts`), with the flow and the stream
+of `objectmodels.containers.pour_dynamics`; between control steps both stay as they are. A stream is
 caught by the highest open container whose opening it passes through, and arrives at once; what is
 too much for that one runs over. All else is spilled and gone. A lid that is not open keeps
 everything in, and out. Each container's liquid has the density of its own.
@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from objectmodels.containers.pour_dynamics import landing_distance, outflow_rate
-from objectmodels.models.vessel_strips import section_area
+from objectmodels.models.object_parts import section_area
 from sim.rotations import Array
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Scene
@@ -31,8 +31,7 @@ from sim.worlds.drake.drake_plant import Standing
 if TYPE_CHECKING:
     from pydrake.systems.framework import Context
 
-    from objectmodels.models.object_parts import Container
-    from objectmodels.models.vessel import Vessel
+    from objectmodels.models.object_parts import Container, Vessel
 
 _TURNED = 1e-3  # what turned less has its contents where they were [1]
 _LEVEL = 0.02  # what leans less runs over all round, down its own sides [rad]

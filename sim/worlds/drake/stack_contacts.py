@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from objectmodels.models.open_box import inner_floor
+from objectmodels.models.object_parts import inner_floor
 from sim.cell.strict_model import Point3
 from sim.truth.object_truth import Truth
 

@@ -20,8 +20,8 @@ from benchmarks.pushing_logs.triangle_logs import (
     triangle_model,
 )
 from nlcontrol.learning.log_fitting import fit_files
+from objectmodels.exact.top_drag import LoadedPoints
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.mechanics.exact.loaded_points import LoadedPoints
 
 LOG = "plywood 3pts3"
 TRAVEL, APPROACH = 0.013, 0.003

@@ -6,7 +6,7 @@ import numpy as np
 
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.object_parts import Container, Opening
-from objectmodels.models.upright_solids import BoxModel, CylinderModel
+from objectmodels.models.shapes import BoxModel, CylinderModel
 from planner.types.actions import Action, Grasp
 from planner.types.plan import Plan
 from planner.types.world_state import Held, PlanarPose, SeenObject, WorldState

@@ -14,7 +14,7 @@ from grammar import ParseError, parse
 from grammar.parser import Parser, default_parser, parser_for
 from grammar.words import lexicon_plugins as plugins
 from grammar.words.lexicon import default_lexicon
-from objectmodels.files.limits import LIMITS
+from objectmodels.files.yaml_documents import LIMITS
 
 SCOOT = """
 WORDS = {"verbs": [{"says": ["shimmy"], "action": "slide", "goal": "displace"}]}

@@ -21,7 +21,7 @@ from objectmodels import BoxModel, Registry
 from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.identification import Trial
 from objectmodels.identification.belief_update import SURPRISING
-from objectmodels.mechanics.turning_push import turning_motion
+from objectmodels.mechanics.push_motion import turning_motion
 from planner.types.plan import Plan
 from planner.types.world_state import SeenObject
 from sim.cell.cell_description import Vision

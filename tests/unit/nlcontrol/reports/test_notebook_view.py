@@ -11,8 +11,7 @@ import pytest
 
 from nlcontrol import BoxModel, Check, Controller, Result
 from objectmodels.html_table import MOST_ROWS
-from objectmodels.mechanics.outcome_map import outcome_map
-from objectmodels.mechanics.outcome_map_picture import COLOURS
+from objectmodels.mechanics.outcome_map import COLOURS, outcome_map
 
 
 @pytest.fixture(scope="module")

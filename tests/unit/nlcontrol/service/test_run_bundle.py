@@ -27,7 +27,7 @@ from nlcontrol.service.session import Session
 from nlcontrol.service.store.run_store import RunStore
 from nlcontrol.service.store.stored_bundle import bundle_file
 from nlcontrol.session import recipe as recipes
-from objectmodels.files import limits
+from objectmodels.files import yaml_documents
 from sim.traces.trace import ContactEvent, Trace
 
 N = 20
@@ -208,9 +208,10 @@ def _with(good: bytes, name: str, content: bytes) -> bytes:
 def test_what_is_no_bundle_is_refused(
     kind: str, bundle: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    small = limits.LIMITS["bundle_part"]._replace(most=2_000_000)
+    small = yaml_documents.LIMITS["bundle_part"]._replace(most=2_000_000)
     monkeypatch.setattr(
-        "nlcontrol.service.bundles.run_bundle.LIMITS", {**limits.LIMITS, "bundle_part": small}
+        "nlcontrol.service.bundles.run_bundle.LIMITS",
+        {**yaml_documents.LIMITS, "bundle_part": small},
     )
     path = tmp_path / "b.zip"
     path.write_bytes(HOSTILE[kind](bundle.read_bytes()))

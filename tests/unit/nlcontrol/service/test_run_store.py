@@ -15,7 +15,7 @@ from nlcontrol.service.documents import NumberedEvent, RunInfo, SessionSpec
 from nlcontrol.service.store import store_schema
 from nlcontrol.service.store.run_store import RunStore
 from nlcontrol.session.events import Event
-from objectmodels.files.file_writing import PREFIX
+from objectmodels.files.yaml_documents import PREFIX
 
 ODD = "push the \u202emug\u0000 \U0001f916 ' \" \\ % \x7f\ufffe\n2 cm"
 

@@ -18,7 +18,7 @@ from nlcontrol.results.result import Result
 from nlcontrol.service.documents import NumberedEvent, RunInfo
 from nlcontrol.service.store.run_store import RunStore
 from nlcontrol.session.events import Event
-from objectmodels.files.file_writing import PREFIX
+from objectmodels.files.yaml_documents import PREFIX
 
 KILLS = 30
 EVENTS = 5

@@ -10,7 +10,7 @@ from nlcontrol import ControlError, Controller, Conversation
 from nlcontrol.session.recipe import Deed, Recipe
 from nlcontrol.session.recipe_rebuilding import rebuild_controller
 from objectmodels import Registry
-from objectmodels.registry.model_files import model_document, model_from_document
+from objectmodels.registry.model_registry import model_document, model_from_document
 from sim.supervision import StopToken
 
 

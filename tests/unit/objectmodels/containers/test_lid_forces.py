@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from objectmodels import BoxModel, CylinderModel, Registry
-from objectmodels.containers import lid_forces
-from objectmodels.containers.lid_geometry import (
+from objectmodels.containers import lids
+from objectmodels.containers.lids import (
     TAB_WIDTH,
     THICKNESS,
     grip_distance,
@@ -40,7 +40,7 @@ def cup(lid: FlipLid = LID, **changes: Any) -> CylinderModel:
 
 
 def test_the_force_over_the_arc_is_the_torques_over_the_lever() -> None:
-    arc = lid_forces.flip(cup(), LID)
+    arc = lids.flip(cup(), LID)
     t = arc.angles
     arm = R * np.cos(t) - 0.5 * THICKNESS * np.sin(t)
     catch = 0.03 * np.maximum(0.0, 1.0 - t / np.radians(3.0))
@@ -50,7 +50,7 @@ def test_the_force_over_the_arc_is_the_torques_over_the_lever() -> None:
 
 
 def test_the_force_is_across_the_lid_at_the_tab() -> None:
-    arc = lid_forces.flip(cup(), LID, end=np.pi / 2)
+    arc = lids.flip(cup(), LID, end=np.pi / 2)
     np.testing.assert_allclose(arc.points[0], [LEVER - R, 0.0, H], atol=1e-15)
     np.testing.assert_allclose(arc.directions[0], [0.0, 0.0, 1.0], atol=1e-15)
     np.testing.assert_allclose(arc.points[-1], [-R, 0.0, H + LEVER], atol=1e-15)
@@ -62,7 +62,7 @@ def test_the_force_is_across_the_lid_at_the_tab() -> None:
 
 def test_the_margin_is_that_of_the_moments_about_the_rim() -> None:
     # G (R + what the turned lid shifts) / F (ρ + H sin θ), about the rim under the hinge.
-    arc = lid_forces.flip(cup(), LID)
+    arc = lids.flip(cup(), LID)
     t = arc.angles
     shift = (R * np.cos(t) - 0.5 * THICKNESS * np.sin(t) - R) * 0.02 / MASS
     tipping = MASS * G * (R + shift) / (LEVER + H * np.sin(t))
@@ -78,28 +78,28 @@ def test_the_margin_is_that_of_the_moments_about_the_rim() -> None:
     [({}, "moves"), ({"mass": 0.12}, "topples"), ({"friction": 0.05, "mass": 0.25}, "slides")],
 )
 def test_what_happens_first(changes: dict[str, Any], outcome: str) -> None:
-    arc = lid_forces.flip(cup(**changes), LID)
+    arc = lids.flip(cup(**changes), LID)
     assert arc.outcome == outcome
     assert arc.probability == (1.0 if outcome == "moves" else 0.0)
-    assert lid_forces.flip(cup(**changes), LID, fixed=True).outcome == "moves"
+    assert lids.flip(cup(**changes), LID, fixed=True).outcome == "moves"
 
 
 def test_a_rough_finger_holds_the_cup_by_its_tab() -> None:
-    smooth, rough = (lid_forces.flip(cup(finger_friction=mu), LID) for mu in (1e-12, 0.5))
+    smooth, rough = (lids.flip(cup(finger_friction=mu), LID) for mu in (1e-12, 0.5))
     assert rough.topple[0] > smooth.topple[0] == pytest.approx(MASS * G * R / LEVER)
     assert (rough.margin >= smooth.margin).all()
     np.testing.assert_array_equal(rough.force, smooth.force)
     light = cup(finger_friction=0.5, mass=0.18)
-    assert lid_forces.flip(light, LID).outcome == "moves"
-    assert lid_forces.flip(cup(mass=0.16), LID).outcome == "topples"
+    assert lids.flip(light, LID).outcome == "moves"
+    assert lids.flip(cup(mass=0.16), LID).outcome == "topples"
 
 
 def test_closing_is_helped_by_the_lids_weight_and_by_its_catch() -> None:
-    arc = lid_forces.flip(cup(), LID, start=1.5, end=0.0)
+    arc = lids.flip(cup(), LID, start=1.5, end=0.0)
     assert arc.force[-1] == 0.0
     heavy = LID.model_copy(update={"mass": 0.08})
     # 0.08 G R = 27 mN·m against 20 mN·m of friction: it falls shut by itself.
-    falls = lid_forces.flip(cup(heavy), heavy, start=1.0, end=0.2)
+    falls = lids.flip(cup(heavy), heavy, start=1.0, end=0.2)
     assert falls.force[-1] == 0.0 < falls.force[0]
     assert np.isinf(falls.margin[-1])
     np.testing.assert_allclose(arc.directions[0], [np.sin(1.5), 0.0, -np.cos(1.5)], atol=1e-12)
@@ -122,15 +122,15 @@ def test_the_tab_of_a_box_lies_over_the_side_that_it_looks_to() -> None:
 @pytest.mark.slow
 def test_laws_of_a_cup(mass: float, mu: float, torque: float, snap: float, turn: float) -> None:
     lid = LID.model_copy(update={"friction_torque": torque, "snap_torque": snap})
-    arc = lid_forces.flip(cup(lid, mass=mass, friction=mu), lid)
+    arc = lids.flip(cup(lid, mass=mass, friction=mu), lid)
     turned = lid.model_copy(update={"tab_heading_deg": turn})
     # A round cup opens as easily to every side, but for rounding.
-    other = lid_forces.flip(cup(turned, mass=mass, friction=mu), turned)
+    other = lids.flip(cup(turned, mass=mass, friction=mu), turned)
     np.testing.assert_allclose(other.margin, arc.margin, rtol=1e-6)
-    heavier = lid_forces.flip(cup(lid, mass=1.2 * mass, friction=mu), lid)
+    heavier = lids.flip(cup(lid, mass=1.2 * mass, friction=mu), lid)
     stiffer = lid.model_copy(update={"friction_torque": torque + 0.005})
     assert heavier.least_margin > arc.least_margin
-    assert lid_forces.flip(cup(stiffer, mass=mass, friction=mu), stiffer).least_margin < (
+    assert lids.flip(cup(stiffer, mass=mass, friction=mu), stiffer).least_margin < (
         arc.least_margin
     )
     assert (arc.probability == 1.0) == (arc.least_margin >= 1.0)
@@ -138,7 +138,7 @@ def test_laws_of_a_cup(mass: float, mu: float, torque: float, snap: float, turn:
 
 def test_a_doubtful_torque_makes_a_doubtful_opening() -> None:
     # The mean is at the margin: half of the torques drawn are below it.
-    arc = lid_forces.flip(cup(), LID, start=0.1)
+    arc = lids.flip(cup(), LID, start=0.1)
     at_margin = LID.model_copy(
         update={
             "friction_torque": 0.02 + LEVER * float((np.minimum(arc.slide, arc.topple) - arc.force)[
@@ -147,7 +147,7 @@ def test_a_doubtful_torque_makes_a_doubtful_opening() -> None:
             "friction_torque_sd": 0.002,
         }
     )  # fmt: skip
-    doubtful = lid_forces.flip(cup(at_margin), at_margin, start=0.1)
+    doubtful = lids.flip(cup(at_margin), at_margin, start=0.1)
     assert doubtful.least_margin == pytest.approx(1.0, abs=1e-3)
     # Three standard deviations of four hundred samples.
     assert doubtful.probability == pytest.approx(0.5, abs=0.075)
@@ -171,30 +171,30 @@ def jar(retention: float, sd: float = 0.0, **changes: Any) -> tuple[CylinderMode
 def test_a_lid_comes_off_if_its_retention_is_less_than_what_stays_weighs() -> None:
     stays = 0.40 * G
     for retention, comes_off in ((0.98 * stays, True), (1.02 * stays, False)):
-        pull = lid_forces.lift_off(*jar(retention))
+        pull = lids.lift_off(*jar(retention))
         assert pull.needed == pytest.approx(retention + 0.06 * G)
         assert pull.held == pytest.approx(0.46 * G)
         assert (pull.margin > 1.0, pull.probability) == (comes_off, float(comes_off))
     # Off the middle it tips first: G d about the nearer rim.
-    aside = lid_forces.lift_off(*jar(1.0, com=(0.01, 0.0, 0.05)))
+    aside = lids.lift_off(*jar(1.0, com=(0.01, 0.0, 0.05)))
     c = 0.46 * 0.01 / 0.40
     assert aside.held == pytest.approx(0.06 * G + stays * (0.042 - c) / 0.042)
-    assert lid_forces.lift_off(*jar(stays, 0.2), fixed=True).probability == 1.0
-    assert lid_forces.lift_off(*jar(stays, 0.2)).probability == pytest.approx(0.5, abs=0.075)
+    assert lids.lift_off(*jar(stays, 0.2), fixed=True).probability == 1.0
+    assert lids.lift_off(*jar(stays, 0.2)).probability == pytest.approx(0.5, abs=0.075)
 
 
 def test_a_bottle_turns_along_at_its_friction_torque() -> None:
     bottle = Registry.built_in().get("water bottle")
     assert isinstance(bottle.lid, ScrewCap)
-    turn = lid_forces.unscrew(bottle, bottle.lid)
+    turn = lids.unscrew(bottle, bottle.lid)
     assert turn.needed == bottle.lid.friction_torque
     assert turn.held == pytest.approx(0.30 * 0.55 * G * 0.029)
     assert turn.margin < 1.0
     assert turn.probability < 0.5
-    fixed = lid_forces.unscrew(bottle, bottle.lid, fixed=True)
+    fixed = lids.unscrew(bottle, bottle.lid, fixed=True)
     assert (fixed.margin, fixed.probability) == (np.inf, 1.0)
-    assert lid_forces.unscrew(bottle, bottle.lid, down=6.0).margin > 1.0
-    assert lid_forces.unscrew(bottle, bottle.lid, down=-9.0).held == 0.0
+    assert lids.unscrew(bottle, bottle.lid, down=6.0).margin > 1.0
+    assert lids.unscrew(bottle, bottle.lid, down=-9.0).held == 0.0
 
 
 def test_built_in_lids_open_as_their_scenes_need_it() -> None:
@@ -202,8 +202,8 @@ def test_built_in_lids_open_as_their_scenes_need_it() -> None:
     cup, jar = registry.get("ice tea cup"), registry.get("jar")
     assert isinstance(cup.lid, FlipLid)
     assert isinstance(jar.lid, LiftOffLid)
-    assert lid_forces.flip(cup, cup.lid).probability > 0.95
-    assert lid_forces.lift_off(jar, jar.lid).probability > 0.95
+    assert lids.flip(cup, cup.lid).probability > 0.95
+    assert lids.lift_off(jar, jar.lid).probability > 0.95
 
 
 def test_a_flip_lid_is_a_plate_with_a_tab_for_a_fingertip() -> None:

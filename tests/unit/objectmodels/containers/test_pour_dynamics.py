@@ -23,8 +23,7 @@ from objectmodels.containers.pour_dynamics import (
     volume_out,
 )
 from objectmodels.mechanics.push_thresholds import GRAVITY
-from objectmodels.models.object_parts import Opening
-from objectmodels.models.vessel import Vessel
+from objectmodels.models.object_parts import Opening, Vessel
 
 CARTON = Vessel(
     Polygon.rectangle(0.056, 0.076), 0.002, 0.16, Opening(centre=(0.0, 0.02), radius=0.014)

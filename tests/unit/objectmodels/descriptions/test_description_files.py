@@ -16,14 +16,14 @@ from objectmodels import (
     PrismModel,
     Registry,
 )
-from objectmodels.descriptions.description_files import (
+from objectmodels.descriptions.description_reading import (
     Format,
     description_texts,
     write_description,
 )
-from objectmodels.descriptions.hull_mesh import obj_text
+from objectmodels.descriptions.description_writing import obj_text
 from objectmodels.descriptions.rigid_body import FOOT, rigid_body
-from objectmodels.models.convex_hull import volume_and_centre
+from objectmodels.models.shapes import volume_and_centre
 
 BOX = BoxModel(
     name="tea box",

@@ -8,8 +8,7 @@ from pathlib import Path
 import pytest
 
 from objectmodels.errors import ModelError, printable
-from objectmodels.files.file_reading import read_bytes, read_text
-from objectmodels.files.limits import LIMITS
+from objectmodels.files.yaml_documents import LIMITS, read_bytes, read_text
 
 MOST = int(LIMITS["model_file"].most)
 

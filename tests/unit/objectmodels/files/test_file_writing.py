@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from objectmodels.errors import ModelError
-from objectmodels.files import file_writing
-from objectmodels.files.file_writing import lock_folder, remove_file, replace_file
+from objectmodels.files import yaml_documents
+from objectmodels.files.yaml_documents import lock_folder, remove_file, replace_file
 
 
 def names(folder: Path) -> list[str]:
@@ -53,7 +53,7 @@ def test_a_full_disk_is_told_and_leaves_nothing(
     def fail(_: Path) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(file_writing, "_sync", fail)
+    monkeypatch.setattr(yaml_documents, "_sync", fail)
     with pytest.raises(ModelError, match="space") as raised, replace_file(tmp_path / "a"):
         pass
     assert raised.value.code == "cannot_write"
@@ -62,7 +62,7 @@ def test_a_full_disk_is_told_and_leaves_nothing(
 
 def test_both_file_and_folder_are_synced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     synced: list[str] = []
-    monkeypatch.setattr(file_writing, "_sync", lambda path: synced.append(path.suffix))
+    monkeypatch.setattr(yaml_documents, "_sync", lambda path: synced.append(path.suffix))
     with replace_file(tmp_path / "a.yaml"):
         pass
     assert synced == [".yaml", ""]
@@ -80,7 +80,7 @@ def test_leftovers_of_killed_processes_are_removed(tmp_path: Path) -> None:
 def test_a_locked_folder_is_waited_for_a_while(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(file_writing, "_PATIENCE", 0.05)
+    monkeypatch.setattr(yaml_documents, "_PATIENCE", 0.05)
     folder = tmp_path / "new" / "folder"
     with lock_folder(folder), pytest.raises(ModelError) as raised, lock_folder(folder):
         pass

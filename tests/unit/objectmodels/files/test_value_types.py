@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from objectmodels.files.value_types import Name
+from objectmodels.files.yaml_documents import Name
 
 NAMES: TypeAdapter[str] = TypeAdapter(Name)
 

@@ -9,14 +9,15 @@ from hypothesis import strategies as st
 from scipy.integrate import dblquad
 
 from objectmodels import Disc, ModelError, Polygon
-from objectmodels.geometry.base_shapes import Array, Base
-from objectmodels.geometry.support_points import (
+from objectmodels.geometry.base_shapes import (
+    Array,
+    Base,
     carrying_base,
     friction_radius,
     is_within,
     support_points,
 )
-from objectmodels.geometry.vector_arrays import unique_rows
+from objectmodels.geometry.rotations import unique_rows
 
 HEXAGON = Polygon.convex(
     [

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from objectmodels import BoxModel
-from objectmodels.identification.parameter_coordinates import (
+from objectmodels.identification.measurement_model import (
     container_with_mass,
     container_with_volume,
 )

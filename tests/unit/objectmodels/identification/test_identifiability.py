@@ -10,7 +10,7 @@ import pytest
 from objectmodels import ModelError
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.pushed_body import UNCERTAIN
-from objectmodels.identification.identifiability import identifiable_parameters
+from objectmodels.identification.experiment_design import identifiable_parameters
 from objectmodels.identification.measurement_model import Balance
 from tests.unit.objectmodels.identification.touching import TRUTH, slide, touched
 

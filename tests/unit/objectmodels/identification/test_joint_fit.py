@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from objectmodels import CylinderModel, ModelError
+from objectmodels.geometry.base_shapes import Support
 from objectmodels.geometry.pushed_body import UNCERTAIN
-from objectmodels.geometry.support_points import Support
 from objectmodels.identification import Trial, fit
 from tests.unit.objectmodels.identification.touching import (
     BELIEF,

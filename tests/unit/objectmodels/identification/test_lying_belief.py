@@ -7,8 +7,8 @@ import pytest
 
 from objectmodels import BoxModel, HullModel, ObjectModel
 from objectmodels.errors import ModelError
-from objectmodels.identification.lying_belief import standing_belief
-from objectmodels.identification.parameter_coordinates import with_belief
+from objectmodels.identification.belief_update import standing_belief
+from objectmodels.identification.measurement_model import with_belief
 
 BOX = BoxModel(
     name="b", size=(0.09, 0.07, 0.23), mass=1.0, mass_sd=0.04, friction=0.4, friction_sd=0.04,

@@ -11,10 +11,11 @@ from objectmodels import BoxModel, CylinderModel, ModelError, ObjectModel
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.identification import Trial
 from objectmodels.identification.least_squares import damped_step
-from objectmodels.identification.measurement_model import Balance, Linear
-from objectmodels.identification.parameter_coordinates import (
+from objectmodels.identification.measurement_model import (
     LOGARITHMIC,
     MASS,
+    Balance,
+    Linear,
     coordinates_of,
     values_at,
 )

@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 
 from objectmodels import BoxModel, ModelError
-from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.support_points import Support
+from objectmodels.geometry.base_shapes import Array, Support
 from objectmodels.identification import Trial, fit
+from objectmodels.identification.joint_fit import LEAST_TRIALS, pressure_points
 from objectmodels.identification.onset_detection import vector_tuple
-from objectmodels.identification.pressure_points import LEAST_TRIALS, pressure_points
 
 FEET: Support = ((-0.04, -0.045), (0.04, -0.03), (0.005, 0.05))
 TRUTH = BoxModel(

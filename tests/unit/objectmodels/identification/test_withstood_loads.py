@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from objectmodels import Registry
-from objectmodels.containers.lid_forces import flip
-from objectmodels.identification.withstood_loads import (
+from objectmodels.containers.lids import flip
+from objectmodels.identification.belief_update import (
     belief_of_slipperier_object,
     belief_of_stiffer_lid,
 )

@@ -8,15 +8,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from objectmodels.errors import ModelError
-from objectmodels.geometry.side_faces import Face
-from objectmodels.geometry.side_press import SidePress
+from objectmodels.geometry.side_faces import Face, SidePress
 from objectmodels.mechanics.grasp_stability import (
     Contacts,
     GraspLoads,
     Lifted,
     least_squeezes,
 )
-from objectmodels.models.upright_solids import BoxModel
+from objectmodels.models.shapes import BoxModel
 
 HALF = 0.027
 CONTACTS = Contacts.from_arrays(

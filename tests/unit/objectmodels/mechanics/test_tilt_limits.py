@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from objectmodels import BoxModel, Registry
-from objectmodels.mechanics.tilt_limits import largest_return, return_probability
+from objectmodels.mechanics.push_thresholds import largest_return, return_probability
 
 AWAY = (1.0, 0.0, 0.0)
 ICE_TEA = Registry.default().get("ice tea box")

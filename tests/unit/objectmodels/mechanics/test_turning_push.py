@@ -7,7 +7,7 @@ import pytest
 
 from objectmodels import BoxModel, CylinderModel, ModelError, ObjectModel, Registry
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.mechanics.turning_push import (
+from objectmodels.mechanics.push_motion import (
     STROKE_SLACK,
     best_turn,
     learned_radius,

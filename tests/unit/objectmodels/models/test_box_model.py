@@ -10,7 +10,12 @@ import pytest
 from pydantic import ValidationError
 
 from objectmodels import BoxModel, ModelError, Registry
-from objectmodels.mechanics.tilt_limits import stroke_level, stroke_stuck, tilt_level, tilt_stuck
+from objectmodels.mechanics.push_thresholds import (
+    stroke_level,
+    stroke_stuck,
+    tilt_level,
+    tilt_stuck,
+)
 
 CRATE = {"name": "crate", "size": (0.10, 0.20, 0.30), "mass": 1.0, "friction": 0.4}
 

@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 
 from objectmodels import BoxModel, ModelError, ObjectModel, Registry
-from objectmodels.models.calibration import (
+from objectmodels.models.predictor import (
     LEAST_PUSHES,
+    PREDICTIONS,
     SeenPushes,
     calibration_of,
+    own_predictions,
     require_calibration,
 )
-from objectmodels.models.predictor import PREDICTIONS, own_predictions
 
 BOX = BoxModel(
     name="crate", size=(0.1, 0.1, 0.2), mass=1.0, mass_sd=0.08, friction=0.4, friction_sd=0.04,

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from objectmodels import ModelError, Registry
-from objectmodels.models.object_parts import Cavity
-from objectmodels.models.open_box import open_box_parts
-from objectmodels.models.top_face import standing_face, standing_height
-from objectmodels.registry.model_files import model_document, model_from_document
+from objectmodels.models.object_parts import Cavity, open_box_parts
+from objectmodels.models.shapes import standing_face, standing_height
+from objectmodels.registry.model_registry import model_document, model_from_document
 
 ROUNDING = 1e-12  # of sums of a few products of centimetres
 BIN = Registry.built_in().get("storage bin")

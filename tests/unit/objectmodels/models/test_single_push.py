@@ -9,9 +9,8 @@ import pytest
 
 from objectmodels import ModelError, ObjectModel, Registry
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.mechanics import closed_form
-from objectmodels.mechanics.closed_form import BLOCK
-from objectmodels.mechanics.push_thresholds import slide_threshold
+from objectmodels.mechanics import push_thresholds
+from objectmodels.mechanics.push_thresholds import BLOCK, slide_threshold
 
 MODELS = "ice tea box", "sugar box", "mug"
 
@@ -47,7 +46,7 @@ def test_one_push_takes_no_arrays_but_seldom(monkeypatch: pytest.MonkeyPatch) ->
     model = Registry.built_in().get("ice tea box")
     p, u = pushes_of_all_kinds(model, 400)
     looks = Mock(side_effect=slide_threshold)
-    monkeypatch.setattr(closed_form, "slide_threshold", looks)
+    monkeypatch.setattr(push_thresholds, "slide_threshold", looks)
     for i in range(len(p)):
         model.thresholds(p[[i]], u[[i]])
     assert looks.call_count <= 8  # pushes with two roots, and such as go straight up or down

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from objectmodels import BoxModel, CylinderModel, Disc, HullModel, Polygon, PrismModel
-from objectmodels.models.object_parts import Container, Opening
-from objectmodels.models.vessel import Vessel
+from objectmodels.models.object_parts import Container, Opening, Vessel
 
 Array = NDArray[np.float64]
 

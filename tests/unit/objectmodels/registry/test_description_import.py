@@ -18,10 +18,10 @@ from objectmodels import (
     PrismModel,
     Registry,
 )
-from objectmodels.descriptions.description_files import Format, write_description
-from objectmodels.registry.description_import import import_description
+from objectmodels.descriptions.description_import import import_description
+from objectmodels.descriptions.description_reading import Format, write_description
 from objectmodels.registry.model_checks import _level_pushes
-from objectmodels.registry.model_files import load_model, save_model
+from objectmodels.registry.model_registry import load_model, save_model
 
 BASE = ((-0.05, -0.04, 0.0), (0.05, -0.04, 0.0), (0.05, 0.04, 0.0), (-0.05, 0.04, 0.0))
 MODELS: tuple[ObjectModel, ...] = (

@@ -13,10 +13,10 @@ import trimesh
 from scipy.spatial.transform import Rotation
 
 from objectmodels import HullModel, ModelError, PrismModel
-from objectmodels.files.limits import LIMITS
-from objectmodels.registry import mesh_import
-from objectmodels.registry.mesh_import import import_mesh, read_mesh
-from objectmodels.registry.model_files import load_model, save_model
+from objectmodels.descriptions import mesh_import
+from objectmodels.descriptions.mesh_import import import_mesh, read_mesh
+from objectmodels.files.yaml_documents import LIMITS
+from objectmodels.registry.model_registry import load_model, save_model
 
 AXIS = np.array([1.0, 1.0, 0.0]) / np.sqrt(2.0)
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from objectmodels import ModelError, Registry
-from objectmodels.files.limits import LIMITS
-from objectmodels.registry.model_files import load_model, save_model
+from objectmodels.files.yaml_documents import LIMITS
+from objectmodels.registry.model_registry import load_model, save_model
 
 GOOD = """\
 format: box/1

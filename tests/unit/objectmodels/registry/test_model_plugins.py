@@ -13,9 +13,8 @@ from pydantic import Field
 from objectmodels import BoxModel, ModelError, ObjectModel, Polygon, Registry, sides
 from objectmodels.files import plugin_loading
 from objectmodels.geometry.side_faces import Face
-from objectmodels.registry import plugin_offers
-from objectmodels.registry.model_files import save_model
-from objectmodels.registry.user_folder import user_folder
+from objectmodels.registry import model_registry
+from objectmodels.registry.model_registry import save_model, user_folder
 from tests.patience import PATIENCE
 
 BOX = BoxModel(name="crate", size=(0.1, 0.1, 0.2), mass=1.0, friction=0.4)
@@ -69,7 +68,7 @@ def _point(name: str, thing: object) -> EntryPoint:
                 raise thing
             return thing
 
-    return Point(name, f"{name}_package:thing", plugin_offers.GROUP)
+    return Point(name, f"{name}_package:thing", model_registry.GROUP)
 
 
 Install = Callable[..., Registry]
@@ -80,7 +79,7 @@ def install(monkeypatch: pytest.MonkeyPatch) -> Install:
     """Makes the default registry with some plug-ins."""
 
     def made(**things: object) -> Registry:
-        monkeypatch.setattr(plugin_offers, "entry_points", Found(**things))
+        monkeypatch.setattr(model_registry, "entry_points", Found(**things))
         return Registry.default()
 
     return made
@@ -209,9 +208,9 @@ def test_a_plug_in_that_does_not_behave_costs_itself(
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr(plugin_loading, "LOADING_TIME", 0.5 if kind == "sleeps" else PATIENCE)
     (tmp_path / f"odd_{kind}.py").write_text(ODD[kind])
-    points = [EntryPoint("odd", f"odd_{kind}:OFFER", plugin_offers.GROUP)]
-    monkeypatch.setattr(plugin_offers, "entry_points", lambda group: points)
-    ((_, failure),) = plugin_offers.plugin_offers()
+    points = [EntryPoint("odd", f"odd_{kind}:OFFER", model_registry.GROUP)]
+    monkeypatch.setattr(model_registry, "entry_points", lambda group: points)
+    ((_, failure),) = model_registry.plugin_offers()
     assert isinstance(failure, ModelError)
     assert failure.code == "broken_plugin"
 
@@ -222,9 +221,9 @@ def test_what_a_plug_in_prints_stays_out_of_standard_output(
     monkeypatch.syspath_prepend(tmp_path)
     code = "import os; print('hello'); os.write(1, b'there'); OFFER = ()"
     (tmp_path / "odd_prints.py").write_text(code)
-    points = [EntryPoint("odd", "odd_prints:OFFER", plugin_offers.GROUP)]
-    monkeypatch.setattr(plugin_offers, "entry_points", lambda group: points)
-    assert list(plugin_offers.plugin_offers()) == []
+    points = [EntryPoint("odd", "odd_prints:OFFER", model_registry.GROUP)]
+    monkeypatch.setattr(model_registry, "entry_points", lambda group: points)
+    assert list(model_registry.plugin_offers()) == []
     said = capfd.readouterr()
     assert said.out == ""
     assert "there" in said.err

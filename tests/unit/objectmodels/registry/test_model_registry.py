@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from objectmodels import BoxModel, ModelError, Registry, suggest
-from objectmodels.registry.user_folder import free_file
+from objectmodels.registry.model_registry import free_file
 
 TWO = ("red tea carton", "red tea cartons")
 """About equally near to what was written."""

@@ -12,9 +12,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from objectmodels import BoxModel, CylinderModel, HullModel, ObjectModel, PrismModel
+from objectmodels.descriptions.mesh_import import import_mesh, plain_solid
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.registry.mesh_import import import_mesh
-from objectmodels.registry.solid_recognition import plain_solid
 
 LENGTHS = st.floats(0.02, 0.3)
 YAWS = st.floats(-3.0, 3.0)

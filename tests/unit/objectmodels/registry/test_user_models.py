@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from objectmodels import BoxModel, ModelError, Registry
-from objectmodels.registry.user_models import remove_model, rename_model, store_model
+from objectmodels.registry.model_registry import remove_model, rename_model, store_model
 from tests.patience import PATIENCE
 
 

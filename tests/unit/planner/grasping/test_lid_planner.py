@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from objectmodels.containers.lid_forces import flip
-from objectmodels.identification.withstood_loads import belief_of_stiffer_lid
+from objectmodels.containers.lids import flip
+from objectmodels.identification.belief_update import belief_of_stiffer_lid
 from objectmodels.models.object_parts import FlipLid, LiftOffLid
 from planner import plan
 from planner.types.actions import Carry, FlipOver, LiftUp, PutOn, TurnCap

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from objectmodels.mechanics.balance.edge_support import TopLoad
+from objectmodels.mechanics.standing_balance import TopLoad
 from planner.problem.overhangs import most_overhang, overhangs, table_with_room
 from planner.types.defaults import DEFAULTS
 from planner.types.world_state import PlanarPose, WorldState

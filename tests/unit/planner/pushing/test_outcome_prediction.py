@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from objectmodels import BoxModel, CylinderModel, HullModel, ObjectModel, Registry
-from objectmodels.mechanics.exact.exact_probability import least_probability
+from objectmodels.exact.exact_probability import least_probability
 from objectmodels.mechanics.friction_cone import worst_probability
 from planner.planning import plan
 from planner.problem.frame_interpretation import interpret_frame

@@ -7,7 +7,7 @@ import pytest
 
 from objectmodels import BoxModel
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.mechanics.turning_push import best_turn
+from objectmodels.mechanics.push_motion import best_turn
 from planner.pushing.turn_planner import LARGEST_TURN, PAIRED_TURN, turn_parts
 
 BOX = BoxModel(

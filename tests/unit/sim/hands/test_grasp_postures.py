@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from objectmodels.geometry.side_press import SidePress
-from objectmodels.models.upright_solids import CylinderModel
+from objectmodels.geometry.side_faces import SidePress
+from objectmodels.models.shapes import CylinderModel
 from sim.hands.four_finger.grasp_postures import (
     HOLDING,
     NARROWEST,

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from objectmodels import Registry
-from objectmodels.containers.lid_geometry import THICKNESS
+from objectmodels.containers.lids import THICKNESS
 from planner.types.actions import FlipOver
 from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer

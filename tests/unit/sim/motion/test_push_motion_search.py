@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from objectmodels import BoxModel, Registry
-from objectmodels.mechanics.turning_push import best_turn
+from objectmodels.mechanics.push_motion import best_turn
 from planner.geometry.directions import face_name
 from planner.types.actions import Push
 from planner.types.robot import ReachAnswer

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
-from objectmodels.models.vessel import Vessel
+from objectmodels.models.object_parts import Vessel
 from sim.traces.trace import Trace
 from sim.truth.scene_file import parse_scene
 from sim.views.liquid_view import Part, parts, triangles

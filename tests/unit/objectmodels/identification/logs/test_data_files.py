@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from objectmodels import BoxModel, ModelError, Registry
 from objectmodels.identification import Trial
-from objectmodels.identification.logs.touch_log import ANGLE_SD, COLUMNS, FORCE_SHARE, read_data
+from objectmodels.identification.touch_log import ANGLE_SD, COLUMNS, FORCE_SHARE, read_data
 from tests.sizes import examples
 
 EXAMPLES = Path(__file__).parents[5] / "examples"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from objectmodels import BoxModel
-from objectmodels.mechanics.balance.edge_support import (
+from objectmodels.mechanics.standing_balance import (
     TableEdge,
     TopLoad,
     edge_margins,

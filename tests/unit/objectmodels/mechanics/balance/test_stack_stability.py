@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from objectmodels.geometry.base_shapes import Polygon
-from objectmodels.mechanics.balance.stack_stability import (
+from objectmodels.mechanics.standing_balance import (
     StackedBody,
     stack_margins,
     standing_probability,

@@ -6,16 +6,15 @@ import numpy as np
 import pytest
 
 from objectmodels import BoxModel, ModelError, ObjectModel, Registry
-from objectmodels.mechanics.exact.exact_probability import least_probability
-from objectmodels.mechanics.exact.exact_thresholds import (
+from objectmodels.exact.exact_probability import least_probability
+from objectmodels.exact.exact_thresholds import (
     exact_codes,
     springs_of,
     thresholds_of_sample,
 )
-from objectmodels.mechanics.exact.slide_search import SlideSearch
-from objectmodels.mechanics.exact.standing import Standing
+from objectmodels.exact.slide_search import SlideSearch, Standing
 from objectmodels.mechanics.friction_cone import contact_forces
-from objectmodels.mechanics.outcome_probability import draw_parameters, sample_parameters
+from objectmodels.mechanics.push_outcomes import draw_parameters, sample_parameters
 from objectmodels.mechanics.push_thresholds import ratio_at, topple_threshold
 
 CRATE = BoxModel(

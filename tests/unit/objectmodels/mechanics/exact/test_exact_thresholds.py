@@ -8,10 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from objectmodels import BoxModel, CylinderModel, ModelError, Polygon, Registry
-from objectmodels.mechanics.exact import exact_thresholds, load_sharing_bounds
-from objectmodels.mechanics.exact.exact_thresholds import ExactThresholds, exact_codes
-from objectmodels.mechanics.exact.slide_search import CERTAIN
-from objectmodels.mechanics.exact.support_springs import Springs
+from objectmodels.exact import exact_thresholds
+from objectmodels.exact.exact_thresholds import ExactThresholds, exact_codes
+from objectmodels.exact.slide_search import CERTAIN
+from objectmodels.exact.support_springs import Springs
 from objectmodels.mechanics.friction_limit import friction_limit
 
 CORNERS = Polygon.rectangle(0.09, 0.12).vertices
@@ -184,7 +184,7 @@ def test_bounds_that_contradict_the_onset_are_an_error(monkeypatch: pytest.Monke
     t = BOX.thresholds([[-0.045, 0.03, 0.02]], [[1.0, 0.0, 0.0]], exact=True)
     wrong = {"worst_case_onset": 1.01, "best_case_onset": 0.99}
     for name, share in wrong.items():
-        monkeypatch.setattr(load_sharing_bounds, name, lambda t, share=share: share * t.onset)
+        monkeypatch.setattr(exact_thresholds, name, lambda t, share=share: share * t.onset)
     for bound in ("pessimistic", "optimistic"):
         with pytest.raises(ModelError) as caught:
             getattr(t, bound)

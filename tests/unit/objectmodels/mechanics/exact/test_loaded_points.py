@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 
 from objectmodels import BoxModel, CylinderModel, ModelError
-from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.support_points import Support, friction_radius
-from objectmodels.mechanics.exact.loaded_points import LoadedPoints
-from objectmodels.mechanics.exact.planar_wrench import twist_of_wrench, wrench_of_twist
-from objectmodels.mechanics.exact.stroke_draws import DRAWS, stroke_draws
+from objectmodels.exact.planar_wrench import twist_of_wrench, wrench_of_twist
+from objectmodels.exact.stroke_draws import DRAWS, stroke_draws
+from objectmodels.exact.top_drag import LoadedPoints
+from objectmodels.geometry.base_shapes import Array, Support, friction_radius
 
 FEET: Support = ((-0.03, -0.04), (0.035, -0.03), (0.01, 0.045))
 REAR = np.array([-1.0, 0.0, 0.0])

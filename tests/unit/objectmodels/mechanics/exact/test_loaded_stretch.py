@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from objectmodels import BoxModel
-from objectmodels.mechanics.exact import slide_search
-from objectmodels.mechanics.exact.loaded_stretch import Stretch, slides_on
+from objectmodels.exact import slide_search
+from objectmodels.exact.slide_search import Stretch, slides_on
 
 
 @pytest.mark.parametrize("radius", [1.0, 0.7, 1.3])

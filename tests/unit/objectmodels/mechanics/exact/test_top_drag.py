@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from objectmodels import BoxModel, ModelError
-from objectmodels.mechanics.exact.top_drag import (
+from objectmodels.exact.top_drag import (
     drag_probability,
     press_range,
     top_drag,

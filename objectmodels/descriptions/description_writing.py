@@ -1,0 +1,264 @@
+"""SDF, the model files of Gazebo and others; Drake reads its stiffnesses by their own tags."""
+
+from __future__ import annotations
+
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+
+from objectmodels.descriptions.rigid_body import FOOT, RELAXATION, RigidBody, Solid, numbers_text
+from objectmodels.geometry.base_shapes import Array
+from objectmodels.mechanics.push_thresholds import GRAVITY
+
+# --- hull mesh ------------------------------------------------------------------------------------
+#
+# A convex hull as a mesh file (Wavefront OBJ), which SDF and URDF refer to.
+
+
+def obj_text(vertices: Array) -> str:
+    """The hull of vertices, shape (n, 3) [m], as triangles that look outwards."""
+    from scipy.spatial import ConvexHull  # takes a while to import
+
+    hull = ConvexHull(vertices)
+    number = {int(vertex): k for k, vertex in enumerate(hull.vertices, start=1)}
+    lines = [f"v {x:.15g} {y:.15g} {z:.15g}" for x, y, z in vertices[hull.vertices]]
+    for (a, b, c), equation in zip(hull.simplices, hull.equations, strict=True):
+        normal = np.cross(vertices[b] - vertices[a], vertices[c] - vertices[a])
+        corners = (a, b, c) if normal @ equation[:3] > 0.0 else (a, c, b)
+        lines.append("f " + " ".join(str(number[int(corner)]) for corner in corners))
+    return "\n".join(lines) + "\n"
+
+
+# --- mjcf description -----------------------------------------------------------------------------
+#
+# MJCF, the model files of MuJoCo.
+#
+# A constraint's force f is (k r − b v − a) / R, with penetration r, speed v, acceleration a and
+# the regularisation R = (1 − d)/d · 1/m, the same for all feet where the impedance d is.
+# Stiffnesses that are stated (`solref` with negative numbers) are then springs in the ratio of
+# the weights. A mass on n of them moves with
+#
+#     (ρ + n) a = Σk r − Σb v − ρ g,  ρ = (1 − d)/d,
+#
+# so that frequency ω and critical damping ask for Σk = (ρ + n) ω² and Σb = 2 (ρ + n) ω. MuJoCo
+# takes k and b from what is stated by dividing by d.
+#
+# Friction of a pair is that of the geom of higher priority, which the feet and the solid have.
+
+
+_IMPEDANCE = 0.5
+_FREQUENCY = 450.0
+"""Of the mass on its feet, ω [rad/s]; steps of a millisecond bear it."""
+
+
+def mjcf_text(body: RigidBody) -> str:
+    """A model of one free body; its world has gravity and steps, and no table yet."""
+    share = (1.0 - _IMPEDANCE) + _IMPEDANCE * len(body.feet)
+    stiffness, damping = share * _FREQUENCY**2, 2.0 * share * _FREQUENCY
+    feet = "\n".join(
+        f'      <geom class="foot" pos="{numbers_text(place)}"'
+        f' solref="{-stiffness * weight:.15g} {-damping * weight:.15g}"/>'
+        for place, weight in zip(body.feet, body.weights, strict=True)
+    )
+    asset = "".join(map(_asset, body.solids))
+    solids = "\n".join(
+        f'      <geom name="{solid.name}" {_geometry(solid)} condim="3" priority="1"\n'
+        f'        friction="{body.finger_friction:.15g} 0 0"/>'
+        for solid in body.solids
+    )
+    com, inertia = numbers_text(body.com), numbers_text(body.inertia)
+    return f"""<mujoco model={quoteattr(body.name)}>
+  <option timestep="0.001" gravity="0 0 {-GRAVITY}" cone="elliptic" impratio="1000"/>
+  <default>
+    <default class="foot">
+      <geom type="sphere" size="{FOOT}" friction="{body.friction:.15g} 0 0" condim="3" priority="1"
+        solimp="{_IMPEDANCE} {_IMPEDANCE} 0.001" group="3"/>
+    </default>
+  </default>{asset}
+  <worldbody>
+    <body name={quoteattr(body.name)}>
+      <freejoint/>
+      <inertial pos="{com}" mass="{body.mass:.15g}" diaginertia="{inertia}"/>
+{solids}
+{feet}
+    </body>
+  </worldbody>
+</mujoco>
+"""
+
+
+def _geometry(solid: Solid) -> str:
+    """Attributes of a geom that tell its shape and place."""
+    x, y, z = (solid.size / 2.0).tolist()
+    place = f'pos="{numbers_text(solid.middle)}"'
+    if solid.shape == "box":
+        return f'type="box" size="{x:.15g} {y:.15g} {z:.15g}" {place}'
+    if solid.shape == "cylinder":
+        return f'type="cylinder" size="{x:.15g} {z:.15g}" {place}'
+    return 'type="mesh" mesh="hull"'
+
+
+def _asset(solid: Solid) -> str:
+    """The mesh of a hull; nothing of other shapes."""
+    if solid.shape != "hull":
+        return ""
+    corners = "  ".join(numbers_text(vertex) for vertex in solid.vertices)
+    return f'\n  <asset>\n    <mesh name="hull" vertex="{corners}"/>\n  </asset>'
+
+
+# --- description writing --------------------------------------------------------------------------
+
+
+def sdf_text(body: RigidBody, mesh: str) -> str:
+    """A model of one link.
+
+    Args:
+        body: to be described.
+        mesh: name of the mesh file of its hull, beside this one.
+    """
+    xx, yy, zz = body.inertia.tolist()
+    feet = "\n".join(
+        _sdf_collision(
+            f"foot_{k}", place, f"<sphere><radius>{FOOT}</radius></sphere>", body, weight
+        )
+        for k, (place, weight) in enumerate(zip(body.feet, body.weights, strict=True))
+    )
+    shapes = [(solid.name, *_sdf_shape(solid, mesh)) for solid in body.solids]
+    visuals = "\n".join(_sdf_visual(name, place, shape) for name, shape, place in shapes)
+    solids = "\n".join(
+        _sdf_collision(name, place, shape, body, None) for name, shape, place in shapes
+    )
+    return f"""<?xml version="1.0"?>
+<sdf version="1.9" xmlns:drake="http://drake.mit.edu">
+  <model name={quoteattr(body.name)}>
+    <link name={quoteattr(body.name)}>
+      <inertial>
+        <pose>{numbers_text(body.com)} 0 0 0</pose>
+        <mass>{body.mass:.15g}</mass>
+        <inertia>
+          <ixx>{xx:.15g}</ixx><iyy>{yy:.15g}</iyy><izz>{zz:.15g}</izz>
+          <ixy>0</ixy><ixz>0</ixz><iyz>0</iyz>
+        </inertia>
+      </inertial>
+{visuals}
+{solids}
+{feet}
+    </link>
+  </model>
+</sdf>
+"""
+
+
+def _sdf_visual(name: str, place: Array, shape: str) -> str:
+    return f"""      <visual name="{name}">
+        <pose>{numbers_text(place)} 0 0 0</pose>
+        <geometry>{shape}</geometry>
+      </visual>"""
+
+
+def _sdf_collision(
+    name: str, place: Array, shape: str, body: RigidBody, weight: float | None
+) -> str:
+    """A collision geometry: a foot of a weight, or the solid, which has none."""
+    mu = body.finger_friction if weight is None else body.friction
+    spring = ""
+    if weight is not None:
+        stiffness = weight * body.stiffness
+        spring = f"""
+        <drake:proximity_properties>
+          <drake:point_contact_stiffness>{stiffness:.15g}</drake:point_contact_stiffness>
+          <drake:relaxation_time>{RELAXATION}</drake:relaxation_time>
+        </drake:proximity_properties>"""
+    return f"""      <collision name="{name}">
+        <pose>{numbers_text(place)} 0 0 0</pose>
+        <geometry>{shape}</geometry>
+        <surface><friction><ode><mu>{mu:.15g}</mu><mu2>{mu:.15g}</mu2></ode></friction></surface>{spring}
+      </collision>"""
+
+
+def _sdf_shape(solid: Solid, mesh: str) -> tuple[str, Array]:
+    """Geometry of a solid, and where its own frame is."""
+    x, _, z = solid.size.tolist()
+    if solid.shape == "box":
+        return f"<box><size>{numbers_text(solid.size)}</size></box>", solid.middle
+    if solid.shape == "cylinder":
+        size = f"<radius>{x / 2.0:.15g}</radius><length>{z:.15g}</length>"
+        return f"<cylinder>{size}</cylinder>", solid.middle
+    uri = f"<uri>{mesh}</uri><drake:declare_convex/>"
+    return f"<mesh>{uri}</mesh>", 0.0 * solid.middle
+
+
+# --- urdf description -----------------------------------------------------------------------------
+#
+# URDF, the model files of ROS; it knows friction only by the tags of Drake and Gazebo.
+
+
+def urdf_text(body: RigidBody, mesh: str) -> str:
+    """A robot of one link.
+
+    Args:
+        body: to be described.
+        mesh: name of the mesh file of its hull, beside this one.
+    """
+    xx, yy, zz = body.inertia.tolist()
+    feet = "\n".join(
+        _urdf_collision(place, f'<sphere radius="{FOOT}"/>', body, weight)
+        for place, weight in zip(body.feet, body.weights, strict=True)
+    )
+    shapes = [_urdf_shape(solid, mesh) for solid in body.solids]
+    visuals = "\n".join(_urdf_visual(place, shape) for shape, place in shapes)
+    solids = "\n".join(_urdf_collision(place, shape, body, None) for shape, place in shapes)
+    return f"""<?xml version="1.0"?>
+<robot name={quoteattr(body.name)} xmlns:drake="http://drake.mit.edu">
+  <link name={quoteattr(body.name)}>
+    <inertial>
+      <origin xyz="{numbers_text(body.com)}"/>
+      <mass value="{body.mass:.15g}"/>
+      <inertia ixx="{xx:.15g}" iyy="{yy:.15g}" izz="{zz:.15g}" ixy="0" ixz="0" iyz="0"/>
+    </inertial>
+{visuals}
+{solids}
+{feet}
+  </link>
+  <gazebo reference={quoteattr(body.name)}>
+    <mu1>{body.friction:.15g}</mu1>
+    <mu2>{body.friction:.15g}</mu2>
+  </gazebo>
+</robot>
+"""
+
+
+def _urdf_visual(place: Array, shape: str) -> str:
+    return f"""    <visual>
+      <origin xyz="{numbers_text(place)}"/>
+      <geometry>{shape}</geometry>
+    </visual>"""
+
+
+def _urdf_collision(place: Array, shape: str, body: RigidBody, weight: float | None) -> str:
+    """A collision geometry: a foot of a weight, or the solid, which has none."""
+    mu = body.finger_friction if weight is None else body.friction
+    spring = ""
+    if weight is not None:
+        stiffness = weight * body.stiffness
+        spring = f"""
+        <drake:point_contact_stiffness value="{stiffness:.15g}"/>
+        <drake:relaxation_time value="{RELAXATION}"/>"""
+    return f"""    <collision>
+      <origin xyz="{numbers_text(place)}"/>
+      <geometry>{shape}</geometry>
+      <drake:proximity_properties>
+        <drake:mu_static value="{mu:.15g}"/>
+        <drake:mu_dynamic value="{mu:.15g}"/>{spring}
+      </drake:proximity_properties>
+    </collision>"""
+
+
+def _urdf_shape(solid: Solid, mesh: str) -> tuple[str, Array]:
+    """Geometry of a solid, and where its own frame is."""
+    x, _, z = solid.size.tolist()
+    if solid.shape == "box":
+        return f'<box size="{numbers_text(solid.size)}"/>', solid.middle
+    if solid.shape == "cylinder":
+        return f'<cylinder radius="{x / 2.0:.15g}" length="{z:.15g}"/>', solid.middle
+    return f'<mesh filename="{mesh}"><drake:declare_convex/></mesh>', 0.0 * solid.middle

@@ -1,1 +1,0 @@
-"""Readers of a real robot's data files."""

@@ -1,1 +1,0 @@
-"""What stands on what: stacks, and things that hang over the edge of a table."""
