@@ -34,8 +34,8 @@ from nlcontrol import Controller, Registry
 from nlcontrol.errors import ErrorInfo
 from objectmodels import BoxModel, CylinderModel, ObjectModel, PrismModel
 from objectmodels.models.object_parts import Cavity
-from planner.types.marks import ObstacleMark
 from planner.types.refusal import Refusal
+from planner.types.world_state import ObstacleMark
 from sim.errors import SceneError
 from sim.truth.object_placing import scene_with_object
 from sim.truth.scene_file import Pose, Scene, parse_scene

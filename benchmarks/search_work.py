@@ -16,7 +16,7 @@ from benchmarks.goals.sentences import said
 from benchmarks.goals.worlds import Job, believed
 from nlcontrol import Controller
 from planner import plan
-from planner.problem.search_budget import SearchBudget
+from planner.problem.planning_problem import SearchBudget
 
 _SLOW = 0.5  # plans that take less are not listed [s]
 

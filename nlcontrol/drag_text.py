@@ -6,8 +6,8 @@ import math
 from typing import TYPE_CHECKING
 
 from nlcontrol.text_format import quantity
-from planner.geometry.directions import phrase
-from planner.types.probability_text import probability_text
+from planner.problem.directions import phrase
+from planner.types.refusal import probability_text
 
 if TYPE_CHECKING:
     from planner.types.actions import Push, PushAction

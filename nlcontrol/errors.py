@@ -263,7 +263,7 @@ def known_error(raised: Exception) -> ControlError | None:
     # Late: a failing command must not load stages that it never reached.
     from grammar import ParseError
     from objectmodels import ModelError
-    from planner.types.default_kinds import DefaultsError
+    from planner.types.defaults import DefaultsError
     from sim.errors import SimError
 
     about: dict[str, Any]

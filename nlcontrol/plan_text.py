@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 from nlcontrol.drag_text import drag_prediction, drag_reason, drag_safety, drag_text
 from nlcontrol.text_format import enumeration, place_text, quantity
-from planner.geometry.directions import phrase
+from planner.problem.directions import phrase
 from planner.types.actions import (
     Action,
     Aim,
@@ -27,12 +27,12 @@ from planner.types.actions import (
     PushAction,
     PutOn,
     SetDown,
+    SetOn,
     TurnCap,
+    TurnOver,
 )
 from planner.types.plan import Plan
-from planner.types.probability_text import probability_text
-from planner.types.stack_actions import SetOn
-from planner.types.turning_actions import TurnOver
+from planner.types.refusal import probability_text
 
 _LEAST_TOLD = 0.05  # a margin that would be told as 0.0 N is told otherwise [N]
 

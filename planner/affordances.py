@@ -10,7 +10,8 @@ Frames: contacts are places on a face of B; directions are the robot's.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,12 +20,11 @@ from numpy.typing import NDArray
 from grammar.frames import command as g
 from objectmodels import Face
 from objectmodels.mechanics.outcome_map import OutcomeMap, outcome_map
-from planner.geometry.directions import HEADINGS, angle_between, face_name, heading_of
 from planner.planning import plan
+from planner.problem.directions import HEADINGS, angle_between, face_name, heading_of
 from planner.types.actions import FaceName
 from planner.types.defaults import DEFAULTS, Defaults
-from planner.types.probability_text import probability_text
-from planner.types.refusal import Refusal
+from planner.types.refusal import Refusal, probability_text
 from planner.types.robot import Robot
 from planner.types.world_state import SeenObject, WorldState
 
@@ -253,3 +253,71 @@ def _command_frame(outcome: str, way: str, name: str) -> g.Frame:
         return g.Frame(action="tilt", object=ref, goal=g.Tilt.model_validate({"direction": way}))
     sense = "ccw" if way == "left" else "cw"
     return g.Frame(action="turn", object=ref, goal=g.Rotate.model_validate({"sense": sense}))
+
+
+# --- feasible amounts -----------------------------------------------------------------------------
+#
+# How much of what a frame asks can be done: the largest amount of its goal that has a plan.
+#
+# What has a plan is taken to have one for less as well. First comes what people mean if they say
+# no amount. It is doubled while there is a plan; if there is none, the least amount decides
+# whether to look on. What lies between an amount that has a plan and one that has none is then
+# bracketed.
+
+
+_POURED_TO = DEFAULTS.tolerance_share * DEFAULTS.pour_margin  # so that the margin is the least
+
+UNITS: dict[str, tuple[str, Callable[[int], float], float, float]] = {
+    "displace": ("distance", lambda cm: cm / 100, DEFAULTS.distance, DEFAULTS.aim_position),
+    "place": ("distance", lambda cm: cm / 100, DEFAULTS.distance_lot, DEFAULTS.aim_position),
+    "lift": ("height", lambda cm: cm / 100, DEFAULTS.lift_height, DEFAULTS.aim_position),
+    "rotate": ("angle", math.radians, DEFAULTS.turn, DEFAULTS.aim_angle),
+    "tilt": ("angle", math.radians, DEFAULTS.tilt, DEFAULTS.aim_angle),
+    "pour": ("volume", lambda cl: cl / 100_000, DEFAULTS.pour_little, _POURED_TO),
+}
+"""Field of a goal that says how much, by its kind, how many of the units in which people say that
+are how much, a usual amount, and to what the robot does it [SI]."""
+
+BRACKETS = 2
+"""Times that the bracket is halved by its ratio: between n and 2 n, to a fifth of the most."""
+
+
+def frame_with_less(frame: g.Frame, is_planned: Callable[[g.Frame], bool]) -> g.Frame | None:
+    """The frame with a smaller amount that has a plan; None if none is found.
+
+    Args:
+        frame: what is asked.
+        is_planned: whether a frame has a plan.
+    """
+    if frame.goal.kind not in UNITS:
+        return None
+    name, amount, usual, aim = UNITS[frame.goal.kind]
+    asked = getattr(frame.goal, name)
+    if not isinstance(asked, float):
+        return None
+
+    def with_amount(units: int) -> g.Frame:
+        return frame.model_copy(
+            update={"goal": frame.goal.model_copy(update={name: amount(units)})}
+        )
+
+    most = math.ceil(asked / amount(1) - 1e-9)
+    least = min(round(usual / amount(1)), most // 2)
+    # Less cannot be told from nothing, and is refused.
+    first = math.ceil(DEFAULTS.least_amount(aim) / amount(1) - 1e-9)
+    if least < first:
+        return None
+    if is_planned(with_amount(least)):
+        while 2 * least < most and is_planned(with_amount(2 * least)):
+            least *= 2
+        most = min(most, 2 * least)
+    elif least > first and is_planned(with_amount(first)):
+        least, most = first, least
+    else:
+        return None
+    for _ in range(BRACKETS):
+        middle = round(math.sqrt(least * most))
+        if not least < middle < most:
+            break
+        least, most = (middle, most) if is_planned(with_amount(middle)) else (least, middle)
+    return with_amount(least)

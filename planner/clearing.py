@@ -16,16 +16,15 @@ import numpy as np
 
 from grammar.frames import command as g
 from objectmodels.geometry.base_shapes import Array, hull_polygon
-from planner.geometry.directions import bisector, unit
-from planner.geometry.footprints import footprint, gap, kept_gap, room_to_edge
+from planner.problem.directions import bisector, unit
+from planner.problem.footprints import footprint, gap, kept_gap, room_to_edge
 from planner.problem.frame_interpretation import interpret_frame
-from planner.problem.place_regions import object_at
+from planner.problem.places import object_at
 from planner.problem.planning_problem import places_told_by
 from planner.pushing.push_paths import Obstructions, PathSegment
 from planner.types.defaults import Defaults
-from planner.types.marks import ObstacleMark
 from planner.types.refusal import NoPlanError, Refusal
-from planner.types.world_state import SeenObject, WorldState
+from planner.types.world_state import ObstacleMark, SeenObject, WorldState
 
 _WAYS: tuple[tuple[g.Direction, ...], ...] = (
     ("left",), ("right",), ("away",), ("toward",),

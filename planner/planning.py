@@ -19,7 +19,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from grammar.frames import command as g
-from planner.predicted_states import state_after
 from planner.problem.frame_interpretation import (
     grasp_problem,
     interpret_frame,
@@ -29,12 +28,16 @@ from planner.problem.frame_interpretation import (
     require_resting,
 )
 from planner.problem.least_amounts import require_tellable
-from planner.problem.place_regions import region
-from planner.problem.planning_problem import GraspProblem, is_handled, is_off_the_table
-from planner.problem.search_budget import SearchBudget
+from planner.problem.places import region
+from planner.problem.planning_problem import (
+    GraspProblem,
+    SearchBudget,
+    is_handled,
+    is_off_the_table,
+)
+from planner.problem.predicted_states import state_after
 from planner.pushing.strategies import plan_pushes
-from planner.refusals.refusal_builder import no_plan
-from planner.refusals.search_account import with_account
+from planner.refusals.no_plan import no_plan, with_account
 from planner.true_reasons import REASON_WORK, true_refusal
 from planner.types.defaults import DEFAULTS, Defaults
 from planner.types.plan import Plan, PlanningResult, Reached
@@ -173,7 +176,7 @@ def _is_placed(frame: g.Frame, state: WorldState, defaults: Defaults) -> bool:
 def _plan_with_hand(problem: GraspProblem) -> Plan | Reached:
     """Plan a grasp and the steps after it, or what a fingertip does to a lid."""
     # Pushes do without them.
-    from planner.grasping import lid_planner, lift_planner, pour_planner, upright_planner
+    from planner.grasping import lid_planner, lift_planner, pour_planner
 
     match problem.frame.goal:
         case g.Lift() as goal:
@@ -183,7 +186,7 @@ def _plan_with_hand(problem: GraspProblem) -> Plan | Reached:
         case g.Place():
             return lift_planner.place(problem)
         case g.Upright():
-            return upright_planner.stand_up(problem)
+            return lift_planner.stand_up(problem)
         case g.Pour() as goal:
             return pour_planner.pour_out(problem, goal)
         case g.Open():

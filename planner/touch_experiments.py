@@ -31,7 +31,7 @@ from objectmodels.geometry.side_faces import Face
 from objectmodels.identification.trial import Trial
 from objectmodels.mechanics import push_thresholds
 from objectmodels.models.object_model import ObjectModel
-from planner.geometry.directions import face_name
+from planner.problem.directions import face_name
 from planner.types.actions import Push
 from planner.types.robot import RobotLimits
 from planner.types.world_state import SeenObject

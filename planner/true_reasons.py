@@ -17,13 +17,12 @@ import numpy as np
 
 from grammar.frames import command as g
 from planner.clearing import obstacles
-from planner.problem.place_regions import object_at
+from planner.problem.places import object_at
 from planner.problem.planning_problem import places_told_by
-from planner.refusals.refusal_builder import refusal as refusal_of
-from planner.types.marks import ObstacleMark, obstacle_mark
+from planner.refusals.no_plan import refusal as refusal_of
 from planner.types.plan import PlanningResult
 from planner.types.refusal import Refusal
-from planner.types.world_state import WorldState
+from planner.types.world_state import ObstacleMark, WorldState, obstacle_mark
 
 PlanFrom = Callable[[WorldState], PlanningResult]
 

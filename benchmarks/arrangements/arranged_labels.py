@@ -19,7 +19,7 @@ from benchmarks.goals.hand_sense import may_be_held, may_be_held_lying
 from benchmarks.goals.sense import ROOM, SPARE, TABLE
 from objectmodels import ObjectModel
 from objectmodels.geometry.base_shapes import Array, hull_polygon
-from planner.geometry.footprints import footprint, gap
+from planner.problem.footprints import footprint, gap
 from planner.types.defaults import DEFAULTS as D
 from planner.types.world_state import SeenObject, TableState, WorldState
 from sim.motion.robot_reach import lowest_contact

@@ -10,7 +10,7 @@ from benchmarks.arrangements.arranged_worlds import SMALL_TABLE, apart
 from benchmarks.arrangements.wishes import MIDDLE, WAYS, Kind, Way, Wish
 from nlcontrol.batches.drawn_scenes import Generator
 from objectmodels import CylinderModel
-from planner.geometry.footprints import footprint
+from planner.problem.footprints import footprint
 from planner.types.defaults import DEFAULTS as D
 from planner.types.world_state import SeenObject
 

@@ -21,7 +21,7 @@ from nlcontrol.batches.drawn_scenes import (
     pushable_models,
 )
 from objectmodels import BoxModel, CylinderModel, ObjectModel, Registry
-from planner.geometry.footprints import footprint, gap
+from planner.problem.footprints import footprint, gap
 from planner.types.defaults import DEFAULTS as D
 from planner.types.world_state import PlanarPose, SeenObject
 from sim.rotations import rot_x, rot_y

@@ -20,7 +20,7 @@ import numpy as np
 from benchmarks.goals.true_judge import SLACK, STIRRED
 from objectmodels import ObjectModel
 from objectmodels.geometry.base_shapes import Array, Disc, hull_polygon
-from planner.geometry.footprints import gap
+from planner.problem.footprints import gap
 from planner.types.defaults import DEFAULTS as D
 
 Kind = Literal[

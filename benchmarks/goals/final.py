@@ -22,7 +22,7 @@ import numpy as np
 
 from grammar.frames import command as g
 from nlcontrol.checks import trace_measures as measures
-from planner.geometry.directions import HEADINGS, angle_between, bisector, heading_of, unit
+from planner.problem.directions import HEADINGS, angle_between, bisector, heading_of, unit
 from planner.types.defaults import DEFAULTS
 
 if TYPE_CHECKING:

@@ -20,7 +20,7 @@ import numpy as np
 from grammar.frames import command as g
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.mechanics.push_thresholds import GRAVITY
-from planner.geometry.footprints import footprint, gap, overlaps
+from planner.problem.footprints import footprint, gap, overlaps
 from planner.types.world_state import SeenObject, WorldState
 from sim.standard_robot import HAND
 

@@ -34,8 +34,8 @@ from nlcontrol.batches.drawn_scenes import (
 )
 from objectmodels import ObjectModel
 from objectmodels.models.object_parts import Lid
-from planner.geometry.directions import unit
-from planner.geometry.footprints import footprint, free_travel, gap
+from planner.problem.directions import unit
+from planner.problem.footprints import footprint, free_travel, gap
 from planner.types.world_state import PlanarPose, SeenObject
 from sim.cell.cell_description import Vision
 from sim.rotations import rot_x, rot_y

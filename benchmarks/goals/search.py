@@ -34,8 +34,8 @@ from nlcontrol.checks.frame_checks import check
 from nlcontrol.checks.verdicts import Check
 from nlcontrol.references.reference_resolution import parts_within
 from objectmodels import ObjectModel
-from planner.geometry.directions import HEADINGS, bisector
-from planner.geometry.footprints import footprint, gap, overlaps
+from planner.problem.directions import HEADINGS, bisector
+from planner.problem.footprints import footprint, gap, overlaps
 from planner.types.defaults import DEFAULTS
 from planner.types.world_state import PlanarPose, SeenObject, TableState
 from sim.traces.trace import ContactEvent, Trace

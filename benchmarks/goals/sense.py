@@ -28,8 +28,8 @@ from benchmarks.goals.hand_sense import may_be_handled, may_be_held
 from grammar.frames import command as g
 from objectmodels import ObjectModel
 from objectmodels.geometry.side_faces import Face
-from planner.geometry.directions import angle_between, heading_of
-from planner.geometry.footprints import footprint, free_travel, gap, landing_strip, travel_to_edge
+from planner.problem.directions import angle_between, heading_of
+from planner.problem.footprints import footprint, free_travel, gap, landing_strip, travel_to_edge
 from planner.problem.frame_interpretation import interpret_frame
 from planner.problem.planning_problem import PushProblem, is_handled
 from planner.pushing.push_paths import obliqueness

@@ -18,7 +18,7 @@ import numpy as np
 from grammar.frames import command as g
 from objectmodels import ObjectModel
 from objectmodels.geometry.base_shapes import Array, hull_polygon
-from planner.geometry.footprints import gap
+from planner.problem.footprints import gap
 from planner.types.defaults import DEFAULTS as D
 from sim.traces.trace import Trace
 

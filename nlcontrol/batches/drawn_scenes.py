@@ -16,7 +16,7 @@ import numpy as np
 
 from nlcontrol.batches.batch_row import DrawnScene
 from objectmodels import ObjectModel, Registry
-from planner.geometry.footprints import footprint, overlaps
+from planner.problem.footprints import footprint, overlaps
 from planner.types.world_state import PlanarPose, SeenObject
 from sim.cell.cell_description import Vision
 from sim.motion.robot_reach import lowest_contact

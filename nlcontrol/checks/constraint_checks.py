@@ -17,10 +17,10 @@ from nlcontrol.checks import trace_measures as measures
 from nlcontrol.checks.goal_checks import has_fallen
 from nlcontrol.checks.grasp_checks import by_hand, stands_on_base, stands_up
 from nlcontrol.checks.verdicts import Check, Relation, compare, object_name, place_check
-from planner.geometry.directions import face_name, heading_of, unit
-from planner.geometry.footprints import footprint, gap
+from planner.problem.directions import face_name, heading_of, unit
+from planner.problem.footprints import footprint, gap
 from planner.problem.goal_poses import goal_heading
-from planner.problem.place_regions import region, table_region
+from planner.problem.places import region, table_region
 
 if TYPE_CHECKING:
     from nlcontrol.checks.evidence import Evidence

@@ -17,7 +17,7 @@ import numpy as np
 
 from nlcontrol.checks import trace_measures as measures
 from objectmodels.errors import ModelError
-from planner.geometry.stacks import with_supports
+from planner.problem.stacks import with_supports
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ The checker knows nothing of the plan. Besides frame and trace it takes the beli
 objects where a clause is about them (the upper third of a height, a gap between surfaces), the
 extent of the table, and the table of defaults for what a clause means when the sentence says no
 more. What a place or a displacement means it shares with the planner
-(`planner.problem.place_regions`, `planner.problem.goal_poses`): a word has one meaning.
+(`planner.problem.places`, `planner.problem.goal_poses`): a word has one meaning.
 
 A clause without a check is an error, raised before anything is executed: no sentence is called
 satisfied because a part of it was skipped.

@@ -11,11 +11,15 @@ from grammar.frames import command as g
 from nlcontrol.checks import grasp_checks as handling
 from nlcontrol.checks import trace_measures as measures
 from nlcontrol.checks.verdicts import Check, Clause, compare, object_name, place_check, relation_of
-from planner.geometry.directions import HEADINGS, angle_between, heading_of
-from planner.problem.goal_poses import goal_distance, goal_heading
-from planner.problem.orientations import is_orientation, turns_to_orientation
-from planner.problem.place_regions import region, share_of_way
-from planner.problem.tilt_goals import tilt_goal
+from planner.problem.constraint_limits import tilt_goal
+from planner.problem.directions import HEADINGS, angle_between, heading_of
+from planner.problem.goal_poses import (
+    goal_distance,
+    goal_heading,
+    is_orientation,
+    turns_to_orientation,
+)
+from planner.problem.places import region, share_of_way
 
 if TYPE_CHECKING:
     from nlcontrol.checks.evidence import Evidence

@@ -22,7 +22,7 @@ from nlcontrol.checks import trace_measures as measures
 from nlcontrol.checks.evidence import Evidence
 from nlcontrol.checks.felt_pushes import Place, felt_end
 from objectmodels.models.object_parts import LiftOffLid, section_area
-from planner.geometry.footprints import gap
+from planner.problem.footprints import gap
 from sim.perception.pose_tracks import CameraSheet, PoseTrack, Stretch, pose_track
 from sim.random_streams import RandomStream, source
 from sim.traces.trace import ContactEvent, Trace

@@ -14,7 +14,7 @@ from nlcontrol.text_format import quantity
 from objectmodels.html_table import html_table
 
 if TYPE_CHECKING:
-    from planner.problem.place_measures import Measure
+    from planner.problem.places import Measure
 
 Relation = Literal["about", "at_most", "at_least", "is"]
 Unit = Literal["m", "rad", "N", "m/s", "s", "m³", ""]

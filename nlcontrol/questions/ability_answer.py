@@ -13,7 +13,7 @@ from grammar.frames import command as g
 from nlcontrol.questions.answer import Answer
 from nlcontrol.text_format import enumeration
 from planner import plan
-from planner.problem.search_budget import SearchBudget
+from planner.problem.planning_problem import SearchBudget
 from planner.types.plan import Plan
 
 if TYPE_CHECKING:

@@ -19,9 +19,9 @@ from nlcontrol.questions.answer import Considered
 from nlcontrol.questions.push_prediction import PushPrediction, predict_push
 from nlcontrol.text_format import aside_text, quantity
 from planner.affordances import pushed_face
-from planner.geometry.directions import FACE_HEADINGS, HEADINGS, heading_of, unit
+from planner.problem.directions import FACE_HEADINGS, HEADINGS, heading_of, unit
 from planner.problem.frame_interpretation import interpret_frame, require_resting
-from planner.refusals.refusal_builder import no_plan, not_capable
+from planner.refusals.no_plan import no_plan, not_capable
 from planner.types.refusal import NoPlanError
 
 if TYPE_CHECKING:

@@ -18,8 +18,8 @@ from objectmodels import ObjectModel
 from objectmodels.exact.top_drag import DragOutcome, drag_probability, top_drag
 from objectmodels.geometry.base_shapes import is_within
 from objectmodels.models.shapes import top_face
-from planner.geometry.directions import heading_of
-from planner.types.probability_text import probability_text
+from planner.problem.directions import heading_of
+from planner.types.refusal import probability_text
 
 _VERBS: dict[DragOutcome, str] = {
     "drags": "goes along",

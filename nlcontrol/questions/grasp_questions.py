@@ -28,13 +28,12 @@ from nlcontrol.questions.asked_push import push_asked_about, target_of
 from nlcontrol.questions.push_questions import most_favourable
 from nlcontrol.text_format import quantity
 from planner import plan
-from planner.geometry.directions import HEADINGS, phrase
 from planner.grasping.lid_planner import is_open
+from planner.problem.constraint_limits import tilt_goal
+from planner.problem.directions import HEADINGS, phrase
 from planner.problem.planning_problem import is_handled
-from planner.problem.tilt_goals import tilt_goal
 from planner.types.plan import Plan
-from planner.types.probability_text import probability_text
-from planner.types.refusal import Refusal
+from planner.types.refusal import Refusal, probability_text
 
 if TYPE_CHECKING:
     from planner.types.defaults import Defaults

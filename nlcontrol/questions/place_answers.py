@@ -13,7 +13,7 @@ from nlcontrol.questions.property_values import standing_text
 from nlcontrol.references.disambiguation_text import relation_text
 from nlcontrol.references.object_attributes import gap_between, stands_in_relation
 from nlcontrol.text_format import enumeration, quantity
-from planner.geometry.footprints import footprint
+from planner.problem.footprints import footprint
 
 if TYPE_CHECKING:
     from planner.types.world_state import SeenObject, WorldState

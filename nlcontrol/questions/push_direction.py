@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from nlcontrol.errors import error
-from planner.geometry.directions import HEADINGS, angle_between
+from planner.problem.directions import HEADINGS, angle_between
 
 
 def unit_direction(direction: tuple[float, float, float]) -> np.ndarray:

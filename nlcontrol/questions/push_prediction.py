@@ -21,8 +21,8 @@ from nlcontrol.questions.push_direction import heading_text, unit_direction
 from nlcontrol.text_format import aside_text
 from objectmodels import Face, ObjectModel
 from objectmodels.mechanics.push_outcomes import sample_at
-from planner.geometry.directions import heading_of
-from planner.types.probability_text import probability_text
+from planner.problem.directions import heading_of
+from planner.types.refusal import probability_text
 
 Array = NDArray[np.float64]
 

@@ -27,7 +27,7 @@ from nlcontrol.questions.push_prediction import (
 from nlcontrol.text_format import quantity
 from objectmodels.mechanics.outcome_map import OutcomeMap, outcome_map
 from planner.affordances import SPACING, least, turning_map
-from planner.types.probability_text import probability_text
+from planner.types.refusal import probability_text
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

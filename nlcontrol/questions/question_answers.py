@@ -51,9 +51,9 @@ from nlcontrol.questions.scene_answers import (
 from nlcontrol.text_format import enumeration, quantity
 from planner import plan
 from planner.affordances import TURNING_ARM, affordances
-from planner.geometry.directions import HEADINGS, heading_of, phrase
+from planner.problem.directions import HEADINGS, heading_of, phrase
 from planner.types.plan import Plan, Reached
-from planner.types.probability_text import probability_text
+from planner.types.refusal import probability_text
 
 if TYPE_CHECKING:
     from planner.affordances import Affordance

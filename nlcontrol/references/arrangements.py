@@ -18,9 +18,9 @@ import numpy as np
 
 from grammar.frames import command as g
 from nlcontrol.errors import error, whole_span
-from planner.geometry.footprints import footprint
-from planner.geometry.stacks import level_top
-from planner.problem.place_regions import region
+from planner.problem.footprints import footprint
+from planner.problem.places import region
+from planner.problem.stacks import level_top
 from planner.types.defaults import Defaults
 from planner.types.world_state import SeenObject, WorldState
 

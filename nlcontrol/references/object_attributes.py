@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from planner.geometry.footprints import footprint, gap
+from planner.problem.footprints import footprint, gap
 
 if TYPE_CHECKING:
     from grammar.frames.command import Quality, Relation

@@ -16,7 +16,7 @@ import numpy as np
 
 from nlcontrol.errors import error
 from objectmodels import suggest
-from planner.geometry.directions import face_name
+from planner.problem.directions import face_name
 
 if TYPE_CHECKING:
     from objectmodels import Face, ObjectModel

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from nlcontrol.results.result import Result
-    from planner.explanation.rows import PartName, Row
+    from planner.plan_explanation import PartName, Row
 
 # Okabe and Ito's colours, which people with colour blindness tell apart, dark enough for letters.
 _BLUE, _ORANGE, _GREEN, _PURPLE = "#0064A0", "#C04E00", "#00805C", "#A8477F"

@@ -20,7 +20,7 @@ from nlcontrol.plan_text import plan_lines
 from nlcontrol.references.object_names import face_names
 from nlcontrol.reports.predicted_places import end_poses, plan_contacts
 from objectmodels.geometry.base_shapes import hull_polygon
-from planner.geometry.footprints import footprint
+from planner.problem.footprints import footprint
 from sim.rotations import Array, from_quaternion
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from planner.predicted_states import fallen_pose, standing_object
+from planner.problem.predicted_states import fallen_pose, standing_object
 from sim.rotations import Array, quaternion, rot_z
 from sim.views.run_story import ContactMark, Ghost
 

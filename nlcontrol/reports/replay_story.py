@@ -24,7 +24,7 @@ from sim.views.run_story import (
 
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result, Step
-    from planner.explanation.rows import Row
+    from planner.plan_explanation import Row
     from sim.traces.trace import Trace
 
 _BEGINS = ("touch", "grasp")  # phases with which the hand begins to touch what it was to touch

@@ -1,6 +1,6 @@
 """The way of each word of a sentence: to the frame, and on to a push, an answer or a refusal.
 
-What was planned is explained by the planner (`planner.explanation.push_explanation`). Here stands
+What was planned is explained by the planner (`planner.plan_explanation`). Here stands
 what else may become of a frame: a question its answer, with the push that was considered; a refused
 frame the words that cannot be satisfied, with the reason; a frame that was not reached its parts
 alone. In the end come the words that no part of a frame stands for.
@@ -22,11 +22,19 @@ from nlcontrol.questions.answer import DOES, force_text
 from nlcontrol.questions.push_prediction import CERTAIN
 from nlcontrol.references.reference_resolution import parts_within
 from nlcontrol.text_format import aside_text, quantity
-from planner.explanation.grasp_explanation import explain_hand
-from planner.explanation.push_explanation import belief_values, explain_push
-from planner.explanation.rows import Clause, Row, Value, frame_clauses, quotation, row
-from planner.geometry.directions import phrase
-from planner.types.probability_text import probability_text
+from planner.plan_explanation import (
+    Clause,
+    Row,
+    Value,
+    belief_values,
+    explain_hand,
+    explain_push,
+    frame_clauses,
+    quotation,
+    row,
+)
+from planner.problem.directions import phrase
+from planner.types.refusal import probability_text
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -34,7 +42,7 @@ if TYPE_CHECKING:
     from nlcontrol.errors import ErrorInfo
     from nlcontrol.questions.answer import Answer, Considered
     from nlcontrol.results.result import Result, Step
-    from planner.explanation.rows import PartName
+    from planner.plan_explanation import PartName
 
 NOT_PLANNED, NOT_ANSWERED = "not planned", "not answered"
 NO_MEANING = "no meaning of their own"

@@ -17,13 +17,10 @@ from nlcontrol.errors import OK, ErrorInfo
 from nlcontrol.json_document import Document, DocumentPart, document_text
 from nlcontrol.learning.learning_reports import ExplorationReport, Lesson
 from nlcontrol.questions.answer import Answer
-from planner.explanation.push_explanation import Basis
-from planner.explanation.rows import Row
+from planner.plan_explanation import Basis, Row
 from planner.types.actions import Vector3
-from planner.types.marks import Mark
-from planner.types.motion_guide import MotionGuide
-from planner.types.plan import DefaultUsed, Plan
-from planner.types.world_state import PlanarPose
+from planner.types.plan import DefaultUsed, MotionGuide, Plan
+from planner.types.world_state import Mark, PlanarPose
 from sim.cell.strict_model import AsItIs
 from sim.traces.trace import Trace
 

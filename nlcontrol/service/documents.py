@@ -18,8 +18,8 @@ from nlcontrol.results.result import Result
 from nlcontrol.session.events import Event
 from objectmodels.files.yaml_documents import LIMITS, Coordinate, Name, length_of
 from planner.affordances import Affordance
-from planner.explanation.rows import Row
-from planner.types.marks import Mark
+from planner.plan_explanation import Row
+from planner.types.world_state import Mark
 from sim.views.run_story import ContactMark, Ghost, StoryLine
 
 Source = Literal["camera", "stated"]

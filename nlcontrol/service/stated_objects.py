@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from nlcontrol.errors import ControlError, ErrorInfo
 from objectmodels import ModelError, Registry
-from planner.geometry.footprints import footprint, gap, room_to_edge
+from planner.problem.footprints import footprint, gap, room_to_edge
 from planner.types.world_state import PlanarPose, SeenObject
 from sim.cell.cell_description import CellDescription, CellObject
 from sim.stated_table import StatedTable

@@ -29,9 +29,9 @@ from nlcontrol.session.remarks.follow_up_frames import correct_frame
 from nlcontrol.session.remarks.merged_frames import without_spans
 from nlcontrol.session.stoppable_robot import StoppableRobot
 from planner import plan
-from planner.feasible_amounts import frame_with_less
-from planner.predicted_states import state_after
-from planner.problem.search_budget import SearchBudget
+from planner.affordances import frame_with_less
+from planner.problem.planning_problem import SearchBudget
+from planner.problem.predicted_states import state_after
 from planner.types.refusal import Refusal
 from sim.supervision import Stopped
 

@@ -38,7 +38,7 @@ from objectmodels.identification.experiment_design import (
     rank_candidates,
 )
 from objectmodels.mechanics.push_thresholds import GRAVITY
-from planner.explanation.push_explanation import Basis
+from planner.plan_explanation import Basis
 from planner.touch_experiments import expected_trials, experiments
 from planner.types.actions import SetDown
 from planner.types.plan import Plan

@@ -42,8 +42,8 @@ from nlcontrol.session.foresight.stranded_things import stranded_things
 from nlcontrol.session.foresight.way_back import with_way_back
 from nlcontrol.session.frame_answers import answer_to, frames_asked_at_once
 from nlcontrol.session.whereabouts import whereabouts
-from planner.explanation.push_explanation import Basis
-from planner.geometry.directions import angle_between
+from planner.plan_explanation import Basis
+from planner.problem.directions import angle_between
 from planner.types.plan import Plan, PlanningResult, Reached
 from planner.types.refusal import Refusal
 from planner.types.robot import Failed, FailedHold, FailedPush

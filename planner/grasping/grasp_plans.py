@@ -11,11 +11,9 @@ from dataclasses import dataclass
 from itertools import product
 from typing import TypeVar
 
-from planner.grasping.grasp_sampling import Candidate
-from planner.grasping.grasp_selection import GraspLoad, StableGrasp
+from planner.grasping.grasp_selection import Candidate, GraspLoad, StableGrasp
 from planner.problem.planning_problem import GraspProblem
-from planner.refusals.reach_refusals import no_grasp_reached
-from planner.refusals.refusal_builder import no_plan
+from planner.refusals.no_plan import no_grasp_reached, no_plan
 from planner.types.actions import Action, Aim, GraspAction, GraspPrediction, Limits
 from planner.types.plan import DefaultUsed, Plan, PlanTask
 from planner.types.refusal import Alternatives

@@ -20,12 +20,19 @@ from objectmodels.containers.lids import FlipArc, Loosening, flip, is_off, lift_
 from objectmodels.geometry.base_shapes import Array, Disc, hull_polygon
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.models.object_parts import FlipLid, LiftOffLid, ScrewCap
-from planner.geometry.footprints import footprint, gap, room_to_edge
 from planner.grasping.grasp_plans import MotionDraft, each_with_each, first_reachable_plan
-from planner.grasping.grasp_sampling import held_part, lid_candidates, lid_middle
-from planner.grasping.grasp_selection import GraspLoad, Load, StableGrasp, stable_grasps
+from planner.grasping.grasp_selection import (
+    GraspLoad,
+    Load,
+    StableGrasp,
+    held_part,
+    lid_candidates,
+    lid_middle,
+    stable_grasps,
+)
+from planner.problem.footprints import footprint, gap, room_to_edge
 from planner.problem.planning_problem import GraspProblem
-from planner.refusals.refusal_builder import no_plan
+from planner.refusals.no_plan import no_plan
 from planner.types.actions import (
     Action,
     Aim,

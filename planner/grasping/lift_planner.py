@@ -9,34 +9,139 @@ Frames: W is the world, B the object.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from grammar.frames import command as g
-from objectmodels.geometry.base_shapes import hull_polygon
-from planner.geometry.footprints import footprint, gap, room_to_edge
-from planner.geometry.stacks import put_on
+from objectmodels.geometry.base_shapes import Array, Polygon, hull_polygon
+from objectmodels.geometry.rotations import axis_and_angle, rotation_about
+from objectmodels.mechanics.standing_balance import stack_margins, standing_probability
+from objectmodels.models.object_model import Resting
 from planner.grasping.grasp_plans import (
     MotionDraft,
     each_with_each,
     first_plan_of_groups,
     first_reachable_plan,
 )
-from planner.grasping.grasp_sampling import Candidate, body_candidates
-from planner.grasping.grasp_selection import GraspLoad, StableGrasp, held_already, stable_grasps
-from planner.grasping.standing_place import require_level_top, require_room_inside, step_onto
+from planner.grasping.grasp_selection import (
+    Candidate,
+    GraspLoad,
+    StableGrasp,
+    body_candidates,
+    held_already,
+    stable_grasps,
+)
+from planner.problem.directions import heading_of
+from planner.problem.footprints import footprint, gap, room_to_edge
 from planner.problem.goal_poses import GoalPoses, find_goal_poses, pose_as_aim
-from planner.problem.place_regions import object_at
+from planner.problem.places import WALL_ROOM, InBox, object_at, region
 from planner.problem.planning_problem import GraspProblem, value_in_bound
-from planner.refusals.refusal_builder import Spans, no_plan
-from planner.types.actions import Action, Aim, Carry, LiftUp, SetDown
+from planner.problem.predicted_states import standing_object
+from planner.problem.stacks import level_top, put_on, stack_with, stacked_bodies
+from planner.refusals.no_plan import Spans, no_plan
+from planner.types.actions import (
+    Action,
+    Aim,
+    Carry,
+    LiftUp,
+    SetDown,
+    SetOn,
+    StandPrediction,
+    TurnOver,
+)
 from planner.types.plan import DefaultUsed, Plan, Reached
 from planner.types.refusal import Alternatives, NoPlanError
-from planner.types.stack_actions import SetOn
 from planner.types.world_state import SeenObject
+
+# --- standing place -------------------------------------------------------------------------------
+#
+# Whether something stands where it is to be put on another object, or into it.
+#
+# Model: `objectmodels.mechanics.standing_balance`, with the place of what is put down known as
+# well as hands put things down. Frame: W.
+
+
+PLACED = 0.003
+"""Standard deviation of where a hand puts something, along each axis [m]."""
+
+
+def require_level_top(lower: SeenObject) -> None:
+    """Make sure that something may stand on an object.
+
+    Raises:
+        NoPlanError: its top is not level, or it has a lid.
+    """
+    if level_top(lower) is None:
+        is_open = lower.attitude is None and lower.model.inside is not None
+        instead = (f"put it into the {lower.name}",) if is_open else ()
+        raise no_plan("no_level_top", other=lower.name, instead=instead)
+
+
+def require_room_inside(problem: GraspProblem, box: SeenObject) -> None:
+    """Make sure that an object finds a place in another one.
+
+    Raises:
+        NoPlanError: that one is no open box, or too small, or full.
+    """
+    goal, own = problem.frame.goal, problem.target
+    assert isinstance(goal, g.Place), "it is put there"
+    place = region(goal, problem.state, problem.defaults, own)
+    if not isinstance(place, InBox) or box.attitude is not None:
+        raise no_plan("not_open", object=own.name, other=box.name)
+    if (excess := place.excess(own)) > 0.0:
+        numbers = {"excess": excess, "room": WALL_ROOM}
+        raise no_plan("too_long_for_box", numbers, object=own.name, other=box.name)
+    if not place.spots(own):
+        inside = [seen.name for seen in place.contents if seen.name != own.name]
+        raise no_plan("box_is_full", object=own.name, box=box.name, other=inside[0])
+
+
+def step_onto(problem: GraspProblem, there: SeenObject) -> SetOn:
+    """The step that puts an object on another one, with what is predicted of it.
+
+    Args:
+        problem: whose object it is.
+        there: the object, where it is to stand.
+
+    Raises:
+        NoPlanError: it falls into that one, or the stack does not surely stand.
+    """
+    assert there.on is not None, "it is put on something"
+    lower = problem.state.objects[there.on]
+    name = there.name
+    if not _covers_opening(there, lower):
+        raise no_plan("falls_in", object=name, other=lower.name)
+    bodies = stacked_bodies(stack_with(there, problem.state.objects), name, PLACED)
+    margin, stands = float(stack_margins(bodies).min()), standing_probability(bodies)
+    if margin < 0.0:
+        raise no_plan("overhangs", {"margin": margin, "beyond": -margin}, object=name,
+                      other=lower.name)  # fmt: skip
+    asked = problem.effort.probability
+    if stands < asked:
+        numbers = {"margin": margin, "probability": stands, "asked_probability": asked}
+        raise no_plan("may_fall_off", numbers, object=name, other=lower.name)
+    prediction = StandPrediction(margin=margin, stands=stands)
+    inside = lower.model.inside is not None
+    return SetOn(onto=lower.name, height=there.pose.z, inside=inside, prediction=prediction)
+
+
+def _covers_opening(there: SeenObject, lower: SeenObject) -> bool:
+    """Return True if the base of an object covers the opening of the one below, if that has one."""
+    container = lower.model.container
+    if container is None:
+        return True
+    x, y = container.opening.centre
+    middle = lower.pose.p_WB + lower.pose.R_WB @ [x, y, 0.0]
+    at = (middle - there.pose.p_WB) @ there.pose.R_WB
+    base = Polygon.convex(there.model.base.corners)
+    return bool((base.normals @ at[:2] + container.opening.radius < base.offsets).all())
+
+
+# --- lift planner ---------------------------------------------------------------------------------
+
 
 TO_THE_SIDE = math.cos(math.radians(50.0))
 """Least cosine between a lean along the line across and the side of the opening."""
@@ -231,3 +336,125 @@ def _lift_height(problem: GraspProblem, goal: g.Lift) -> tuple[float, tuple[Defa
     assert isinstance(height, float), "lengths measured in objects are resolved by now"
     now = base_height(problem) if goal.above == "table" else 0.0
     return value_in_bound(height, goal.bound, d.distance_tolerance) - now, ()
+
+
+# --- upright planner ------------------------------------------------------------------------------
+#
+# Standing up what has fallen: held, lifted, turned until its own bottom is below, and set down.
+#
+# Model: it turns evenly about the middle of the grasp, with hand and all. How it is turned about
+# the vertical in the end is free: the hand had better point then where it pointed before, so that
+# its wrist rolls and the arm stays where it is. A hand from above, which pointed nowhere, ends
+# level, and may point away from W's origin or to the sides.
+#
+# Frames: W is the world, N the face on which it lies, B the object as it stands.
+
+
+_UP = np.array([0.0, 0.0, 1.0])
+_HALF = math.radians(150.0)  # turns by more than this are tried the other way round, too
+_ASIDE = np.radians([0.0, 40.0, -40.0, 80.0, -80.0])  # of a hand in the end, off "away"
+_SAMPLES = 32  # orientations on the way that are looked at
+_POINTS_UP = 0.2  # of straight fingers in the end, how much they go up at most
+
+
+def stand_up(problem: GraspProblem) -> Plan | Reached:
+    """Lifts what lies and sets it down on its own bottom; what is held upright is set down.
+
+    Raises:
+        NoPlanError: it cannot be held, there is no room, or the hand does not get around.
+    """
+    rest = problem.target.rest
+    if held_already(problem):
+        if rest is None:
+            return set_down(problem)
+        raise no_plan("hand_not_free", object=problem.target.name)
+    if rest is None:
+        return Reached()
+    require_liftable(problem)
+    if problem.motion.upright:
+        raise forbidden_meanwhile(problem, problem.motion.upright, "tilts it")
+
+    def with_loads(loads: list[GraspLoad]) -> Plan:
+        return _first_way(problem, rest, stable_grasps(problem, loads))
+
+    loads = ([load for each in group for load in _turned(each, rest, problem.target)]
+             for group in body_candidates(problem))  # fmt: skip
+    some = [group for group in loads if group]
+    if not some:
+        raise no_plan("hand_from_below", object=problem.target.name)
+    return first_plan_of_groups(some, with_loads)
+
+
+def _turned(held: Candidate, rest: Resting, target: SeenObject) -> Iterator[GraspLoad]:
+    """Ways to turn an object in a hold until its bottom is below, this or that way round.
+
+    None if the fingers would then point up.
+    """
+    level = _lean_onto(rest.foot)
+    last = level @ held.approach
+    if last[2] > _POINTS_UP:
+        return
+    away = heading_of(target.pose.p_WB) - target.pose.yaw
+    kept = [heading_of(held.approach)] if np.any(held.approach[:2]) else []
+    for heading in (*kept, *(away + _ASIDE)):
+        axis, angle = axis_and_angle(rotation_about(_UP, heading - heading_of(last)) @ level)
+        yield GraspLoad(held, turned=angle * axis)
+        if angle > _HALF:
+            yield GraspLoad(held, turned=(angle - math.tau) * axis)
+
+
+def _lean_onto(foot: Array) -> Array:
+    """The shortest rotation by which a direction, shape (3,), comes to look down, shape (3, 3)."""
+    axis = np.cross(foot, -_UP)
+    if np.linalg.norm(axis) < 1e-9:
+        return rotation_about([1.0, 0.0, 0.0], 0.0 if foot[2] < 0.0 else math.pi)
+    angle = math.acos(float(np.clip(-foot[2], -1.0, 1.0)))
+    return rotation_about(axis / np.linalg.norm(axis), angle)
+
+
+def _first_way(problem: GraspProblem, rest: Resting, ways: list[StableGrasp]) -> Plan:
+    """The first of some turns, the best held first, that hand and arm can make."""
+    drafts, places = [], Alternatives()
+    for hold in ways:
+        with places:
+            drafts.append((hold, _motion_draft(problem, rest, hold)))
+    if not drafts:
+        raise places.first
+    return first_reachable_plan(problem, "stand", drafts)
+
+
+def _motion_draft(problem: GraspProblem, rest: Resting, hold: StableGrasp) -> MotionDraft:
+    """The steps after the grasp."""
+    assert hold.turned is not None, "it is turned"
+    target, middle = problem.target, np.array(hold.grasp.p_BG)
+    R_WN, angle = target.pose.R_WB, float(np.linalg.norm(hold.turned))
+    axis = R_WN @ hold.turned / angle
+    R_WE = rotation_about(axis, angle) @ R_WN
+    R_WB, p_WB = rest.body_pose(R_WE, target.pose.p_WB + R_WN @ middle - R_WE @ middle)
+    aim = Aim(x=float(p_WB[0]), y=float(p_WB[1]), yaw=heading_of(R_WB[:, 0]))
+    require_room(problem, standing_object(target, aim), {})
+    here = Aim(x=target.pose.x, y=target.pose.y)
+    up = clearance_height(problem, here) + _room_below(target, middle, hold.turned)
+    x, y, z = axis.tolist()
+    steps: tuple[Action, ...] = (
+        *lift_steps(problem, up),
+        TurnOver(axis_W=(x, y, z), angle=angle),
+        SetDown(),
+    )
+    return MotionDraft(steps, aim=aim)
+
+
+def _room_below(target: SeenObject, middle: Array, turned: Array) -> float:
+    """Height by which it is lifted so that it clears the table while it turns [m].
+
+    Args:
+        target: what is turned.
+        middle: the point in N that stays where it is, shape (3,) [m].
+        turned: rotation vector in N, shape (3,) [rad].
+    """
+    angle = float(np.linalg.norm(turned))
+    ways = rotation_about(turned / angle, np.linspace(0.0, angle, _SAMPLES))
+    outline, top = target.model.outline, target.model.top
+    corners = np.array([(x, y, z) for z in (0.0, top) for x, y in outline])
+    lowest = float(((corners - middle) @ ways[:, 2].T).min())
+    return max(0.0, -lowest - float(middle[2]))

@@ -8,23 +8,329 @@ so most of what a sentence forbids a hand holds anyhow.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
 from grammar.frames import command as g
-from planner.problem.contact_heights import (
-    limit_fingertips,
-    limit_grasp_contact,
-    limit_push_contact,
-    require_whole_hand,
+from grammar.frames.command import Tilt
+from objectmodels import ObjectModel
+from objectmodels.mechanics.push_thresholds import largest_return, return_probability
+from objectmodels.models.object_parts import FlipLid
+from planner.problem.directions import FACE_OF_PUSH, HEADINGS
+from planner.problem.footprints import footprint, free_travel, leading_point
+from planner.problem.planning_problem import (
+    GoalT,
+    GraspProblem,
+    PlanningProblem,
+    PushProblem,
+    value_in_bound,
 )
-from planner.problem.planning_problem import GoalT, GraspProblem, PlanningProblem, PushProblem
-from planner.problem.tilt_goals import almost_tips, most_tilt, spill_tilt
-from planner.refusals.refusal_builder import no_plan, not_capable, unsupported_while
-from planner.types.actions import Aim
-from planner.types.refusal import NoPlanError
-from planner.types.speed_profile import LIFT_SPEED, reached_speed
+from planner.refusals.no_plan import (
+    QUANTITIES,
+    length_mark,
+    no_plan,
+    not_capable,
+    refusal,
+    tilt_mark,
+    unsupported_while,
+)
+from planner.types.actions import Aim, Limits, Prediction, Push
+from planner.types.defaults import Defaults
+from planner.types.plan import LIFT_SPEED, reached_speed
+from planner.types.refusal import NoPlanError, Refusal
+from planner.types.world_state import SeenObject
+
+# --- contact heights ------------------------------------------------------------------------------
+#
+# Clauses about the contact: which heights and faces of an object, and which part of the hand.
+
+
+Band = tuple[float, float, str]
+"""The lowest and the highest of some heights [m], and words for them."""
+
+
+def height_bands(clause: g.ContactRegion, top: float, defaults: Defaults) -> Iterator[Band]:
+    """The heights that a clause allows on an object as high as `top` [m]; all of them hold."""
+    if clause.region is not None:
+        third = {"bottom": 0, "middle": 1, "top": 2}[clause.region]
+        yield third * top / 3.0, (third + 1) * top / 3.0, f"at the {clause.region}"
+    if clause.height is not None:
+        yield _band_at(clause.height, top, defaults)
+
+
+def _band_at(height: g.ContactHeight, top: float, defaults: Defaults) -> Band:
+    assert isinstance(height.value, float), "lengths measured in objects are resolved by now"
+    upwards = height.origin == "table"
+    at = height.value if upwards else top - height.value
+    where = f"{1e3 * at:.0f} mm above the table"
+    if height.bound == "exact":
+        near = 0.5 * defaults.height_tolerance
+        return at - near, at + near, where
+    if (height.bound == "at_least") == upwards:
+        return at, top, f"at least {where}"
+    return 0.0, at, f"at most {where}"
+
+
+def _with_heights(
+    problem: PlanningProblem[GoalT], clause: g.ContactRegion
+) -> PlanningProblem[GoalT]:
+    """The problem with one more restriction of the heights; all of them hold."""
+    contact = replace(problem.contact, spans=problem.contact.spans + clause.spans)
+    for low, high, words in height_bands(clause, problem.target.model.top, problem.defaults):
+        region = f"{contact.region} and {words}" if contact.region else words
+        contact = replace(
+            contact, low=max(contact.low, low), high=min(contact.high, high), region=region
+        )
+    return replace(problem, contact=contact)
+
+
+def limit_push_contact(problem: PushProblem, clause: g.ContactRegion) -> PushProblem:
+    """The problem with a push on one face, or between two heights.
+
+    Raises:
+        NoPlanError: the face is the top one, on which a fingertip presses to draw an object along,
+            and something else is asked.
+    """
+    goal = problem.goal
+    if clause.face == "top" and (not goal.aims or goal.rotates or goal.until is not None):
+        raise not_capable(
+            "pushing on the top face",
+            "a fingertip on the top face draws an object along, over a distance or to a place; it "
+            "does nothing else there",
+            clause.spans,
+            "say “at the top” for the upper third of a side face",
+        )
+    if clause.face is not None:
+        if goal.outcome == "topple" and goal.heading is None:
+            push = next(d for d, face in FACE_OF_PUSH.items() if face == clause.face)
+            goal = replace(goal, heading=HEADINGS[push])
+        contact = replace(problem.contact, face=clause.face)
+        problem = replace(problem, goal=goal, contact=contact)
+    return _with_heights(problem, clause)
+
+
+def limit_grasp_contact(problem: GraspProblem, clause: g.ContactRegion) -> GraspProblem:
+    """The problem with a grasp between two heights.
+
+    Raises:
+        NoPlanError: a face is named.
+    """
+    if clause.face is not None:
+        raise unsupported_while("touching a named face", problem.goal.doing, clause.spans)
+    return _with_heights(problem, clause)
+
+
+def limit_fingertips(problem: PushProblem, clause: g.Effector) -> PushProblem:
+    """The problem with the number of fingertips that a sentence asks for.
+
+    Raises:
+        NoPlanError: the robot does not push with what is asked for.
+    """
+    _require_right(clause)
+    if clause.tool == "arm" or (clause.tool == "hand" and clause.side is None):
+        raise not_capable(
+            f"pushing with the {clause.tool}",
+            f"this robot pushes with its fingertips, not with the {clause.tool}",
+            clause.spans,
+            "say “with one finger” or “with two fingers”",
+        )
+    if clause.tool != "finger" or clause.count is None:
+        return problem
+    if clause.count > 2:
+        raise not_capable(
+            f"pushing with {clause.count} fingers",
+            "this robot pushes with one or two fingertips",
+            clause.spans,
+        )
+    contact = replace(
+        problem.contact,
+        fingers=(2,) if clause.count == 2 else (1,),
+        spans=problem.contact.spans + clause.spans,
+    )
+    return replace(problem, contact=contact)
+
+
+def require_whole_hand(problem: GraspProblem, clause: g.Effector) -> GraspProblem:
+    """The same problem; a whole hand does it, or one fingertip if it flips a lid.
+
+    Raises:
+        NoPlanError: the sentence asks for something else.
+    """
+    _require_right(clause)
+    doing = problem.goal.doing
+    fingertip = isinstance(problem.target.model.lid, FlipLid) and doing in ("opening", "closing")
+    if clause.tool == "arm" or (clause.tool == "finger" and not fingertip):
+        which = "fingers" if clause.tool == "finger" else "the arm"
+        raise unsupported_while(f"using only {which}", doing, clause.spans)
+    if clause.tool == "finger" and (clause.count or 1) > 1:
+        raise unsupported_while(f"using {clause.count} fingers", doing, clause.spans)
+    return problem
+
+
+def _require_right(clause: g.Effector) -> None:
+    """The robot has no left hand."""
+    if clause.side == "left":
+        raise not_capable(
+            "a second (left) hand",
+            "this robot has one hand, a right one",
+            clause.spans,
+            "leave out which hand, or say the right one",
+        )
+
+
+# --- tilt goals -----------------------------------------------------------------------------------
+#
+# Tilting an object and letting it back onto its base: how far, and whether it surely comes back.
+#
+# Model: the object pivots about the far edge of its base; see
+# `objectmodels.mechanics.push_thresholds`. It must come back with the probability that plans
+# need, from the asked angle and from what the control may miss it by. It leans over by sin θ
+# times its height on the way.
+
+
+CLEARANCE = 0.01
+"""Distance that a leaning object keeps from others [m]."""
+
+_HEADINGS = 24  # to which what is tilted may lean
+_SLACK = 0.015  # travel beyond what the model says, for what it does not know [m]
+
+
+def tilt_goal(goal: Tilt, model: ObjectModel, defaults: Defaults) -> tuple[float, str | None]:
+    """The angle to plan for [rad], and why it is a default, if it is one."""
+    if goal.angle is not None:
+        return value_in_bound(goal.angle, goal.bound, defaults.tilt_tolerance), None
+    most = almost_tips(model, defaults)
+    if goal.amount == "lot":
+        return most, "“a lot”"
+    if goal.amount == "little":
+        return min(defaults.tilt_little, most), "“a little”"
+    return min(defaults.tilt, most), "no angle said"
+
+
+def almost_tips(model: ObjectModel, defaults: Defaults) -> float:
+    """A tilt well short of the angle of no return, whichever way it is tilted [rad]."""
+    least = min(model.angle_of_no_return(face.normal) for face in model.faces())
+    return defaults.tilt_lot * least
+
+
+def most_tilt(angle: float, defaults: Defaults) -> float:
+    """The largest tilt that an asked one may become, angles in rad."""
+    return angle + defaults.tolerance_of(angle, defaults.tilt_tolerance)
+
+
+def spill_tilt(target: SeenObject, sigmas: float) -> float | None:
+    """Least tilt at which an object may begin to spill [rad]; None if nothing can run out.
+
+    There may be more in it than is believed, by `sigmas` standard deviations.
+    """
+    container, vessel = target.model.container, target.model.vessel
+    if container is None or vessel is None or target.is_covered:
+        return None
+    volume = container.contents + sigmas * container.contents_sd
+    if volume <= 0.0:
+        return None
+    headings = np.linspace(-np.pi, np.pi, _HEADINGS, endpoint=False)
+    return float(vessel.spill_angle(volume, headings).min())
+
+
+def require_free_tilt(
+    problem: PushProblem, normal: ArrayLike, u: NDArray[np.float64], angle: float
+) -> None:
+    """Make sure that a tilt neither ends in a fall nor hits anything.
+
+    Args:
+        problem: about the object.
+        normal: outward normal of the face in B, shape (3,).
+        u: unit direction of the push in W, shape (3,).
+        angle: by which it is to be tilted [rad].
+
+    Raises:
+        NoPlanError: it may fall, or something stands where it leans to.
+    """
+    target = problem.target
+    most = most_tilt(angle, problem.defaults)
+    inward = -np.asarray(normal)
+    if return_probability(target.model, inward, most) < problem.effort.probability:
+        raise NoPlanError(_may_fall(problem, inward, angle))
+    leans = target.model.top * math.sin(most)
+    here = footprint(target)
+    for name, other in problem.others.items():
+        free = free_travel(here, footprint(other), u[:2], CLEARANCE)
+        if free < leans:
+            text = f"{1e3 * free:.0f} mm to the {name}; it leans over by {1e3 * leans:.0f} mm"
+            raise no_plan(
+                "leans_on",
+                {"free": free, "leans_over": leans},
+                marks=(length_mark(leading_point(target, u), u, free, text, leans),),
+                object=target.name,
+                other=name,
+                tilt=angle,
+                room=max(free, 0.0),
+            )
+
+
+def push_with_tilt(
+    push: Push,
+    model: ObjectModel,
+    inward: NDArray[np.float64],
+    angle: float,
+    defaults: Defaults,
+) -> Push:
+    """The push, high on a face with an inward normal in B (3,), that ends on a tilt [rad]."""
+    most = most_tilt(angle, defaults)
+    stroke = model.topple_stroke(inward, push.p_BC[2], most) + _SLACK
+    changes = {
+        "ends_on": "tilted", "tilt": angle, "stroke": stroke,
+        "limits": Limits(tilt=most),
+    }  # fmt: skip
+    return push.model_copy(update=changes)
+
+
+def prediction_with_return(
+    predicted: Prediction,
+    model: ObjectModel,
+    inward: NDArray[np.float64],
+    angle: float,
+    defaults: Defaults,
+) -> Prediction:
+    """The prediction with the chance that the object also comes back from a tilt."""
+    back = return_probability(model, inward, most_tilt(angle, defaults))
+    # At least so likely, however the two hang together.
+    both = max(predicted.probability + back - 1.0, 0.0)
+    return predicted.model_copy(update={"probability": both})
+
+
+def _may_fall(problem: PushProblem, inward: NDArray[np.float64], angle: float) -> Refusal:
+    """It would not surely come back."""
+    target, defaults = problem.target, problem.defaults
+    no_return = target.model.angle_of_no_return(inward)
+    sure = largest_return(target.model, inward, problem.effort.probability)
+    possible = max(sure - defaults.tilt_tolerance, 0.0)
+    impossible = angle >= no_return
+    ways = (
+        (f"up to {QUANTITIES['deg_floor'](possible)} would do",)
+        if possible > math.radians(1.0)
+        else ()
+    )
+    learn = () if impossible else ("find out where its centre of mass is first",)
+    u = target.pose.R_WB @ inward
+    text = f"beyond {QUANTITIES['deg_exact'](no_return)} it falls by itself"
+    mark = tilt_mark(target.name, leading_point(target, u), u, no_return, text)
+    return refusal(
+        "no_return" if impossible else "may_not_return",
+        {"tilt": angle, "stay_on_base_angle": no_return, "sure_return": sure},
+        instead=(*ways, *learn),
+        marks=(mark,),
+        object=target.name,
+        tolerance=defaults.tilt_tolerance,
+    )
+
+
+# --- constraint limits ----------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)

@@ -13,12 +13,11 @@ from dataclasses import replace
 from grammar.frames import command as g
 from objectmodels.geometry.base_shapes import Disc
 from objectmodels.models.object_model import LEVEL
-from planner.geometry.directions import HEADINGS, heading_of
 from planner.problem import planning_problem
-from planner.problem.constraint_limits import apply_constraint, grasp_limits
+from planner.problem.constraint_limits import apply_constraint, grasp_limits, tilt_goal
+from planner.problem.directions import HEADINGS, heading_of
 from planner.problem.goal_poses import find_goal_poses
-from planner.problem.tilt_goals import tilt_goal
-from planner.refusals.refusal_builder import no_plan, not_capable
+from planner.refusals.no_plan import no_plan, not_capable
 from planner.types.defaults import Defaults
 from planner.types.plan import DefaultUsed, Plan
 from planner.types.robot import Failed, NoRobot, Robot

@@ -11,12 +11,11 @@ from __future__ import annotations
 import math
 
 from grammar.frames import command as g
-from planner.problem.goal_poses import goal_distance
-from planner.problem.orientations import is_orientation
-from planner.problem.place_regions import region
+from planner.problem.constraint_limits import tilt_goal
+from planner.problem.goal_poses import goal_distance, is_orientation
+from planner.problem.places import region
 from planner.problem.planning_problem import value_in_bound
-from planner.problem.tilt_goals import tilt_goal
-from planner.refusals.refusal_builder import no_plan
+from planner.refusals.no_plan import no_plan
 from planner.types.defaults import Defaults
 from planner.types.world_state import WorldState
 

@@ -10,27 +10,529 @@ Frames: W is the world, B the object. Sources of the physics: `objectmodels`.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from statistics import NormalDist
+from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
-from objectmodels.geometry.base_shapes import Disc
-from planner.geometry.directions import face_name
+from objectmodels import ObjectModel, Thresholds
+from objectmodels.geometry.base_shapes import Array, Disc
+from objectmodels.mechanics.friction_cone import contact_forces
+from objectmodels.mechanics.push_outcomes import OUTCOMES, circle_corners
+from objectmodels.mechanics.push_thresholds import slide_threshold, yaw_arm
+from objectmodels.models.predictor import own_predictions
+from planner.problem.constraint_limits import prediction_with_return, push_with_tilt
+from planner.problem.directions import face_name
 from planner.problem.planning_problem import PushProblem, PushStep, Side
-from planner.problem.tilt_goals import push_with_tilt
-from planner.pushing import outcome_prediction
-from planner.pushing.contact_diagnosis import contact_refusal, require_place
-from planner.pushing.contact_sampling import Contact, Contacts, rate_contacts
+from planner.pushing.contact_sampling import (
+    EDGE,
+    Contact,
+    Contacts,
+    has_place,
+    model_limited_by_hand,
+    push_direction,
+    rate_contacts,
+    require_room,
+    touchable_sides,
+)
 from planner.pushing.reach_search import ContactQueries, ReachSearch
-from planner.pushing.touchable_sides import push_direction, require_room, touchable_sides
 from planner.pushing.turn_planner import turning_push
-from planner.refusals.reach_refusals import no_push_reached
-from planner.refusals.refusal_builder import no_plan
-from planner.types.actions import FALLING, Push, PushAction, Vector3
-from planner.types.plain_vectors import plain_vector
-from planner.types.refusal import Alternatives, NoPlanError
+from planner.refusals.no_plan import no_plan, no_push_reached, refusal
+from planner.types.actions import FALLING, Margins, Prediction, Push, PushAction, Vector3
+from planner.types.defaults import Defaults
+from planner.types.refusal import (
+    Alternatives,
+    NoPlanError,
+    Refusal,
+    RefusalReason,
+    probability_text,
+)
+from planner.types.world_state import HeightMark, SeenObject, plain_vector
+
+# --- outcome prediction ---------------------------------------------------------------------------
+#
+# Predicted outcome of a push, and its margins to the outcomes that it must not have.
+#
+# Frames: contacts and directions are in B; forces along the push.
+
+
+SURE = 0.999
+"""Probability of a slide by the closed form that the exact tier does not lower by 0.0002."""
+
+_SPINS = 0.15  # share of the force to tip a round object over which it may turn on its rim before
+_CLEARLY = 0.6  # room to toppling as a share of the force to slide it that needs no second look
+_CONFIRMING = 8  # directions on the friction cone's boundary that the exact tier looks at
+
+
+def needed_force(problem: PushProblem, step: PushStep, contact: Contact) -> float:
+    """Force along the push that the motion needs, with the probability that plans must have [N]."""
+    return float(needed_forces(problem, step, contact.among)[contact.rank])
+
+
+def needed_forces(problem: PushProblem, step: PushStep, contacts: Contacts) -> NDArray[np.float64]:
+    """The same for all chosen contacts of a face, shape (k,)."""
+    model = problem.target.model
+    if step.outcome == "topple":
+        largest = contacts.cone.topple_max[contacts.chosen]
+        return np.asarray(largest * (1.0 + contacts.sigmas * model.mass_sd / model.mass))
+    points, inward = contacts.points[contacts.chosen], contacts.side.inward[None]
+    if contacts.fingers == 2:
+        points = np.array([_point_of_pair(model, contact) for contact in contacts])
+    nominal = _nominal_slides(model, tuple(points.ravel().tolist()), tuple(inward[0].tolist()))
+    share = math.hypot(model.friction_sd / model.friction, model.mass_sd / model.mass)
+    return nominal * (1.0 + NormalDist().inv_cdf(problem.effort.probability) * share)
+
+
+@functools.lru_cache(maxsize=1024)
+def _nominal_slides(
+    model: ObjectModel, places: tuple[float, ...], inward: Vector3
+) -> NDArray[np.float64]:
+    """Forces at which nominal parameters slide at places, one after the other; kept, as below."""
+    u = np.array([inward])
+    arm = yaw_arm(np.reshape(places, (-1, 3)), u, np.array(model.com))
+    return slide_threshold(u, arm, model.friction, model.friction_radius, model.weight)
+
+
+def prediction(problem: PushProblem, step: PushStep, contact: Contact) -> Prediction:
+    """Prediction of the object model for a push at a contact."""
+    i, model, cone = contact.index, problem.target.model, contact.among.cone
+    inward = contact.among.side.inward
+    if contact.among.fingers == 1:
+        nominal = _exact_thresholds(model, *_place(contact), 0.0)
+    else:
+        # Two fingers hold the object straight, and then the closed form is exact.
+        nominal = model.thresholds(_point_of_pair(model, contact)[None], inward[None])
+    worst = cone.height_below[i] if step.outcome == "slide" else cone.height_above[i]
+    predicted = Prediction(
+        outcome=step.outcome,
+        onset=float(nominal.onset[0]),
+        slide_force=_finite_or_none(nominal.slide[0]),
+        topple_force=_finite_or_none(nominal.topple[0]),
+        critical_height=_finite_or_none(cone.critical_height[i]),
+        critical_height_worst=_finite_or_none(worst),
+        probability=probability(problem, step, contact),
+        stay_on_base_angle=model.angle_of_no_return(inward),
+        tier="exact",
+        friction="static",
+    )
+    if step.tilt is None:
+        return predicted
+    return prediction_with_return(predicted, model, inward, step.tilt, problem.defaults)
+
+
+def probability(problem: PushProblem, step: PushStep, contact: Contact) -> float:
+    """Probability of the wanted outcome, whatever the finger transmits, by the exact tier.
+
+    The closed form's is as good for two fingers, which leave the object no turning, and within a
+    thousandth for slides of which it is sure.
+    """
+    model = problem.target.model
+    sure = step.outcome == "slide" and contact.probability >= SURE
+    if sure or contact.among.fingers == 2:
+        return contact.probability
+    if contact.among.guarded:
+        model = model_limited_by_hand(model, problem.robot.limits)
+    return _exact_probability(model, *_place(contact), step.outcome, contact.among.turning)
+
+
+def confirm_with_exact_tier(problem: PushProblem, step: PushStep, contact: Contact) -> bool:
+    """Return True if the exact tier has the same outcome at a contact, all over the cone.
+
+    The contacts were chosen by the closed form, whose friction limit may be off where the object
+    turns as it slides; two fingers leave it no turning, and need no second look. Neither do
+    contacts that are much farther from toppling than it is ever off (`benchmarks.accuracy`).
+    """
+    if contact.among.fingers == 2:
+        return True
+    cone = contact.among.cone
+    if step.outcome == "slide":
+        surely = cone.slide_margin > _CLEARLY * cone.slide_max
+        if surely[contact.index]:
+            return True
+    model = problem.target.model
+    grip = model.finger_friction
+    if contact.among.guarded:
+        grip = min(problem.robot.limits.force_skew, grip)
+    if step.outcome == "topple" and isinstance(model.base, Disc):
+        # On one point of its rim it spins before it tips, and still tips.
+        t = _exact_thresholds(model, *_place(contact), grip)
+        return bool((t.slide >= (1.0 - _SPINS) * t.topple).all())
+    return bool((_exact_outcomes(model, *_place(contact), grip) == step.outcome).all())
+
+
+def _point_of_pair(model: ObjectModel, contact: Contact) -> NDArray[np.float64]:
+    """Point, shape (3,) [m], at which one finger turns the object as little as two would."""
+    point, tangent = contact.point, np.array(contact.among.side.face.tangent)
+    return np.asarray(point - ((point - np.array(model.com)) @ tangent) * tangent)
+
+
+def _place(contact: Contact) -> tuple[Vector3, Vector3]:
+    """The contact and the outward normal there, in B."""
+    x, y, z = contact.point.tolist()
+    return (x, y, z), contact.among.side.face.normal
+
+
+# Kept, since models never change and the same contacts are asked for again and again.
+@functools.lru_cache(maxsize=1024)
+def _exact_probability(
+    model: ObjectModel, point: Vector3, normal: Vector3, outcome: Literal["slide", "topple"],
+    turning: bool,
+) -> float:  # fmt: skip
+    """Probability of an outcome at a contact for the worst force in the finger's cone.
+
+    What turns the object presses on it sideways.
+    """
+    from objectmodels.exact.exact_probability import least_probability
+
+    spins = outcome == "topple" and isinstance(model.base, Disc)
+    topples_at = 1.0 - _SPINS if spins else 1.0
+    return least_probability(
+        model, np.array(point), np.array(normal), outcome, aside=turning, topples_at=topples_at
+    )
+
+
+@functools.lru_cache(maxsize=1024)
+def _exact_thresholds(
+    model: ObjectModel, point: Vector3, normal: Vector3, grip: float
+) -> Thresholds:
+    """Thresholds of the exact tier at a contact, for `_cone_pushes`."""
+    return model.thresholds(*_cone_pushes(point, normal, grip), exact=True)
+
+
+@functools.lru_cache(maxsize=1024)
+def _exact_outcomes(
+    model: ObjectModel, point: Vector3, normal: Vector3, grip: float
+) -> NDArray[np.str_]:
+    """Classes of the same pushes."""
+    if own_predictions(type(model), ObjectModel):
+        return _exact_thresholds(model, point, normal, grip).outcome
+    from objectmodels.exact.exact_thresholds import exact_codes
+
+    return np.asarray(OUTCOMES[exact_codes(model, *_cone_pushes(point, normal, grip))])
+
+
+def _cone_pushes(point: Vector3, normal: Vector3, grip: float) -> tuple[Array, Array]:
+    """Contacts and directions of a force straight in, and of forces around the cone, (n, 3) each.
+
+    Without friction at the finger there is no cone.
+    """
+    around = circle_corners(_CONFIRMING) if grip else np.empty((0, 2))
+    forces = contact_forces(np.array([normal]), grip * np.vstack((np.zeros((1, 2)), around)))
+    u = forces / np.linalg.norm(forces, axis=1, keepdims=True)
+    return np.tile(point, (len(u), 1)), u
+
+
+def margins(problem: PushProblem, step: PushStep, contact: Contact, force_limit: float) -> Margins:
+    """Distances of a contact from the outcome that it must not have."""
+    i, cone, height = contact.index, contact.among.cone, problem.target.model.top
+    z = float(contact.point[2])
+    if step.outcome == "slide":
+        force, room = float(cone.slide_margin[i]), min(float(cone.height_below[i]), height) - z
+    else:
+        force, room = float(cone.topple_margin[i]), z - max(float(cone.height_above[i]), 0.0)
+    return Margins(
+        # What never happens has no threshold: the object's weight is then far enough.
+        force=min(force, problem.target.model.weight),
+        height=room,
+        lateral=float(contact.among.lateral[i]),
+        sigmas=contact.among.sigmas,
+        force_limit=force_limit - needed_force(problem, step, contact),
+    )
+
+
+def _finite_or_none(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+def selection_notes(
+    problem: PushProblem, contact: Contact, push: Push, predicted: Prediction, refused: int
+) -> tuple[str, ...]:
+    """Plain sentences on how the push was chosen; `refused` contacts were out of reach."""
+    notes, limits, sigmas = [], problem.contact, problem.defaults.sigmas
+    if limits.region is not None:
+        notes.append(f"the sentence asks for a contact {limits.region}")
+    if push.fingers == 1 and 2 in limits.fingers:
+        notes.append("one finger, since two do not fit or do not reach it")
+    if contact.among.sigmas < sigmas:
+        near = (
+            f"within {contact.among.sigmas:g} standard deviation{'s' * (contact.among.sigmas != 1)}"
+            if contact.among.sigmas
+            else "as believed"
+        )
+        notes.append(
+            f"safe for parameters {near}, not for all within {sigmas:g} standard deviations; "
+            f"over all of them its probability is {probability_text(predicted.probability)}"
+        )
+    if contact.among.guarded:
+        notes.append(
+            "safe for the directions of force that the hand's stiffness allows, not for every one "
+            "that friction could pass on"
+        )
+    if refused:
+        better = "contact was" if refused == 1 else "contacts were"
+        notes.append(f"{refused} better {better} out of reach")
+    return tuple(notes)
+
+
+# --- contact diagnosis ----------------------------------------------------------------------------
+#
+# Why no contact on an object will do, with the heights and the probability that decide.
+#
+# Model of a doubt: the probability of the outcome at a contact, once as the object is believed
+# and once with one of its parameters known as well as touching finds it out
+# (`Defaults.found_to`). The parameter whose knowledge decides most, one way or the other, is the
+# one to be found out.
+
+
+_ASKED_FOR = {
+    "friction": "find out how slippery the {name} is first",
+    "com": "find out the centre of mass of the {name} first",
+}
+"""What to say to the robot, by the parameter."""
+
+_CENTRE_FOUND = 0.001  # to which touching finds a centre of mass [m]
+
+
+def _mm(length: float) -> str:
+    return f"{1e3 * length:.0f} mm"
+
+
+def require_place(problem: PushProblem, step: PushStep, sides: list[Side]) -> None:
+    """Make sure that fingertips find a place on one of the sides, whatever the outcome there.
+
+    Raises:
+        NoPlanError: they find none.
+    """
+    if not has_place(problem, step, sides):
+        raise NoPlanError(_no_place(problem, sides))
+
+
+def _no_place(problem: PushProblem, sides: list[Side]) -> Refusal:
+    target, asked, limits = problem.target, problem.contact, problem.robot.limits
+    size, lowest = target.model.top, limits.lowest_height
+    highest = size - limits.fingertip_radius
+    if max(asked.low, lowest) <= min(asked.high, highest):
+        return _too_narrow(problem, sides)
+    numbers = {"lowest_height": lowest, "highest_height": highest}
+    if asked.region is None:
+        code = "out_of_fingers_reach"
+    elif asked.low > highest:
+        code = "region_too_high"
+    elif asked.low > asked.high:
+        code, numbers = "no_such_contact", {"lowest_asked": asked.low, "highest_asked": asked.high}
+    else:
+        code = "region_too_low"
+    return refusal(
+        code,
+        numbers,
+        spans=asked.spans,
+        object=target.name,
+        size=size,
+        region=asked.region,
+        low=asked.low,
+        high=asked.high,
+    )
+
+
+def _too_narrow(problem: PushProblem, sides: list[Side]) -> Refusal:
+    asked, spreads = problem.contact, problem.robot.limits.finger_spreads
+    width = max(side.face.width for side in sides)
+    fingers = min(asked.fingers)
+    needed = 2 * EDGE + (spreads[-1] if fingers == 2 else 0.0)
+    code = "too_narrow_for_two" if fingers == 2 else "too_narrow_for_one"
+    numbers = {"width": width, "needed_width": needed}
+    return refusal(code, numbers, spans=asked.spans, object=problem.target.name)
+
+
+def contact_refusal(problem: PushProblem, step: PushStep, sides: list[Side]) -> Refusal:
+    """Refusal of a push because no contact that is allowed has the wanted outcome for sure."""
+    model, limits, asked = problem.target.model, problem.robot.limits, problem.contact
+    points = np.array([[*side.face.centre[:2], 0.5 * model.top] for side in sides])
+    normals = np.array([side.face.normal for side in sides])
+    worst = model.cone_thresholds(points, normals, sigmas=problem.defaults.sigmas, yaw=False)
+    nominal = worst.critical_height
+    if step.outcome == "slide":
+        sure = min(float(worst.height_below.max()), model.top)
+        refused = _cannot_slide(problem, float(nominal.max()), sure)
+        side, height = sides[int(np.argmax(nominal))], max(asked.low, limits.lowest_height)
+    else:
+        refused = _cannot_topple(problem, float(nominal.min()))
+        highest = model.top - limits.fingertip_radius
+        side, height = sides[int(np.argmin(nominal))], min(asked.high, highest)
+    if refused.reason == "out_of_reach":
+        return refused
+    touch = Touch(
+        point=np.array([*side.face.centre[:2], height]),
+        normal=side.face.normal,
+        outcome=step.outcome,
+        turns=2 not in asked.fingers and step.outcome == "slide",
+    )
+    if refused.reason == "impossible":
+        # As sure that it does not as a plan must be that it does.
+        if outcome_probability(model, touch) < 1.0 - problem.effort.probability:
+            return refused
+        refused = refused.model_copy(update={"reason": "too_uncertain"})
+    # The last case that candidates are looked at for is that of the hand's stiffness.
+    return _with_doubt(problem, refused, model_limited_by_hand(model, limits), touch)
+
+
+def _with_doubt(
+    problem: PushProblem, refused: Refusal, model: ObjectModel, touch: Touch
+) -> Refusal:
+    """The refusal with how likely it is, and with what would settle it."""
+    probability, asked = outcome_probability(model, touch), problem.effort.probability
+    learn, then = best_experiment(model, touch, problem.defaults)
+    verb, height = "slides" if touch.outcome == "slide" else "topples", float(touch.point[2])
+    mark = HeightMark(
+        object=problem.target.name,
+        height=height,
+        about="asked",
+        text=f"pushed at {_mm(height)} it {verb} with probability {probability_text(probability)}",
+    )
+    doubt = {"probability": probability, "probability_then": then, "asked_probability": asked}
+    with_doubt = refusal(
+        "not_sure",
+        {**refused.numbers, **doubt},
+        message=refused.message,
+        at=height,
+        verb=verb,
+    )
+    return refused.model_copy(
+        update={
+            "message": with_doubt.message,
+            "numbers": with_doubt.numbers,
+            "suggestions": (learn, *refused.suggestions),
+            "marks": (mark, *refused.marks),
+        }
+    )
+
+
+def _cannot_slide(problem: PushProblem, critical: float, sure: float) -> Refusal:
+    """It would topple, or might, at every height that is allowed and reached."""
+    asked, target = problem.contact, problem.target
+    reached_from = problem.robot.limits.lowest_height
+    lowest = max(asked.low, reached_from)
+    numbers = {"lowest_height": lowest, "critical_height_worst": sure}
+    if math.isfinite(critical):
+        numbers["critical_height"] = critical
+    certain = _slides_where(critical, sure)
+    reason: RefusalReason = "too_uncertain"
+    if asked.low >= critical:
+        reason = "impossible"
+    elif lowest >= critical or asked.low < sure < lowest:
+        reason = "out_of_reach"
+    if asked.region is None:
+        name = target.name
+        return refusal("may_not_slide", numbers, reason=reason, object=name, certain=certain)
+    numbers["lowest_asked"] = asked.low
+    if asked.region == "at the top":
+        numbers["lowest_top"] = asked.low
+    upright = asked.high >= target.model.top
+    heights = f"{_mm(asked.low)} or higher" if upright else f"{_mm(asked.low)} to {_mm(asked.high)}"
+    reached = f", reached from {_mm(lowest)} up" if lowest > asked.low else ""
+    verb = "tips" if lowest >= critical else "may tip"
+    lower = asked.low >= sure > reached_from
+    return refusal(
+        "may_not_slide_up_there" if lower else "may_not_slide_there",
+        numbers,
+        spans=asked.spans,
+        reason=reason,
+        object=target.name,
+        region=asked.region,
+        heights=heights,
+        reached=reached,
+        verb=verb,
+        certain=certain,
+    )
+
+
+def _slides_where(critical: float, sure: float) -> str:
+    """Heights at which it slides and at which it topples, in words."""
+    surely = f"only below {_mm(sure)}" if sure > 0.0 else "nowhere"
+    if math.isinf(critical):
+        return f"it is sure to slide {surely}"
+    return f"above {_mm(critical)} it topples before it slides (for sure it slides {surely})"
+
+
+def _other_side(target: SeenObject) -> tuple[str, ...]:
+    """Suggestion of another side; none for a round object, which falls alike to all."""
+    return () if isinstance(target.model.base, Disc) else ("topple it to another side",)
+
+
+def _cannot_topple(problem: PushProblem, critical: float) -> Refusal:
+    """It would slide, or might, at every height that is allowed; `critical` as for sliding."""
+    asked, target = problem.contact, problem.target
+    highest = min(asked.high, target.model.top - problem.robot.limits.fingertip_radius)
+    numbers = {"highest_height": highest}
+    spans, name = asked.spans, target.name
+    if math.isinf(critical):
+        other = _other_side(target)
+        return refusal("never_topples", numbers, spans=spans, instead=other, object=name)
+    numbers["critical_height"] = critical
+    higher = ("push it at the top",) if asked.high < target.model.top else ()
+    if critical > highest:
+        other = higher or _other_side(target)
+        return refusal("slides_below", numbers, spans=spans, instead=other, object=name)
+    return refusal("may_not_topple", numbers, spans=spans, instead=higher, object=name)
+
+
+# -- which doubt leaves the outcome open ---------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Touch:
+    """A contact from which something is wanted.
+
+    Attributes:
+        point: p_BC, shape (3,) [m].
+        normal: outward unit normal there.
+        outcome: that is wanted at the onset.
+        turns: whether the object may turn as it slides; two fingertips hold it straight.
+    """
+
+    point: NDArray[np.float64]
+    normal: tuple[float, float, float]
+    outcome: Literal["slide", "topple"]
+    turns: bool = False
+
+
+def outcome_probability(model: ObjectModel, touch: Touch) -> float:
+    """Probability of an outcome at a contact, whatever the finger transmits.
+
+    By the exact tier, with which the closed form agrees where the object does not turn.
+    """
+    if touch.turns:
+        from objectmodels.exact.exact_probability import least_probability
+
+        return least_probability(model, touch.point, np.array(touch.normal), touch.outcome)
+    point, normal = touch.point[None], np.array([touch.normal])
+    found = model.cone_thresholds(point, normal, sigmas=0.0, yaw=False)
+    p = found.probability_slide if touch.outcome == "slide" else found.probability_topple
+    return float(p[0])
+
+
+def best_experiment(model: ObjectModel, touch: Touch, defaults: Defaults) -> tuple[str, float]:
+    """The most useful thing to find out first, and the probability of the outcome then."""
+    found_to = defaults.found_to
+    known: dict[str, dict[str, object]] = {
+        "friction": {"friction_sd": min(model.friction_sd, found_to * model.friction)},
+        "com": {"com_sd": tuple(min(sd, _CENTRE_FOUND) for sd in model.com_sd)},
+    }
+    then = {
+        name: outcome_probability(model.model_copy(update=better), touch)
+        for name, better in known.items()
+    }
+    best = max(then, key=lambda name: abs(then[name] - 0.5))
+    return _ASKED_FOR[best].format(name=model.name), then[best]
+
+
+# --- contact planner ------------------------------------------------------------------------------
+
 
 _OF_A_CASE = 0.6  # share of the contacts asked for that may be equally sure
 _FLAT = math.radians(85.0)  # a box that leans so far lies
@@ -107,12 +609,12 @@ def _best_candidate(
             if not queries.is_open(push):
                 continue
             problem.budget.spend(_CONFIRMED)
-            if not outcome_prediction.confirm_with_exact_tier(problem, step, contact):
+            if not confirm_with_exact_tier(problem, step, contact):
                 doubted = True
                 continue
             if not queries.is_reached(push):
                 queries.look_above(push, (_push_at(problem, step, each) for each in order[number:]))
-            elif outcome_prediction.probability(problem, step, contact) < asked:
+            elif probability(problem, step, contact) < asked:
                 doubted = True
                 queries.forget(push)  # less may be asked of it in another case
             else:
@@ -176,7 +678,7 @@ def _strong_enough(
     """The contacts at which the allowed force suffices, and the least force needed at any [N]."""
     strong, least = [], math.inf
     for contacts in rated:
-        needed = outcome_prediction.needed_forces(problem, step, contacts)
+        needed = needed_forces(problem, step, contacts)
         least = min(least, float(needed.min()))
         enough = needed <= _largest_force(problem, contacts.fingers)
         enough &= needed >= problem.force.min
@@ -216,7 +718,7 @@ def _push_at(problem: PushProblem, step: PushStep, contact: Contact) -> Push:
     """The push at a contact."""
     target, force, side = problem.target, problem.force, contact.among.side
     outward = target.pose.R_WB @ np.array(side.face.normal)
-    limit = outcome_prediction.needed_force(problem, step, contact) * (1.0 + force.reserve)
+    limit = needed_force(problem, step, contact) * (1.0 + force.reserve)
     push = Push(
         object=target.name,
         face=face_name(outward)[0],
@@ -284,10 +786,10 @@ def _push_candidate(
     problem: PushProblem, step: PushStep, contact: Contact, push: Push, refused: int
 ) -> PushCandidate:
     """A push that the hand can make, with what it will do; `refused` better ones it cannot."""
-    predicted = outcome_prediction.prediction(problem, step, contact)
+    predicted = prediction(problem, step, contact)
     known = {
         "prediction": predicted,
-        "margins": outcome_prediction.margins(problem, step, contact, push.force_limit),
+        "margins": margins(problem, step, contact, push.force_limit),
         "displacement": _predicted_displacement(problem, step, contact, push),
     }
     return PushCandidate(
@@ -295,7 +797,7 @@ def _push_candidate(
         _outcome_event(problem, contact, push),
         considered=0,
         satisfying=0,
-        notes=outcome_prediction.selection_notes(problem, contact, push, predicted, refused),
+        notes=selection_notes(problem, contact, push, predicted, refused),
     )
 
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 import functools
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, TypedDict
 
@@ -22,11 +22,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels import ConeThresholds, Face, ObjectModel
-from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.base_shapes import Array, Disc
 from objectmodels.mechanics.friction_cone import worst_probability
-from planner.geometry.directions import angle_between
+from planner.problem.constraint_limits import require_free_tilt
+from planner.problem.directions import HEADINGS, angle_between, face_name, heading_of, phrase, unit
+from planner.problem.footprints import (
+    footprint,
+    landing_area,
+    leading_point,
+    overlaps,
+    travel_to_edge,
+)
 from planner.problem.planning_problem import PushProblem, PushStep, Side
-from planner.types.robot import RobotLimits
+from planner.pushing.push_paths import largest_obliqueness
+from planner.refusals.no_plan import no_plan, tilt_mark
+from planner.types.actions import PushAction
+from planner.types.plan import FORCE_BAND, reached_speed
+from planner.types.robot import ReachEffort, RobotLimits
+from planner.types.world_state import SeenObject
 
 EDGE = 0.006
 """How far from the edges of a face contacts stay at least; fingertips may overhang them [m]."""
@@ -292,3 +305,178 @@ def _spread_out(order: NDArray[np.intp]) -> NDArray[np.intp]:
         return order
     at = sorted({int(share * len(order)) for share in _SHARES})
     return np.asarray(order[at], dtype=np.intp)
+
+
+# --- stroke speed ---------------------------------------------------------------------------------
+#
+# Speeds that strokes come to, and sentences that ask for more than that.
+#
+# Model: what is round catches on the table now and then. A mug in the simulator lost up to a
+# tenth of its speed at once, before the command changed; boxes did not. Fingertips of stiffness k
+# that an object of mass m meets with Δv then press with Δv √(k m) more. If that takes them beyond
+# the force limit less its band, the command falls back and the speed is lost. So a push keeps a
+# speed v if
+#
+#     σ v √(k m) ≤ (1 − band) F_limit − F_onset,    σ = 0.1
+
+
+_ASKING = ("speed", "min_speed", "fast")
+_SURELY = 0.5  # share of the tolerance of a speed: pushes in the simulator are off by 0.4 at most
+_CATCH = 0.1  # share of its speed that a round object loses at once, σ
+
+
+def require_speed(problem: PushProblem, pushes: Sequence[PushAction]) -> None:
+    """Make sure that one of some pushes comes to the speed that the sentence asks for.
+
+    Only strokes count: how fast the finger becomes while something falls or turns is not foreseen.
+    The force limits the first push alone: in which posture later ones are made is not known yet.
+
+    Raises:
+        NoPlanError: all strokes are too short, or the force limit is too near.
+    """
+    asking = [clause for clause in problem.frame.constraints if clause.kind in _ASKING]
+    strokes = [push for push in pushes if push.ends_on == "stroke"]
+    if not asking or not strokes or problem.previous is not None:
+        return
+    asked = problem.motion.speed
+    longest = max(strokes, key=lambda push: push.stroke)
+    reached = {push: reached_speed(push.speed, push.stroke) for push in strokes}
+    what = f"over {1e3 * longest.stroke:.0f} mm the fingertips come to"
+    first = pushes[0]
+    if first in reached and (kept := kept_speed(problem, first)) < reached[first]:
+        reached[first] = kept
+        what = f"with at most {first.force_limit:.2f} N the fingertips keep"
+    best = max(reached.values())
+    if best < asked - _SURELY * problem.defaults.speed_tolerance:
+        numbers = {"speed": asked, "most": best, "stroke": longest.stroke}
+        raise no_plan("too_fast", numbers, spans=asking[0].spans, what=what)
+
+
+def kept_speed(problem: PushProblem, push: PushAction) -> float:
+    """Speed that a push made now keeps within its force limit [m/s]; inf if nothing limits it."""
+    if not isinstance(problem.target.model.base, Disc):
+        return math.inf
+    effort: ReachEffort = "thorough" if problem.effort.thorough else "usual"
+    stiffness = problem.robot.reach(push, problem.state, effort).stiffness
+    if stiffness == 0.0:
+        return math.inf
+    spare = (1.0 - FORCE_BAND) * push.force_limit - push.prediction.onset
+    return max(spare, 0.0) / (_CATCH * math.sqrt(stiffness * problem.target.model.mass))
+
+
+# --- touchable sides ------------------------------------------------------------------------------
+#
+# Sides of an object: which of them a push may touch, which way it goes then, and what is beyond.
+#
+# Frames: W is the world, B the object.
+
+
+UNCLEAR_FACE = math.radians(40.0)
+"""A face turned by more from the direction of its name is within 5° of the next name."""
+
+
+def touchable_sides(problem: PushProblem, step: PushStep) -> list[Side]:
+    """Sides that a push may touch: the straightest, or all if no direction is said.
+
+    Raises:
+        NoPlanError: there is none, or it is not square enough to the direction.
+    """
+    if step.side is not None:
+        return [step.side]
+    target, face_said, spans = problem.target, problem.contact.face, problem.contact.spans
+    sides, unclear = [], None
+    for face in target.model.faces(_push_headings(step) - target.pose.yaw):
+        outward = target.pose.R_WB @ np.array(face.normal)
+        name, off = face_name(outward)
+        if face_said is not None:
+            if abs(off) > UNCLEAR_FACE:
+                unclear = off
+                continue
+            if name != face_said:
+                continue
+        sides.append(Side(face, heading_of(-outward)))
+    if not sides and unclear is not None:
+        turned = {"turned": unclear}
+        raise no_plan("face_not_clear", turned, spans=spans, object=target.name, face=face_said)
+    if not sides:
+        where = "side" if face_said is None else f"{face_said} face"
+        raise no_plan("no_side", spans=spans, object=target.name, where=where)
+    if step.heading is None:
+        return sides
+    return [_square_enough(problem, step, sides, step.heading)]
+
+
+def _square_enough(problem: PushProblem, step: PushStep, sides: list[Side], heading: float) -> Side:
+    """The side that is most square to a push along a heading in W [rad]."""
+    target, contact = problem.target, problem.contact
+    side = _most_square(sides, heading)
+    oblique = angle_between(heading, side.heading)
+    # An object that slides straight presses back along the push: that must be in the friction cone.
+    # What topples or tilts is pushed square to its face, and goes about where it was meant to.
+    largest = largest_obliqueness(target, problem.defaults.sigmas, steep=problem.effort.oblique)
+    if step.outcome == "topple":
+        largest = 0.5 * problem.defaults.side_tolerance
+    if abs(oblique) > largest:
+        raise no_plan(
+            "oblique_face" if contact.face else "oblique",
+            {"obliqueness": abs(oblique), "largest_obliqueness": largest},
+            spans=contact.spans,
+            object=target.name,
+            face=f"its {contact.face} face" if contact.face else "its nearest face",
+            direction=phrase(heading),
+            square=phrase(side.heading),
+        )
+    return side
+
+
+def straightest_side(target: SeenObject, heading: float) -> Side:
+    """The side of an object that is most square to a push along a heading in W [rad]."""
+    faces = target.model.faces(np.array([heading - target.pose.yaw]))
+    inward = [Side(f, heading_of(-target.pose.R_WB @ np.array(f.normal))) for f in faces]
+    return _most_square(inward, heading)
+
+
+def _most_square(sides: list[Side], heading: float) -> Side:
+    return min(sides, key=lambda side: abs(angle_between(side.heading, heading)))
+
+
+def _push_headings(step: PushStep) -> np.ndarray:
+    """Headings in W along which a round object may be pushed, shape (k,) [rad]."""
+    if step.heading is not None:
+        return np.array([step.heading])
+    return np.array(list(HEADINGS.values()))
+
+
+def push_direction(step: PushStep, side: Side) -> np.ndarray:
+    """Unit direction of the push in W, shape (3,); a topple is pushed square to the face."""
+    if step.outcome == "slide" and step.heading is not None:
+        return unit(step.heading)
+    return unit(side.heading)
+
+
+def require_room(problem: PushProblem, step: PushStep, side: Side) -> None:
+    """Make sure that the object hits nothing when it falls, or leans over, from a side.
+
+    Raises:
+        NoPlanError: there is no room, or a tilt may end in a fall.
+    """
+    u = push_direction(step, side)
+    if step.tilt is None:
+        _require_landing(problem, u)
+    else:
+        require_free_tilt(problem, side.face.normal, u, step.tilt)
+
+
+def _require_landing(problem: PushProblem, u: np.ndarray) -> None:
+    target = problem.target
+    there, height = landing_area(target, u), {"height": target.model.top}
+    edge = leading_point(target, u)
+    if travel_to_edge(there, problem.state.table, u[:2], 0.0) < problem.defaults.clearance:
+        marks = (tilt_mark(target.name, edge, u, math.pi / 2.0, "over the edge of the table"),)
+        raise no_plan("falls_off", height, marks=marks, object=target.name)
+    for other in problem.others.values():
+        if overlaps(there, footprint(other), problem.clearance(other)):
+            mark = tilt_mark(
+                target.name, edge, u, math.pi / 2.0, f"it would fall on the {other.name}"
+            )
+            raise no_plan("falls_on", height, marks=(mark,), object=target.name, other=other.name)

@@ -20,19 +20,18 @@ from objectmodels.exact.top_drag import drag_probability, press_range, top_drag
 from objectmodels.geometry.base_shapes import Array, is_within
 from objectmodels.mechanics.standing_balance import TopLoad
 from objectmodels.models.shapes import top_face
-from planner.geometry.directions import unit
-from planner.problem.overhangs import Overhang, most_overhang, overhangs, table_with_room
+from planner.problem.directions import unit
+from planner.problem.places import Overhang, most_overhang, overhangs, table_with_room
 from planner.problem.planning_problem import PushProblem
 from planner.pushing.contact_planner import PushCandidate
 from planner.pushing.push_paths import Obstructions, PathSegment, free_length_mark
 from planner.pushing.push_sequence import path_clearances
 from planner.pushing.reach_search import ReachSearch
-from planner.refusals.reach_refusals import no_push_reached
-from planner.refusals.refusal_builder import no_plan
+from planner.refusals.no_plan import no_plan, no_push_reached
 from planner.types.actions import Aim, Margins, Prediction, Push, PushAction
-from planner.types.plain_vectors import plain_vector
 from planner.types.plan import Reached
 from planner.types.refusal import NoPlanError
+from planner.types.world_state import plain_vector
 
 _LANDING = 1.5
 """Pressing force as the fingertip begins to slide along, of that to be kept; 1.48 was felt."""

@@ -14,17 +14,28 @@ from itertools import islice
 
 import numpy as np
 
-from planner.geometry.directions import angle_between, heading_of, unit
-from planner.geometry.footprints import CLOSER, footprint, gap, kept_gap, room_to_edge
-from planner.geometry.visibility_graph import shortest_detour
-from planner.problem.place_regions import object_at
+from planner.problem.directions import angle_between, heading_of, unit
+from planner.problem.footprints import (
+    CLOSER,
+    footprint,
+    gap,
+    kept_gap,
+    room_to_edge,
+    shortest_detour,
+)
+from planner.problem.places import object_at
 from planner.problem.planning_problem import PushProblem, PushStep
 from planner.pushing import push_paths, turn_planner
 from planner.pushing.contact_planner import PushCandidate, best_push
-from planner.pushing.denied_pushes import DeniedPushes, is_denied
-from planner.pushing.push_paths import Obstructions, PathSegment, SegmentEnd
+from planner.pushing.push_paths import (
+    DeniedPushes,
+    Obstructions,
+    PathSegment,
+    SegmentEnd,
+    is_denied,
+)
 from planner.pushing.reach_search import ReachSearch
-from planner.refusals.refusal_builder import no_plan
+from planner.refusals.no_plan import no_plan
 from planner.types.actions import Aim, Push
 from planner.types.plan import Reached
 from planner.types.refusal import Alternatives, NoPlanError

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 
 from planner.problem.planning_problem import PushProblem
-from planner.refusals.reach_refusals import search_given_up
+from planner.refusals.no_plan import search_given_up
 from planner.types.actions import Push, Vector3
 from planner.types.robot import FailedPush, ReachAnswer, ReachEffort
 from planner.types.world_state import WorldState

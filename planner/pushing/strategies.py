@@ -16,16 +16,16 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from planner.geometry.directions import unit
+from planner.problem.directions import unit
 from planner.problem.goal_poses import pose_as_aim, wanted_aims
 from planner.problem.planning_problem import PushProblem
 from planner.pushing.contact_planner import PushCandidate
+from planner.pushing.contact_sampling import require_speed
 from planner.pushing.drag_planner import FORCES, drag_to
 from planner.pushing.push_sequence import PushSequencePlanner, require_one_push
 from planner.pushing.reach_search import ReachSearch
-from planner.pushing.stroke_speed import require_speed
 from planner.pushing.topple_planner import TopplePlanner
-from planner.refusals.refusal_builder import no_plan
+from planner.refusals.no_plan import no_plan
 from planner.types.actions import Aim, Limits, Push
 from planner.types.plan import Plan, PlanTask, Reached
 from planner.types.refusal import Alternatives, NoPlanError, Refusal

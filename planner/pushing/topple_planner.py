@@ -14,6 +14,7 @@ from dataclasses import replace
 
 from planner.problem.planning_problem import PushProblem, PushStep
 from planner.pushing.contact_planner import PushCandidate, best_push
+from planner.pushing.contact_sampling import straightest_side
 from planner.pushing.push_paths import (
     Obstructions,
     PathSegment,
@@ -23,8 +24,7 @@ from planner.pushing.push_paths import (
 )
 from planner.pushing.push_sequence import PushSequencePlanner, path_clearances
 from planner.pushing.reach_search import ReachSearch
-from planner.pushing.touchable_sides import straightest_side
-from planner.refusals.refusal_builder import no_plan
+from planner.refusals.no_plan import no_plan
 from planner.types.actions import Aim, Push
 from planner.types.refusal import Alternatives
 from planner.types.world_state import SeenObject

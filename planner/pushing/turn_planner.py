@@ -32,8 +32,8 @@ import numpy as np
 from objectmodels import Face, ObjectModel
 from objectmodels.geometry.base_shapes import Disc
 from objectmodels.mechanics.push_motion import TurningPush, best_turn
-from planner.geometry.directions import heading_of
-from planner.geometry.footprints import footprint, gap, room_to_edge
+from planner.problem.directions import heading_of
+from planner.problem.footprints import footprint, gap, room_to_edge
 from planner.problem.planning_problem import Side
 from planner.types.actions import Aim, Push
 from planner.types.world_state import PlanarPose, SeenObject, WorldState

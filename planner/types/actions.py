@@ -14,11 +14,69 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import BaseModel, ConfigDict, Field
 
-from planner.types.frozen_value import Value
-from planner.types.stack_actions import SetOn
-from planner.types.turning_actions import TurnOver
+# --- frozen value ---------------------------------------------------------------------------------
+#
+# Base of what planning results are made of.
+
+
+class Value(BaseModel):
+    """A value that never changes, without unknown fields and infinities."""
+
+    model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+# --- stack actions --------------------------------------------------------------------------------
+#
+# Putting one object on another or into it, as an action of a plan; see `planner.types.actions`.
+
+
+class StandPrediction(Value):
+    """An object that is put on another one, or into it.
+
+    Attributes:
+        margin: least distance of a centre of mass from the edges within which it must be, of what
+            stands on each place of the stack [m].
+        stands: least probability that the whole stack stands.
+    """
+
+    margin: float
+    stands: float
+
+
+class SetOn(Value):
+    """Straight down until it stands on another object or in it, then as `set_down`.
+
+    Attributes:
+        onto: name of that object.
+        height: over the table of where it stands then [m].
+        inside: whether that is the floor of an open box.
+        prediction: how surely it stands there.
+    """
+
+    kind: Literal["set_on"] = "set_on"
+    onto: str
+    height: float
+    inside: bool = False
+    prediction: StandPrediction
+
+
+# --- turning actions ------------------------------------------------------------------------------
+#
+# Turning what is held over, as an action of a plan; see `planner.types.actions`.
+
+
+class TurnOver(Value):
+    """Turns what is held about the middle of its grasp until another of its faces is below."""
+
+    kind: Literal["turn_over"] = "turn_over"
+    axis_W: tuple[float, float, float] = Field(description="of the turn, a unit vector in W")
+    angle: float = Field(description="of the turn [rad]")
+
+
+# --- actions --------------------------------------------------------------------------------------
+
 
 Vector3 = tuple[float, float, float]
 FaceName = Literal["front", "back", "left", "right", "top"]

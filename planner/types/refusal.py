@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import partial
 from types import TracebackType
 from typing import Literal
 
 from pydantic import Field
 
-from planner.types.frozen_value import Value
-from planner.types.marks import Mark
+from planner.types.actions import Value
+from planner.types.world_state import Mark
 
 RefusalReason = Literal[
     "impossible",  # no push on this object does it, whoever pushes
@@ -107,3 +109,46 @@ class Alternatives:
     def last(self) -> NoPlanError:
         """Dead end of the last alternative."""
         return self._dead_ends[-1]
+
+
+# --- refusal sentence -----------------------------------------------------------------------------
+#
+# Words of one refusal; each kind of obstacle has its constructor.
+
+
+@dataclass(frozen=True)
+class Sentence:
+    """Words of a refusal.
+
+    Attributes:
+        reason: the kind of obstacle.
+        text: one plain sentence with the deciding numbers in it.
+        instead: what would be possible, as plain phrases.
+        capability: what is missing, if the reason is `unsupported`.
+    """
+
+    reason: RefusalReason
+    text: str
+    instead: tuple[str, ...]
+    capability: str | None = None
+
+
+impossible = partial(Sentence, "impossible")
+out_of_reach = partial(Sentence, "out_of_reach")
+blocked = partial(Sentence, "blocked")
+too_uncertain = partial(Sentence, "too_uncertain")
+out_of_time = partial(Sentence, "out_of_time")
+too_small = partial(Sentence, "too_small")
+unsupported = partial(Sentence, "unsupported")
+
+
+# --- probability text -----------------------------------------------------------------------------
+#
+# Probabilities in words: in three digits, and never as if anything were certain.
+
+
+def probability_text(probability: float) -> str:
+    """A probability as people read it; 1 and 0 are told of none."""
+    if probability > 0.999:
+        return "over 0.999"
+    return "below 0.001" if probability < 0.001 else f"{probability:.3f}"

@@ -11,16 +11,18 @@ import functools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+from pydantic import Field
 
 from objectmodels.containers.lids import lid_rise
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import hull_polygon
 from objectmodels.geometry.rotations import circle_around
 from objectmodels.models.object_model import ObjectModel, Resting
-from planner.types.actions import Grasp
+from planner.types.actions import Grasp, Value, Vector3
 
 Colour = tuple[float, float, float]
 
@@ -236,3 +238,98 @@ class WorldState:
     def carried_by(self, name: str) -> tuple[SeenObject, ...]:
         """Objects that stand on one, or in it."""
         return tuple(seen for seen in self.objects.values() if seen.on == name)
+
+
+# --- marks ----------------------------------------------------------------------------------------
+#
+# Marks of a refusal: where its numbers are on the table, so that they can be drawn there.
+#
+# Points and directions are in W. Each mark has a text of a few words to stand beside it.
+
+
+class HeightMark(Value):
+    """A height above the table at which something changes on an object.
+
+    Attributes:
+        object: name of it.
+        height: above the table [m].
+        about: what changes there: from where it `topples`, up to where it `slides`, what is `asked`
+            of the contact, or within the fingers' `reach`.
+        text: the same in words.
+    """
+
+    kind: Literal["height"] = "height"
+    object: str
+    height: float
+    about: Literal["topples", "slides", "asked", "reach"]
+    text: str
+
+
+class LengthMark(Value):
+    """A length that is there, and the one that is asked from the same point on.
+
+    Attributes:
+        start_W, end_W: of the length that is there [m].
+        asked: length along the same direction [m]; None if it is not about one.
+        text: both, or what the length is.
+    """
+
+    kind: Literal["length"] = "length"
+    start_W: Vector3
+    end_W: Vector3
+    asked: float | None = None
+    text: str
+
+
+class TiltMark(Value):
+    """An object tipped about an edge of its base.
+
+    Attributes:
+        object: name of it.
+        edge_W: a point of the edge [m].
+        axis_W: unit direction of the edge, about which it turns counter-clockwise.
+        angle: by which it is tipped [rad].
+        text: what happens there.
+    """
+
+    kind: Literal["tilt"] = "tilt"
+    object: str
+    edge_W: Vector3
+    axis_W: Vector3
+    angle: float
+    text: str
+
+
+class ObstacleMark(Value):
+    """An object that stands in the way.
+
+    Attributes:
+        object: name of it.
+        text: of what it is in the way.
+    """
+
+    kind: Literal["obstacle"] = "obstacle"
+    object: str
+    text: str
+
+
+def obstacle_mark(name: str) -> ObstacleMark:
+    """The mark of an object that stands in the way."""
+    return ObstacleMark(object=name, text=f"the {name} stands in the way")
+
+
+Mark = Annotated[
+    HeightMark | LengthMark | TiltMark | ObstacleMark,
+    Field(discriminator="kind"),
+]
+
+
+# --- plain vectors --------------------------------------------------------------------------------
+#
+# Vectors as the three plain numbers that actions, marks and guides hold.
+
+
+def plain_vector(v: ArrayLike) -> Vector3:
+    """Three numbers of an array, shape (3,), none of them −0.0 in what people read."""
+    x, y, z = (np.asarray(v, dtype=np.float64) + 0.0).tolist()
+    return x, y, z

@@ -13,8 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from objectmodels.mechanics.push_thresholds import GRAVITY
-from planner.types.actions import Action, LiftUp, PourOut, SetDown
-from planner.types.stack_actions import SetOn
+from planner.types.actions import Action, LiftUp, PourOut, SetDown, SetOn
 from planner.types.world_state import Held
 from sim.control.grasping.hand_motion import ACCELERATES, HandMotion
 from sim.control.grasping.held_object_sensing import (

@@ -14,18 +14,17 @@ from collections.abc import Iterator
 import numpy as np
 
 from planner.types.actions import FlipOver, Grasp, PourOut, PushAction, TurnCap, Vector3
-from planner.types.motion_guide import (
+from planner.types.plan import (
     FlipGuide,
     GraspGuide,
     HandLeg,
     MotionGuide,
+    Plan,
     PushGuide,
     StopCondition,
 )
-from planner.types.plain_vectors import plain_vector
-from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer, Robot
-from planner.types.world_state import SeenObject, WorldState
+from planner.types.world_state import SeenObject, WorldState, plain_vector
 from sim.control.grasping import flip_control, held_object_sensing
 from sim.control.grasping.hand_motion import CLOSING_SPEED
 from sim.control.pushing.clause_guards import limit_conditions

@@ -15,9 +15,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.types.actions import PourOut
+from planner.types.actions import PourOut, SetOn
 from planner.types.robot import ReachAnswer
-from planner.types.stack_actions import SetOn
 from planner.types.world_state import PlanarPose
 from sim.collision.collision_scene import (
     LEAST_CLEARANCE,

@@ -34,12 +34,11 @@ from planner.types.actions import (
     PourOut,
     PutOn,
     SetDown,
+    SetOn,
     TurnCap,
+    TurnOver,
 )
-from planner.types.plan import Plan
-from planner.types.speed_profile import LIFT_SPEED
-from planner.types.stack_actions import SetOn
-from planner.types.turning_actions import TurnOver
+from planner.types.plan import LIFT_SPEED, Plan
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.collision.collision_scene import Obstacle
 from sim.paths.held_segment import HeldSegment

@@ -12,7 +12,7 @@ import numpy as np
 
 from objectmodels.containers.lids import detached_lid
 from objectmodels.models.object_model import LEVEL, ObjectModel, Resting
-from planner.geometry.stacks import with_supports
+from planner.problem.stacks import with_supports
 from planner.types.world_state import Held, PlanarPose, SeenObject
 from sim.cell.cell_description import CellDescription
 from sim.rotations import rot_z, yaw_of

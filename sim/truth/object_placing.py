@@ -9,7 +9,7 @@ from contextlib import suppress
 
 from objectmodels import ObjectModel
 from objectmodels.errors import printable
-from planner.geometry.footprints import gap, room_to_edge
+from planner.problem.footprints import gap, room_to_edge
 from sim.errors import SceneError
 from sim.truth.scene_file import Pose, Scene, SceneObject
 from sim.truth.truth_from_model import whole_truth

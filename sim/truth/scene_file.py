@@ -31,9 +31,8 @@ from objectmodels.files.yaml_documents import (
     read_text,
 )
 from objectmodels.geometry.base_shapes import hull_polygon
-from planner.geometry.footprints import gap
-from planner.types.default_kinds import DefaultsError
-from planner.types.defaults import DEFAULTS, Defaults, with_settings
+from planner.problem.footprints import gap
+from planner.types.defaults import DEFAULTS, Defaults, DefaultsError, with_settings
 from sim.cell.cell_description import (
     CellDescription,
     CellObject,

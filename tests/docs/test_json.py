@@ -15,7 +15,7 @@ from nlcontrol import Controller
 from nlcontrol.checks.verdicts import Check
 from nlcontrol.cli import run
 from nlcontrol.json_document import SCHEMA_VERSION
-from planner.types import actions, motion_guide
+from planner.types import actions, plan
 from tests.docs.guide_blocks import code_blocks
 from tests.plan_conversion import old_document
 
@@ -99,13 +99,13 @@ def test_the_table_of_actions_names_every_kind_and_field() -> None:
 def test_the_tables_of_guides_name_every_kind_and_field() -> None:
     kinds, _, rest = GUIDE.partition("| guide |")[2].partition("\n\n")
     rows = dict(re.findall(r"^\| `(\w+)` \|(.*)\|$", kinds, re.MULTILINE))
-    union, _ = get_args(motion_guide.MotionGuide)
+    union, _ = get_args(plan.MotionGuide)
     for model in get_args(union):
         fields = [name for name in model.model_fields if name != "kind"]
         assert re.findall(r"`(\w+)`", rows[model.model_fields["kind"].default]) == fields
     ends, _, _ = rest.partition("| when |")[2].partition("\n\n")
     told = re.findall(r"^\| `(\w+)` \|", ends, re.MULTILINE)
-    assert told == list(get_args(motion_guide.StopKind))
+    assert told == list(get_args(plan.StopKind))
 
 
 # -- nothing is lost against version 1 ------------------------------------------------------------

@@ -13,8 +13,8 @@ from objectmodels import Registry
 from objectmodels.containers.lids import flip
 from objectmodels.models.object_parts import FlipLid
 from planner import plan
-from planner.geometry.footprints import footprint, gap
-from planner.problem.place_regions import object_at
+from planner.problem.footprints import footprint, gap
+from planner.problem.places import object_at
 from planner.types.actions import Carry, PourOut
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan, Reached

@@ -35,7 +35,7 @@ class Assignment(click.ParamType[tuple[str, float]]):
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> tuple[str, float]:
         """Read the name and the number."""
-        from planner.types.default_kinds import CLEARED
+        from planner.types.defaults import CLEARED
 
         if isinstance(value, tuple):
             return value

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Protocol
 from grammar import paraphrase
 from nlcontrol.session.stoppable_robot import StoppableRobot
 from planner import planning
-from planner.predicted_states import state_after
-from planner.problem.search_budget import SearchBudget
+from planner.problem.planning_problem import SearchBudget
+from planner.problem.predicted_states import state_after
 from planner.types.plan import Plan, PlanningResult, Reached
 from planner.types.refusal import Refusal
 from planner.types.robot import ReachAnswer

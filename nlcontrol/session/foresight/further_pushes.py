@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from planner.geometry.directions import angle_between
+from planner.problem.directions import angle_between
 from sim.cell.cell_description import LOOK
 
 if TYPE_CHECKING:

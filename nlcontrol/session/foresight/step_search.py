@@ -30,9 +30,9 @@ from planner.clearing import (
     obstacles,
     setting_down_frame,
 )
-from planner.predicted_states import state_after
-from planner.problem.search_budget import SearchBudget
-from planner.types.default_kinds import CLEARED
+from planner.problem.planning_problem import SearchBudget
+from planner.problem.predicted_states import state_after
+from planner.types.defaults import CLEARED
 from planner.types.plan import Plan, PlanningResult, Reached
 from planner.types.refusal import Refusal
 from sim.supervision import Stopped

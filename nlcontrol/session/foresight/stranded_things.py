@@ -15,7 +15,7 @@ from nlcontrol.errors import ControlError
 from nlcontrol.session.foresight.kept_denials import RecallingRobot
 from nlcontrol.text_format import place_text
 from planner import planning
-from planner.problem.search_budget import SearchBudget
+from planner.problem.planning_problem import SearchBudget
 from planner.types.refusal import Refusal
 from sim.rotations import from_quaternion
 from sim.supervision import Stopped, StopToken

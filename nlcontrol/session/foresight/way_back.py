@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from grammar.frames import command as g
 from planner import plan
-from planner.predicted_states import state_after
-from planner.problem.search_budget import SearchBudget
+from planner.problem.planning_problem import SearchBudget
+from planner.problem.predicted_states import state_after
 from planner.true_reasons import REASON_WORK
 from planner.types.plan import Plan
 from planner.types.refusal import Refusal

@@ -18,12 +18,12 @@ from grammar.frames import command as g
 from nlcontrol.errors import error
 from nlcontrol.text_format import quantity
 from objectmodels.geometry.base_shapes import Disc
-from planner.geometry.directions import angle_between, heading_of, phrase
+from planner.problem.directions import angle_between, heading_of, phrase
 
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result
     from objectmodels.models.object_model import Resting
-    from planner.explanation.push_explanation import Basis
+    from planner.plan_explanation import Basis
     from planner.types.defaults import Defaults
     from planner.types.plan import Plan, PlanTask
     from planner.types.world_state import PlanarPose, SeenObject, WorldState

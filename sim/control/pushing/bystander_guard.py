@@ -5,14 +5,14 @@ a turn drifts, so that it may leave that way; then it stops short of what stands
 next push begins there. Others stand where they were seen, and what was close at first is left to
 the plan, which keeps as much of that gap as it can.
 
-Frames: W; footprints as in `planner.geometry.footprints`.
+Frames: W; footprints as in `planner.problem.footprints`.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from planner.geometry.footprints import footprint, gap
+from planner.problem.footprints import footprint, gap
 from planner.types.actions import Push
 from planner.types.world_state import WorldState
 from sim.rotations import Array

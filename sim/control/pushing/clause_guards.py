@@ -6,7 +6,7 @@ limit counts as reached while the estimate's doubt still keeps the object this s
 constant error of the camera cannot be known and is not in the doubt; that two objects meet is felt,
 or seen as the other one goes along. Seen gaps tell it only beyond what such an error explains.
 
-Frames: W; footprints as in `planner.geometry.footprints`.
+Frames: W; footprints as in `planner.problem.footprints`.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from objectmodels.geometry.base_shapes import Disc
-from planner.geometry.footprints import footprint, gap
+from planner.problem.footprints import footprint, gap
 from planner.types.actions import Push
-from planner.types.motion_guide import StopCondition
+from planner.types.plan import StopCondition
 from planner.types.world_state import SeenObject, WorldState
 from sim.cell.cell_description import Vision
 from sim.control.camera_noise import noise_left

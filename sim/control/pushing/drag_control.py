@@ -19,8 +19,7 @@ import math
 import numpy as np
 
 from planner.types.actions import PushAction
-from planner.types.motion_guide import StopCondition
-from planner.types.speed_profile import speed_profile
+from planner.types.plan import StopCondition, speed_profile
 from sim.control.pushing.force_control import ForceController
 from sim.control.pushing.push_guards import largest_tilt, longest
 from sim.rotations import Array

@@ -2,7 +2,7 @@
 
 Law: the fingertips' command advances along the movement vector as in
 `sim.control.pushing.force_control`. Once the object moves, the speed rises to the plan's; near the
-end of the stroke it falls with what remains (`planner.types.speed_profile`). The stroke is that of
+end of the stroke it falls with what remains (`planner.types.plan`). The stroke is that of
 the object's middle. Two fingers keep the object's heading by themselves, so that the fingertips
 tell it; where they square the object up to themselves its middle swings aside, which the camera
 tells. One finger is steered by `sim.control.pushing.lateral_control`, which knows it too.
@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner.types.speed_profile import USUAL, speed_profile
+from planner.types.plan import USUAL, speed_profile
 from sim.control.pushing.clause_guards import Follower
 from sim.control.pushing.force_control import ForceController
 from sim.control.pushing.hand_guard import HandGuard

@@ -12,9 +12,7 @@ from collections import deque
 import numpy as np
 
 from planner.types.actions import FALLING, Push, PushAction
-from planner.types.motion_guide import StopCondition
-from planner.types.plan import Plan
-from planner.types.speed_profile import FORCE_BAND
+from planner.types.plan import FORCE_BAND, Plan, StopCondition
 from sim.traces.trace import EndReason
 
 _LEAST_WEIGHT = 0.1  # of a new frame: a third of a second at 30 Hz counts

@@ -25,7 +25,7 @@ from nlcontrol.batches.drawn_scenes import (
     pushable_models,
 )
 from nlcontrol.results.result import Step
-from planner.geometry.footprints import footprint, overlaps
+from planner.problem.footprints import footprint, overlaps
 from planner.types.plan import Plan
 from planner.types.refusal import Refusal
 

@@ -10,7 +10,7 @@ from benchmarks.goals.sentences import HARD, beliefs_of, kind_of, said, setting_
 from benchmarks.goals.worlds import Job, standing
 from nlcontrol import Controller
 from nlcontrol.batches.drawn_scenes import MASS
-from planner.geometry.footprints import footprint, gap
+from planner.problem.footprints import footprint, gap
 
 ROUNDING = 1e-9  # of places found by a distance along edges' normals [m]
 

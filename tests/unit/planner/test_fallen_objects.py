@@ -9,12 +9,11 @@ from scipy.spatial.transform import Rotation
 from objectmodels import BoxModel, Registry
 from planner import plan
 from planner.affordances import hand_affordances
-from planner.predicted_states import state_after
-from planner.types.actions import LiftUp, SetDown
+from planner.problem.predicted_states import state_after
+from planner.types.actions import LiftUp, SetDown, TurnOver
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan, Reached
 from planner.types.refusal import Refusal
-from planner.types.turning_actions import TurnOver
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from tests.unit.planner.conftest import TABLE, RuledReach, frame_of, planned
 from tests.unit.planner.grasping.conftest import CONTACTS, HAND, RuledHand

@@ -9,7 +9,7 @@ import pytest
 
 from grammar import paraphrase
 from grammar.frames import command as g
-from planner.feasible_amounts import frame_with_less
+from planner.affordances import frame_with_less
 from planner.types.defaults import DEFAULTS
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from planner import plan
-from planner.geometry.footprints import footprint
-from planner.predicted_states import state_after
+from planner.problem.footprints import footprint
+from planner.problem.predicted_states import state_after
 from planner.types.plan import Plan, Reached
 from planner.types.world_state import PlanarPose, WorldState
 from tests.unit.planner.conftest import frame_of, world

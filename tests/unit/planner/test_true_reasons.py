@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import pytest
 
 from planner.clearing import obstacles
-from planner.geometry.stacks import put_on
+from planner.problem.stacks import put_on
 from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import PlanarPose, WorldState

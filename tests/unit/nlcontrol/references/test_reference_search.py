@@ -17,8 +17,8 @@ from nlcontrol.references.object_attributes import with_attribute
 from nlcontrol.references.object_names import Candidate
 from nlcontrol.references.reference_resolution import Context, resolve_references
 from objectmodels import BoxModel, Registry
-from planner.geometry.footprints import gap
-from planner.geometry.stacks import put_on
+from planner.problem.footprints import gap
+from planner.problem.stacks import put_on
 from planner.types.world_state import Colour, PlanarPose, SeenObject, WorldState
 from tests.sizes import examples
 

@@ -16,7 +16,7 @@ from nlcontrol.reports import explanation_drawing as drawing
 from nlcontrol.reports.drawing_canvas import Sheet
 from nlcontrol.reports.explanation_drawing import save_explanation
 from nlcontrol.reports.word_explanation import groups, table
-from planner.explanation.rows import Row
+from planner.plan_explanation import Row
 
 SENTENCE = "push the ice tea box away without toppling it"
 LONG = (

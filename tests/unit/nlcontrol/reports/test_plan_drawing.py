@@ -13,7 +13,7 @@ from nlcontrol import Controller
 from nlcontrol.cli import run
 from nlcontrol.reports.plan_drawing import plan_figure
 from nlcontrol.results.result import Result
-from planner.geometry.footprints import footprint
+from planner.problem.footprints import footprint
 from planner.types.world_state import WorldState
 
 

@@ -13,7 +13,7 @@ from nlcontrol import Controller
 from nlcontrol.reports.word_explanation import filler, groups, steps, table, word_explanation
 from nlcontrol.results.result import Result
 from nlcontrol.session.conversation import Conversation
-from planner.explanation.rows import Row
+from planner.plan_explanation import Row
 
 SENTENCES = Path(__file__).parents[3] / "data" / "commands"
 

@@ -15,7 +15,7 @@ from nlcontrol.session.conversation import Conversation
 from nlcontrol.session.corrected_sentences import BEFORE, LEFT_OUT, REMARKS
 from nlcontrol.session.remarks.follow_up_frames import meant_command
 from planner import plan
-from planner.refusals.refusal_builder import no_plan
+from planner.refusals.no_plan import no_plan
 from planner.refusals.sentences import SENTENCES
 from planner.types.defaults import DEFAULTS, with_settings
 from planner.types.plan import PlanningResult

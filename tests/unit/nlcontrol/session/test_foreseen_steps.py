@@ -10,8 +10,7 @@ import pytest
 from nlcontrol import Controller
 from nlcontrol.session.foresight import foreseen_steps, step_search
 from nlcontrol.session.foresight.foreseen_steps import lasting_lift
-from planner.types.default_kinds import CLEARED
-from planner.types.defaults import DEFAULTS
+from planner.types.defaults import CLEARED, DEFAULTS
 from planner.types.plan import Plan, PlanningResult
 from sim.simulated_executor import simulation
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from nlcontrol import Controller
-from planner.geometry.directions import angle_between
+from planner.problem.directions import angle_between
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan
 from sim.traces.trace import EndReason, Trace

@@ -14,9 +14,8 @@ from nlcontrol.session.foresight.kept_plans import KeptPlans
 from nlcontrol.session.foresight.step_search import StepSearch, Ways
 from planner import planning
 from planner.clearing import may_be_grasped_anew, setting_down_frame
-from planner.predicted_states import state_after
-from planner.types.default_kinds import CLEARED
-from planner.types.defaults import DEFAULTS
+from planner.problem.predicted_states import state_after
+from planner.types.defaults import CLEARED, DEFAULTS
 from planner.types.plan import Plan, PlanningResult
 from planner.types.refusal import Refusal
 from planner.types.world_state import WorldState

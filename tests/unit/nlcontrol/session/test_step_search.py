@@ -17,11 +17,10 @@ from nlcontrol.session.foresight.step_search import (
     ways_around,
 )
 from planner import planning
-from planner.problem.search_budget import SearchBudget
-from planner.types.default_kinds import CLEARED
-from planner.types.defaults import DEFAULTS
-from planner.types.marks import obstacle_mark
+from planner.problem.planning_problem import SearchBudget
+from planner.types.defaults import CLEARED, DEFAULTS
 from planner.types.refusal import Refusal
+from planner.types.world_state import obstacle_mark
 from tests.unit.planner.conftest import frame_of
 
 MOST_WORK = 1000

@@ -12,7 +12,7 @@ import pytest
 
 from nlcontrol import ControlError, Controller
 from planner.clearing import obstacles
-from planner.problem.place_regions import object_at
+from planner.problem.places import object_at
 from planner.types.plan import Plan
 from planner.types.refusal import Refusal
 

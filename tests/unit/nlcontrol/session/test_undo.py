@@ -14,7 +14,7 @@ from nlcontrol import Controller, Conversation
 from nlcontrol.results.result import Result
 from nlcontrol.session.remarks.undo_frames import PastPush, undo_frames
 from objectmodels import Registry
-from planner.geometry.directions import angle_between
+from planner.problem.directions import angle_between
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan
 from planner.types.world_state import PlanarPose, SeenObject, WorldState

@@ -7,8 +7,7 @@ import re
 import pytest
 
 from planner import Plan, plan
-from planner.explanation.push_explanation import Basis, explain_push
-from planner.explanation.rows import Row, quotation
+from planner.plan_explanation import Basis, Row, explain_push, quotation
 from planner.types.defaults import DEFAULTS
 from planner.types.world_state import PlanarPose
 from tests.unit.planner.conftest import RuledReach, frame_of, world

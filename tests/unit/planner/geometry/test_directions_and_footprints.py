@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from objectmodels import Registry
-from planner.geometry.directions import angle_between, bisector, face_name, heading_of, phrase, unit
-from planner.geometry.footprints import (
+from planner.problem.directions import angle_between, bisector, face_name, heading_of, phrase, unit
+from planner.problem.footprints import (
     ROLLED_ASIDE,
     ROLLED_ASKEW,
     footprint,

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from objectmodels.geometry.base_shapes import Array
-from planner.geometry.footprints import gap, overlaps
+from planner.problem.footprints import gap, overlaps
 
 SQUARE = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from planner.geometry.stacks import put_on, stack_with, with_supports
+from planner.problem.stacks import put_on, stack_with, with_supports
 from planner.types.world_state import PlanarPose
 from tests.unit.planner.conftest import world
 

@@ -10,9 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planner.geometry.directions import unit
-from planner.geometry.footprints import footprint, gap
-from planner.geometry.visibility_graph import shortest_detour
+from planner.problem.directions import unit
+from planner.problem.footprints import footprint, gap, shortest_detour
 from planner.pushing.push_paths import ANOTHER_PUSH
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from tests.unit.planner.conftest import world

@@ -10,8 +10,7 @@ import pytest
 
 from objectmodels import BoxModel
 from objectmodels.mechanics.push_thresholds import GRAVITY
-from planner.grasping.grasp_lean import HAND_LEAN, Lean
-from planner.grasping.grasp_sampling import Candidate
+from planner.grasping.grasp_selection import HAND_LEAN, Candidate, Lean
 from planner.types.defaults import DEFAULTS
 from planner.types.robot import Grip
 from planner.types.world_state import PlanarPose, SeenObject, WorldState

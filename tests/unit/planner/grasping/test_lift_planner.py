@@ -21,8 +21,8 @@ from planner.problem.planning_problem import (
     GraspGoal,
     MotionLimits,
     PlanningProblem,
+    SearchBudget,
 )
-from planner.problem.search_budget import SearchBudget
 from planner.types.actions import Carry, Grasp, LiftUp, SetDown
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan, Reached

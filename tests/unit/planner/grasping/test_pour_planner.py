@@ -12,7 +12,7 @@ import pytest
 
 from grammar.frames.command import Frame, ObjectRef, Pour
 from planner import plan
-from planner.grasping.pour_amounts import poured_amount
+from planner.grasping.pour_planner import poured_amount
 from planner.types.actions import PourOut
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan, Reached

@@ -7,15 +7,14 @@ from dataclasses import replace
 import pytest
 
 from planner import plan
-from planner.geometry.footprints import footprint, gap
-from planner.geometry.stacks import put_on
-from planner.predicted_states import state_after
-from planner.problem.search_budget import SearchBudget
-from planner.types.actions import Carry, LiftUp, SetDown
+from planner.problem.footprints import footprint, gap
+from planner.problem.planning_problem import SearchBudget
+from planner.problem.predicted_states import state_after
+from planner.problem.stacks import put_on
+from planner.types.actions import Carry, LiftUp, SetDown, SetOn
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Reached
 from planner.types.refusal import Refusal
-from planner.types.stack_actions import SetOn
 from planner.types.world_state import PlanarPose, WorldState
 from tests.unit.planner.conftest import frame_of, world
 from tests.unit.planner.grasping.conftest import RuledHand, planned, refused

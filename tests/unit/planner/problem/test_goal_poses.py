@@ -7,7 +7,7 @@ import math
 import pytest
 
 from grammar.frames import command as g
-from planner.geometry.directions import angle_between
+from planner.problem.directions import angle_between
 from planner.problem.goal_poses import goal_distance, goal_heading
 from planner.types.defaults import DEFAULTS
 from planner.types.world_state import PlanarPose

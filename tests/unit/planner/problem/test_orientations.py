@@ -8,7 +8,7 @@ import pytest
 
 from grammar.frames import command as g
 from objectmodels import Registry
-from planner.problem.orientations import turns_to_orientation
+from planner.problem.goal_poses import turns_to_orientation
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 
 MODELS = Registry.default()

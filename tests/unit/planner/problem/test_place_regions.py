@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from grammar.frames import command as g
-from planner.geometry.footprints import footprint, gap
-from planner.problem.place_measures import Region
-from planner.problem.place_regions import (
+from planner.problem.footprints import footprint, gap
+from planner.problem.places import (
     Between,
+    Region,
     object_at,
     region,
     share_of_way,

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from planner.geometry.footprints import footprint, gap
-from planner.geometry.stacks import put_on
-from planner.problem.places_in_boxes import WALL_ROOM, InBox
+from planner.problem.footprints import footprint, gap
+from planner.problem.places import WALL_ROOM, InBox
+from planner.problem.stacks import put_on
 from planner.types.world_state import PlanarPose, SeenObject
 from tests.unit.planner.conftest import world
 

@@ -10,7 +10,7 @@ import pytest
 
 from planner import plan
 from planner.clearing import obstacles
-from planner.problem.search_budget import SearchBudget
+from planner.problem.planning_problem import SearchBudget
 from planner.types.actions import Push
 from planner.types.defaults import DEFAULTS, with_settings
 from planner.types.plan import PlanningResult

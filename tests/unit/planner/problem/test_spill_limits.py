@@ -9,8 +9,8 @@ import pytest
 
 from objectmodels import BoxModel
 from objectmodels.models.object_parts import Container, FlipLid, Opening
+from planner.problem.constraint_limits import spill_tilt
 from planner.problem.frame_interpretation import interpret_frame
-from planner.problem.tilt_goals import spill_tilt
 from planner.types.defaults import DEFAULTS
 from planner.types.refusal import NoPlanError
 from planner.types.world_state import PlanarPose, SeenObject, WorldState

@@ -15,9 +15,9 @@ from objectmodels.mechanics.friction_cone import worst_probability
 from planner.planning import plan
 from planner.problem.frame_interpretation import interpret_frame
 from planner.problem.planning_problem import PushStep, Side
-from planner.pushing import outcome_prediction
+from planner.pushing import contact_planner
+from planner.pushing.contact_planner import SURE, confirm_with_exact_tier
 from planner.pushing.contact_sampling import rate_contacts
-from planner.pushing.outcome_prediction import SURE, confirm_with_exact_tier
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan
 from planner.types.refusal import Refusal
@@ -143,7 +143,7 @@ def test_sure_slides_do_without_the_exact_tier(
         asked.append(args)
         return 1.0
 
-    monkeypatch.setattr(outcome_prediction, "_exact_probability", counted)
+    monkeypatch.setattr(contact_planner, "_exact_probability", counted)
     frame = frame_of(f"push the {name} away with one finger")
     made = plan(frame, state_of(Registry.built_in().get(name)), RuledReach())
     assert isinstance(made, Plan)
@@ -159,6 +159,6 @@ def test_contacts_far_from_toppling_are_not_looked_at_again(
     among = SimpleNamespace(fingers=1, cone=cone, guarded=False, side=side)
     contact: Any = SimpleNamespace(index=0, among=among, point=np.zeros(3))
     step = PushStep("slide", 0.0, 0.1)
-    monkeypatch.setattr(outcome_prediction, "_exact_outcomes", lambda *_: np.array(["topple"]))
+    monkeypatch.setattr(contact_planner, "_exact_outcomes", lambda *_: np.array(["topple"]))
     problem: Any = SimpleNamespace(target=SimpleNamespace(model=LOPSIDED))
     assert confirm_with_exact_tier(problem, step, contact) == (not looks)

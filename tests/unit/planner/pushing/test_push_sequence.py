@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from planner import plan
-from planner.geometry.footprints import footprint, free_travel, gap
+from planner.problem.footprints import footprint, free_travel, gap
 from planner.types.actions import Aim, Push
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan, Reached

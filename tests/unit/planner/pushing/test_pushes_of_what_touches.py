@@ -10,7 +10,7 @@ import pytest
 from grammar.frames import command as g
 from nlcontrol import Registry
 from planner import plan
-from planner.geometry.footprints import footprint, free_travel, gap, kept_gap
+from planner.problem.footprints import footprint, free_travel, gap, kept_gap
 from planner.types.plan import Plan, PlanningResult
 from planner.types.refusal import Refusal
 from planner.types.world_state import PlanarPose, SeenObject, TableState, WorldState

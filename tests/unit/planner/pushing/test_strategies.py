@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planner import plan
-from planner.geometry.directions import angle_between, heading_of
-from planner.geometry.footprints import footprint, free_travel, gap
+from planner.problem.directions import angle_between, heading_of
+from planner.problem.footprints import footprint, free_travel, gap
 from planner.problem.frame_interpretation import interpret_frame
 from planner.pushing.strategies import nearly_goal_poses
 from planner.types.defaults import DEFAULTS

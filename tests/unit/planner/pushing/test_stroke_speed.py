@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from planner.types.defaults import DEFAULTS
-from planner.types.speed_profile import reached_speed
+from planner.types.plan import reached_speed
 from planner.types.world_state import PlanarPose
 from tests.unit.planner.conftest import RuledReach, planned, refused, world
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from nlcontrol import Session
-from planner.refusals.refusal_builder import refusal
-from planner.types.marks import HeightMark, LengthMark, Mark, ObstacleMark, TiltMark
+from planner.refusals.no_plan import refusal
+from planner.types.world_state import HeightMark, LengthMark, Mark, ObstacleMark, TiltMark
 
 BOX = "ice tea box"
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from grammar import parse
-from planner.refusals.refusal_builder import QUANTITIES, no_plan, refusal
+from planner.refusals.no_plan import QUANTITIES, no_plan, refusal
 from planner.refusals.sentences import SENTENCES
 
 ROOT = Path(__file__).parents[4]

@@ -9,8 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.types.default_kinds import DefaultsError
-from planner.types.defaults import DEFAULTS, Defaults, settings, with_settings
+from planner.types.defaults import DEFAULTS, Defaults, DefaultsError, settings, with_settings
 
 
 def test_what_is_listed_can_be_set_again() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from planner.types.speed_profile import USUAL, SpeedProfile, reached_speed, speed_profile
+from planner.types.plan import USUAL, SpeedProfile, reached_speed, speed_profile
 
 
 def integrated(profile: SpeedProfile, stroke: float) -> float:

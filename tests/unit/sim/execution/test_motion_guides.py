@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from nlcontrol import Controller, Result
-from planner.types.motion_guide import FlipGuide, GraspGuide, MotionGuide, PushGuide
+from planner.types.plan import FlipGuide, GraspGuide, MotionGuide, PushGuide
 from sim.traces.trace import Trace
 
 TIP_ERROR = 0.003

@@ -11,7 +11,7 @@ import pytest
 
 from objectmodels import BoxModel, Registry
 from objectmodels.mechanics.push_motion import best_turn
-from planner.geometry.directions import face_name
+from planner.problem.directions import face_name
 from planner.types.actions import Push
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import PlanarPose, SeenObject, WorldState

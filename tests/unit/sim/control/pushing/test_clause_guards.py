@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from objectmodels import Registry
-from planner.geometry.footprints import footprint
+from planner.problem.footprints import footprint
 from planner.types.actions import Limits, Push
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.cell.cell_description import Vision

@@ -11,10 +11,9 @@ from dataclasses import replace
 import numpy as np
 
 from objectmodels.geometry.base_shapes import Array
-from planner.geometry.stacks import put_on
-from planner.types.actions import Aim, Grasp, LiftUp, PushAction
+from planner.problem.stacks import put_on
+from planner.types.actions import Aim, Grasp, LiftUp, PushAction, SetOn
 from planner.types.plan import Plan, Reached
-from planner.types.stack_actions import SetOn
 from planner.types.world_state import Held, PlanarPose, SeenObject, WorldState
 
 

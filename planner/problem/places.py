@@ -11,22 +11,434 @@ Frames: everything in W's table plane [m].
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from statistics import NormalDist
+from typing import Literal
 
 import numpy as np
 
 from grammar.frames import command as g
-from objectmodels.geometry.base_shapes import Array
-from planner.geometry.directions import HEADINGS, heading_of, unit
-from planner.geometry.footprints import footprint, gap
-from planner.problem.cleared_places import Aside, Beyond, InHalf
-from planner.problem.overhangs import edge_name
-from planner.problem.place_measures import Measure, Region
-from planner.problem.places_in_boxes import InBox
-from planner.problem.places_on_objects import OffObject, OnTop
+from objectmodels.geometry.base_shapes import Array, Polygon
+from objectmodels.mechanics.standing_balance import UNLOADED, TopLoad, largest_overhang
+from objectmodels.models.object_parts import Cavity, inner_floor
+from objectmodels.models.shapes import standing_height, top_face
+from planner.problem.directions import HEADINGS, heading_of, unit
+from planner.problem.footprints import footprint, gap, travel_to_edge
+from planner.problem.stacks import face_in_world
 from planner.types.defaults import Defaults
 from planner.types.world_state import SeenObject, TableState, WorldState
+
+# --- place measures -------------------------------------------------------------------------------
+#
+# What a place is: where an object may go, and how well it is there.
+#
+# Frames: everything in W [m].
+
+
+@dataclass(frozen=True)
+class Measure:
+    """One quantity of a place, as it should be and as it is.
+
+    Attributes:
+        quantity: what is measured, in words.
+        relation: how `measured` must stand to `expected`.
+        expected: what it should be [m].
+        measured: what it is [m].
+        tolerance: by how much it may miss [m].
+    """
+
+    quantity: str
+    relation: Literal["about", "at_most", "at_least"]
+    expected: float
+    measured: float
+    tolerance: float
+
+    @property
+    def miss(self) -> float:
+        """Distance from what it should be [m]; never negative."""
+        excess = self.measured - self.expected
+        return {
+            "about": abs(excess), "at_most": max(excess, 0.0), "at_least": max(-excess, 0.0)
+        }[self.relation]  # fmt: skip
+
+    @property
+    def ok(self) -> bool:
+        """Return True if it is within its tolerance."""
+        return self.miss <= self.tolerance
+
+
+class Region(ABC):
+    """A place: the poses in which an object is where a word says."""
+
+    @abstractmethod
+    def spots(self, own: SeenObject) -> list[Array]:
+        """Positions of an object's origin in W at which it is in the middle of the place.
+
+        Args:
+            own: the object, with the heading that it will have there.
+
+        Returns:
+            Positions, shape (2,) each [m], the nearest to where it is first; none if there is no
+            room for it.
+        """
+
+    @abstractmethod
+    def measures(self, own: SeenObject) -> tuple[Measure, ...]:
+        """Quantities of how well an object is there."""
+
+    def holds(self, own: SeenObject) -> bool:
+        """Return True if an object is there, within the tolerances."""
+        return all(measure.ok for measure in self.measures(own))
+
+
+# --- cleared places -------------------------------------------------------------------------------
+#
+# Places out of the way: in a half of the table, some way from objects, and aside.
+#
+# Frames: everything in W's table plane [m].
+
+
+_SIDES = {
+    "left_half": "left",
+    "right_half": "right",
+    "front_half": "toward",
+    "back_half": "away",
+}
+_WAYS = np.arange(8) * np.pi / 4.0  # headings in which something is moved away [rad]
+_ASIDE = (0.0, 0.06, -0.06, 0.12, -0.12, 0.18, -0.18, 0.24, -0.24)  # along the middle [m]
+_STEP, _FARTHEST = 0.005, 0.6  # of places along them [m]
+
+
+@dataclass(frozen=True)
+class InHalf(Region):
+    """A place in one half of the table.
+
+    Attributes:
+        table: that has it.
+        half: its name.
+        tolerance: by which the object may reach over the middle [m].
+    """
+
+    table: TableState
+    half: str
+    tolerance: float
+
+    def spots(self, own: SeenObject) -> list[Array]:
+        """So far that none of it is in the other half, straight first, or where it is."""
+        here, across = np.array([own.pose.x, own.pose.y]), self._reach_over(own) + self.tolerance
+        if across <= 0.0:
+            return [here]
+        along = np.array([-self._way[1], self._way[0]])
+        return [here + across * self._way + aside * along for aside in _ASIDE]
+
+    def measures(self, own: SeenObject) -> tuple[Measure, ...]:
+        """How far it reaches into the other half."""
+        over = self._reach_over(own)
+        return (Measure("beyond the middle of the table", "at_most", 0.0, over, self.tolerance),)
+
+    @property
+    def _way(self) -> Array:
+        """Unit direction from the middle into the half, shape (2,)."""
+        return np.asarray(unit(HEADINGS[_SIDES[self.half]])[:2])
+
+    def _reach_over(self, own: SeenObject) -> float:
+        """Way from the middle to the farthest corner in the other half; negative if none is [m]."""
+        t = self.table
+        middle = np.array([t.x_min + t.x_max, t.y_min + t.y_max]) / 2.0
+        return float(((middle - footprint(own)) @ self._way).max())
+
+
+@dataclass(frozen=True)
+class Beyond(Region):
+    """A place at least a distance away from what covers some parts of the table.
+
+    Attributes:
+        shapes: names, and corners of convex polygons in W, (k, 2) each [m].
+        distance: to be kept from each [m].
+        tolerance: of the distance [m].
+    """
+
+    shapes: tuple[tuple[str, Array], ...]
+    distance: float
+    tolerance: float
+
+    def spots(self, own: SeenObject) -> list[Array]:
+        """Straight away in eight directions, the nearest first; or where it is."""
+        here, shape = np.array([own.pose.x, own.pose.y]), footprint(own)
+        found = []
+        for u in (unit(float(way))[:2] for way in _WAYS):
+            for length in np.arange(0.0, _FARTHEST, _STEP):
+                if self._room(shape + length * u) >= self.distance:
+                    found.append((float(length), here + length * u))
+                    break
+        return [spot for _, spot in sorted(found, key=lambda each: each[0])]
+
+    def measures(self, own: SeenObject) -> tuple[Measure, ...]:
+        """The gap to each."""
+        here = footprint(own)
+        return tuple(
+            Measure(f"gap to the {name}", "at_least", self.distance, gap(here, shape),
+                    self.tolerance)
+            for name, shape in self.shapes
+        )  # fmt: skip
+
+    def _room(self, corners: Array) -> float:
+        return min(gap(corners, shape) for _, shape in self.shapes)
+
+
+@dataclass(frozen=True)
+class Aside(Region):
+    """A place some way from where an object stood, to a side if there is room.
+
+    Attributes:
+        start: the object, where it stood.
+        distance: at least so far from there [m].
+        tolerance: of the distance [m].
+    """
+
+    start: SeenObject
+    distance: float
+    tolerance: float
+
+    def spots(self, own: SeenObject) -> list[Array]:
+        """To the left, to the right, then in the other directions of eight."""
+        there = np.array([self.start.pose.x, self.start.pose.y])
+        ways = sorted(_WAYS, key=lambda way: -abs(round(math.sin(way), 3)))
+        return [there + self.distance * unit(float(way))[:2] for way in ways]
+
+    def measures(self, own: SeenObject) -> tuple[Measure, ...]:
+        """The way aside."""
+        aside = math.dist((own.pose.x, own.pose.y), (self.start.pose.x, self.start.pose.y))
+        return (Measure("moved aside", "at_least", self.distance, aside, self.tolerance),)
+
+
+# --- overhangs ------------------------------------------------------------------------------------
+#
+# Overhangs: how far an object hangs over each edge of the table, and how far it may.
+#
+# Model: what lies on the table is carried by what of its base is over it
+# (`objectmodels.mechanics.standing_balance`). It may hang over so far that it lies with the
+# probability that a plan must have: its centre of mass is not known for sure, nor where it ends.
+#
+# Frames: W is the world, B the object.
+
+
+def edge_name(side: str) -> str:
+    """Name of the table's edge that lies in a direction of `HEADINGS`."""
+    return {"toward": "front", "away": "back"}.get(side, side)
+
+
+@dataclass(frozen=True, eq=False)
+class Overhang:
+    """An object over an edge of the table.
+
+    Attributes:
+        side: direction in which the edge lies, of `HEADINGS`.
+        length: how far it reaches beyond the edge [m].
+        normal: of the edge, off the table, in B, shape (2,).
+    """
+
+    side: str
+    length: float
+    normal: Array
+
+    @property
+    def edge(self) -> str:
+        """Name of the edge."""
+        return edge_name(self.side)
+
+
+def overhangs(seen: SeenObject, table: TableState) -> Iterator[Overhang]:
+    """The edges of the table over which an object hangs."""
+    for side, heading in HEADINGS.items():
+        n = unit(heading)
+        beyond = -travel_to_edge(footprint(seen), table, n[:2], 0.0)
+        if beyond > 0.0:
+            yield Overhang(side, beyond, (seen.pose.R_WB.T @ n)[:2])
+
+
+def most_overhang(
+    seen: SeenObject, over: Overhang, d: Defaults, loads: Sequence[TopLoad] = ()
+) -> float:
+    """Farthest that an object may hang over an edge, by itself and under each of some loads [m]."""
+    model, sigmas = seen.model, NormalDist().inv_cdf(d.probability)
+    lengths = []
+    for load in (UNLOADED, *loads):
+        share = model.weight / (model.weight + load.press)
+        com_sd = share * float(np.hypot(*(over.normal * model.com_sd[:2])))
+        spare = sigmas * math.hypot(com_sd, d.overhang_sd)
+        lengths.append(largest_overhang(model, over.normal, load, spare=spare))
+    return min(lengths)
+
+
+def table_with_room(table: TableState, over: Sequence[Overhang], room: float) -> TableState:
+    """The table with so much more room beyond edges as what hangs over them takes [m]."""
+    borders = {
+        "away": ("x_max", 1.0), "toward": ("x_min", -1.0),
+        "left": ("y_max", 1.0), "right": ("y_min", -1.0),
+    }  # fmt: skip
+    moved = {}
+    for one in over:
+        border, sign = borders[one.side]
+        moved[border] = getattr(table, border) + sign * (one.length + room)
+    return replace(table, **moved)
+
+
+# --- places in boxes ------------------------------------------------------------------------------
+#
+# Places in an open box, on its floor.
+#
+# Model: what stands there keeps its heading; it and its neighbours cover convex polygons. Frames:
+# W is the world, B the box.
+
+
+WALL_ROOM = 0.008
+"""Room between the walls of a box and what is put into it [m]."""
+
+_BOX_SHARES = np.linspace(-1.0, 1.0, 5)  # of the way that is free, at which places are looked at
+
+
+@dataclass(frozen=True)
+class InBox(Region):
+    """A place on the floor of an open box.
+
+    Attributes:
+        box: what it is in.
+        contents: what stands in it.
+        apart: distance that is kept from that [m].
+        tolerance: of the height [m].
+    """
+
+    box: SeenObject
+    contents: tuple[SeenObject, ...]
+    apart: float
+    tolerance: float
+
+    def spots(self, own: SeenObject) -> list[Array]:
+        """With room on all sides: far from what is in it, else in the middle first."""
+        low, high = self._free_range(own)
+        if (low > high).any():
+            return []
+        R_WB = self.box.pose.R_WB[:2, :2]
+        steps = np.stack(np.meshgrid(_BOX_SHARES, _BOX_SHARES), axis=-1).reshape(-1, 2)
+        steps = steps[np.argsort(np.hypot(*steps.T), kind="stable")]
+        inside = 0.5 * (low + high) + 0.5 * steps * (high - low)
+        places = inside @ R_WB.T + self.box.pose.p_WB[:2]
+        rooms = [self._room(own, at) for at in places]
+        order = np.argsort(-np.minimum(rooms, 2.0 * self.apart).round(3), kind="stable")
+        return [places[k] for k in order if rooms[k] >= self.apart]
+
+    def excess(self, own: SeenObject) -> float:
+        """Length by which an object is too long for the box, with room on all sides [m]."""
+        low, high = self._free_range(own)
+        return float((low - high).max())
+
+    def measures(self, own: SeenObject) -> tuple[Measure, ...]:
+        """How far it is beyond the inner walls, and its height over the floor."""
+        name = self.box.name
+        floor = face_in_world(inner_floor(self._cavity), self.box)
+        beyond = max(float((footprint(own) @ floor.normals.T - floor.offsets).max()), 0.0)
+        height = own.pose.z - self.box.pose.z - standing_height(self.box.model)
+        return (
+            Measure(f"beyond the walls of the {name}", "at_most", 0.0, beyond, 0.0),
+            Measure(f"height over the floor of the {name}", "about", 0.0, height, self.tolerance),
+        )
+
+    @property
+    def _cavity(self) -> Cavity:
+        inside = self.box.model.inside
+        assert inside is not None, "it is in an open box"
+        return inside
+
+    def _free_range(self, own: SeenObject) -> tuple[Array, Array]:
+        """Between which the origin of an object may be in B, each (2,) [m]; none if crossed."""
+        shape = (footprint(own) - own.pose.p_WB[:2]) @ self.box.pose.R_WB[:2, :2]
+        half = 0.5 * np.array(self._cavity.size) - WALL_ROOM
+        return -half - shape.min(axis=0), half - shape.max(axis=0)
+
+    def _room(self, own: SeenObject, at: Array) -> float:
+        """Distance of an object at a place from all that stands in the box [m]."""
+        there = footprint(own) - own.pose.p_WB[:2] + at
+        others = (seen for seen in self.contents if seen.name != own.name)
+        return min((gap(there, footprint(seen)) for seen in others), default=np.inf)
+
+
+# --- places on objects ----------------------------------------------------------------------------
+#
+# Places on another object, and off it.
+#
+# Frames: W is the world, B an object.
+
+
+_TOP_SHARES = np.linspace(
+    -0.8, 0.8, 9
+)  # of half the extent of a top, at which places are looked at
+
+
+@dataclass(frozen=True)
+class OnTop(Region):
+    """A place on top of an object.
+
+    Attributes:
+        lower: the object.
+        tolerance: of the height [m].
+    """
+
+    lower: SeenObject
+    tolerance: float
+
+    def spots(self, own: SeenObject) -> list[Array]:
+        """With its centre of mass over the top, the middle first; none if the top is not flat."""
+        top = top_face(self.lower.model)
+        if top is None:
+            return []
+        face = face_in_world(top, self.lower)
+        com = own.pose.R_WB[:2, :2] @ np.array(own.model.com[:2])
+        half = 0.5 * np.ptp(top.vertices, axis=0)
+        steps = np.stack(np.meshgrid(_TOP_SHARES, _TOP_SHARES), axis=-1).reshape(-1, 2)
+        steps = steps[np.argsort(np.hypot(*steps.T), kind="stable")]
+        over = face.centroid + (steps * half) @ self.lower.pose.R_WB[:2, :2].T
+        inside = (over @ face.normals.T < face.offsets).all(axis=1)
+        return list(over[inside] - com)
+
+    def measures(self, own: SeenObject) -> tuple[Measure, ...]:
+        """Height over the top, and how far its middle is beyond the top's edge."""
+        name, lower = self.lower.name, self.lower
+        height = own.pose.z - lower.pose.z - lower.model.top
+        outline = Polygon.convex(lower.bulk()[0])
+        beyond = max(float((outline.normals @ own.pose.p_WB[:2] - outline.offsets).max()), 0.0)
+        return (
+            Measure(f"height over the top of the {name}", "about", 0.0, height, self.tolerance),
+            Measure(f"beyond the edge of the {name}'s top", "at_most", 0.0, beyond, 0.0),
+        )
+
+
+@dataclass(frozen=True)
+class OffObject(Region):
+    """A place on the table, taken off an object or out of it.
+
+    Attributes:
+        lower: that object.
+        beside: places next to it.
+    """
+
+    lower: SeenObject
+    beside: Region
+
+    def spots(self, own: SeenObject) -> list[Array]:
+        """Beside it, the nearest first."""
+        return self.beside.spots(own)
+
+    def measures(self, own: SeenObject) -> tuple[Measure, ...]:
+        """The gap to what it stood on; what is on it or in it has none."""
+        apart = gap(footprint(own), footprint(self.lower))
+        return (Measure(f"gap to the {self.lower.name}", "at_least", 0.0, apart, 0.0),)
+
+
+# --- places ---------------------------------------------------------------------------------------
+
 
 SIDES: dict[str, tuple[str, ...]] = {
     "left_of": ("left",),

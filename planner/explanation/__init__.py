@@ -1,1 +1,0 @@
-"""Rows of an explanation: words to parameters."""

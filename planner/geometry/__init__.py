@@ -1,1 +1,0 @@
-"""Directions, footprints, visibility graph."""
