@@ -24,9 +24,9 @@ from benchmarks.strokes import (
     Stroke,
     offsets,
 )
-from sim.standard_robot import HAND
+from sim.robots.robots import HAND
 from sim.truth.scene_file import Scene
-from sim.worlds.drake.body_contacts import ROUGH, ContactWatch, surface
+from sim.worlds.drake.drake_bodies import ROUGH, ContactWatch, surface
 from sim.worlds.drake.drake_plant import (
     add_object,
     add_table,

@@ -33,10 +33,10 @@ from objectmodels.mechanics.standing_balance import (
     pinch_margin,
     touch_limits,
 )
-from sim.standard_robot import HAND
+from sim.robots.robots import HAND
+from sim.truth.object_truth import truth_as_believed
 from sim.truth.scene_file import Pose, SceneObject, parse_scene
-from sim.truth.truth_from_model import truth_as_believed
-from sim.worlds.drake.body_contacts import ROUGH, surface
+from sim.worlds.drake.drake_bodies import ROUGH, surface
 from sim.worlds.drake.drake_plant import (
     add_empty_plant,
     add_object,

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from objectmodels.geometry.base_shapes import Array
-from sim.standard_robot import HAND
-from sim.worlds.drake.body_contacts import ROUGH, surface
+from sim.robots.robots import HAND
+from sim.worlds.drake.drake_bodies import ROUGH, surface
 
 # On a light fingertip Drake's friction creeps by a tenth of the way.
 _MASS = 1.0  # [kg]

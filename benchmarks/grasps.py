@@ -18,11 +18,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from nlcontrol.parallel_tasks import run_all
+from objectmodels.geometry.rotations import Array
 from objectmodels.mechanics.grasp_stability import Contacts, GraspLoads
 from objectmodels.mechanics.push_thresholds import GRAVITY
-from sim.hands.hand_model import Angles, GraspPosture
-from sim.rotations import Array
-from sim.standard_robot import HAND
+from sim.robots.hand import Angles, GraspPosture
+from sim.robots.robots import HAND
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Pose, Scene, SceneObject, load_scene
 from sim.worlds.drake.drake_plant import add_object, add_table, filter_collisions, initial_pose

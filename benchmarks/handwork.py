@@ -34,9 +34,8 @@ from nlcontrol.checks.verdicts import PLANNED_ENDS, Check
 from nlcontrol.learning.lessons import change_contents
 from objectmodels import ObjectModel
 from objectmodels.models.object_parts import Lid, LiftOffLid
-from sim.truth.object_truth import Truth
+from sim.truth.object_truth import Truth, truth_as_believed
 from sim.truth.scene_file import Pose, Scene, SceneObject, load_scene
-from sim.truth.truth_from_model import truth_as_believed
 
 if TYPE_CHECKING:
     from sim.traces.trace import Trace

@@ -2,7 +2,7 @@
 
 The fingertip is a sphere on springs that goes where it is told and does not turn; pulls and turns
 are forces on the lid itself. The lids are those of the simulated world
-(`sim.worlds.drake.lid_mechanics`).
+(`sim.worlds.drake.contents`).
 """
 
 from __future__ import annotations
@@ -19,10 +19,12 @@ from objectmodels.containers.lids import (
     grip_distance,
     lid_hinge,
 )
+from objectmodels.geometry.rotations import Array
 from objectmodels.models.object_parts import FlipLid
-from sim.rotations import Array
-from sim.standard_robot import HAND
+from sim.robots.robots import HAND
 from sim.truth.scene_file import Scene, SceneObject
+from sim.worlds.drake.contents import Lids
+from sim.worlds.drake.drake_bodies import add_lid, filter_lids
 from sim.worlds.drake.drake_plant import (
     Standing,
     add_object,
@@ -30,8 +32,6 @@ from sim.worlds.drake.drake_plant import (
     filter_collisions,
     initial_pose,
 )
-from sim.worlds.drake.lid_bodies import add_lid, filter_lids
-from sim.worlds.drake.lid_mechanics import Lids
 
 if TYPE_CHECKING:
     from pydrake.multibody.plant import MultibodyPlant

@@ -22,7 +22,7 @@ from nlcontrol.parallel_tasks import run_all
 from objectmodels import CylinderModel
 from objectmodels.containers import lids
 from objectmodels.models.object_parts import FlipLid, Lid, LiftOffLid, ScrewCap
-from sim.cell.cell_description import Vision
+from sim.robots.cell_description import Vision
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Pose, SceneObject
 

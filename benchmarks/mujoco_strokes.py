@@ -23,7 +23,7 @@ from benchmarks.strokes import (
     Stroke,
 )
 from objectmodels.mechanics.push_thresholds import GRAVITY
-from sim.standard_robot import HAND
+from sim.robots.robots import HAND
 from sim.truth.scene_file import Scene
 
 STEP = 2e-3

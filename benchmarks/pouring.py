@@ -3,7 +3,7 @@
 A box, a cylinder or a prism with a round opening somewhere in its top is tilted by a prescribed
 motion over a cylinder that stands on the table: speeding up and slowing down within a fifth of a
 second, its lip shaking by a millimetre, and back upright at the end. The simulated liquid runs out
-step by step, into the cylinder or beside it (`sim.worlds.drake.liquid_transfer`). The prediction
+step by step, into the cylinder or beside it (`sim.worlds.drake.contents`). The prediction
 knows shapes, contents and aim, and takes the tilting as steady and the lip as still
 (`objectmodels.containers.pour_dynamics`). A share of the contents is asked for, by which the
 prediction picks the tilt.
@@ -25,13 +25,13 @@ import numpy as np
 from nlcontrol.parallel_tasks import run_all
 from objectmodels.containers.pour_dynamics import Catch, angle_for, caught_volume, pour
 from objectmodels.geometry.base_shapes import Polygon
+from objectmodels.geometry.rotations import Array, axis_rotation
 from objectmodels.models.object_parts import Container, Opening, Vessel
-from sim.cell.cell_description import RobotMount
-from sim.rotations import Array, axis_rotation
+from sim.robots.cell_description import RobotMount
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Pose, Scene, SceneObject
+from sim.worlds.drake.contents import Liquid
 from sim.worlds.drake.drake_plant import Standing, add_object
-from sim.worlds.drake.liquid_transfer import Liquid
 
 PROMISED = 0.03
 """Share of the contents by which a prediction may be wrong."""

@@ -24,9 +24,9 @@ from objectmodels import BoxModel, CylinderModel, ObjectModel, PrismModel
 from objectmodels.exact.top_drag import TopDrag, top_drag
 from objectmodels.geometry.base_shapes import Array, Polygon, hull_polygon, is_within
 from objectmodels.mechanics.push_thresholds import GRAVITY
-from sim.standard_robot import HAND
+from sim.robots.robots import HAND
+from sim.truth.object_truth import truth_as_believed
 from sim.truth.scene_file import Pose, Scene, SceneObject, parse_scene
-from sim.truth.truth_from_model import truth_as_believed
 from sim.worlds.drake.drake_plant import (
     add_empty_plant,
     add_object,

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from objectmodels import BoxModel, PrismModel
 from objectmodels.geometry.base_shapes import Support
 from objectmodels.models.object_model import ObjectModel
-from sim.face_experiment.applied_force import onset_time
+from sim.face_experiment import onset_time
 
 Array = NDArray[np.float64]
 Stands = Literal["corners", "weighted", "evenly"]

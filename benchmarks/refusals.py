@@ -37,8 +37,7 @@ from objectmodels.models.object_parts import Cavity
 from planner.types.refusal import Refusal
 from planner.types.world_state import ObstacleMark
 from sim.errors import SceneError
-from sim.truth.object_placing import scene_with_object
-from sim.truth.scene_file import Pose, Scene, parse_scene
+from sim.truth.scene_file import Pose, Scene, parse_scene, scene_with_object
 
 SAID = (
     "lift the {a}", "lift the {a} 30 cm", "lift the {a} with at most 5 N", "lift the {a} gently",

@@ -42,12 +42,12 @@ from planner.types.actions import Push
 from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer, ReachEffort
 from planner.types.world_state import WorldState
-from sim.cell.cell_description import Vision
 from sim.motion.robot_reach import ArmHandReach
+from sim.robots.cell_description import Vision
+from sim.robots.robots import ARM, HAND
 from sim.simulated_executor import simulation
-from sim.standard_robot import ARM, HAND
+from sim.truth.object_truth import truth_as_believed
 from sim.truth.scene_file import Pose, Scene, SceneObject
-from sim.truth.truth_from_model import truth_as_believed
 
 OBJECT = "ice tea box"
 START = Pose(x_m=0.55, y_m=-0.08)

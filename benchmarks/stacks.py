@@ -20,6 +20,7 @@ from objectmodels.geometry.base_shapes import Array, Polygon, hull_polygon
 from objectmodels.mechanics.standing_balance import StackedBody, stack_margins
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Pose, Scene, SceneObject, parse_scene
+from sim.worlds.drake.drake_bodies import add_slab, filter_slabs
 from sim.worlds.drake.drake_plant import (
     add_empty_plant,
     add_object,
@@ -27,7 +28,6 @@ from sim.worlds.drake.drake_plant import (
     filter_collisions,
     initial_pose,
 )
-from sim.worlds.drake.stack_contacts import add_slab, filter_slabs
 
 _SECONDS = 2.5  # a tall stack a twentieth beyond its edge has fallen after one
 _LEANS = np.cos(np.radians(5.0))

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels import ObjectModel
-from sim.standard_robot import HAND
+from sim.robots.robots import HAND
 
 Array = NDArray[np.float64]
 Generator = np.random.Generator

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sim import load_scene
-from sim.views.html_replay import save_replay
+from sim.views.viewer_recording import save_replay
 from tests.browser.open_page import FLAGS, NAMES, OpenPage
 from tests.fakes.pushed_trace import pushed_trace
 from tests.service_process import serving

@@ -52,8 +52,8 @@ if TYPE_CHECKING:
     from sim.supervision import Monitor, StopToken
     from sim.traces.trace import Trace
     from sim.truth.scene_file import Scene, load_scene
-    from sim.views.html_replay import save_replay
     from sim.views.trace_picture import save_picture
+    from sim.views.viewer_recording import save_replay
 
 __version__ = "0.1.0"
 
@@ -102,7 +102,7 @@ _HOMES = {
     "load_scene": "sim.truth.scene_file",
     "parse": "grammar",
     "save_picture": "sim.views.trace_picture",
-    "save_replay": "sim.views.html_replay",
+    "save_replay": "sim.views.viewer_recording",
     "with_settings": "planner.types.defaults",
 }
 

@@ -17,15 +17,15 @@ if TYPE_CHECKING:
     from sim.traces.trace import Trace as Trace
     from sim.truth.scene_file import Scene as Scene
     from sim.truth.scene_file import load_scene as load_scene
-    from sim.views.html_replay import save_replay as save_replay
     from sim.views.trace_picture import save_picture as save_picture
+    from sim.views.viewer_recording import save_replay as save_replay
 
 _HOMES = {
     "errors": ["PictureError", "SceneError", "SimError"],
     "simulated_executor": ["SimulatedExecutor"],
     "traces.trace": ["Trace"],
     "truth.scene_file": ["Scene", "load_scene"],
-    "views.html_replay": ["save_replay"],
+    "views.viewer_recording": ["save_replay"],
     "views.trace_picture": ["save_picture"],
 }
 

@@ -10,7 +10,7 @@ from enum import IntEnum, unique
 
 import numpy as np
 
-from sim.rotations import Array
+from objectmodels.geometry.rotations import Array
 
 
 @unique

@@ -15,13 +15,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from planner.types.world_state import Held, WorldState
-from sim.cell.cell_description import LOOK
 from sim.control.free_motion import RobotSetup, watch
+from sim.control.object_estimate import estimate_objects
 from sim.motion.robot_reach import ArmHandReach
-from sim.perception.state_estimation import estimate_objects
-from sim.standard_robot import ARM, HAND
+from sim.robots.cell_description import LOOK
+from sim.robots.robots import ARM, HAND
 from sim.truth.scene_file import Scene, load_scene
-from sim.worlds.drake.camera_port import initial_frames
+from sim.worlds.camera import initial_frames
 
 if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel
@@ -135,8 +135,8 @@ class SimulatedExecutor:
         models: Mapping[str, ObjectModel],
         progress: Progress | None = None,
     ) -> Trace:
-        """Carries out a plan; see `sim.execution.plan_execution.execute`."""
-        from sim.execution.plan_execution import execute
+        """Carries out a plan; see `sim.control.plan_execution.execute`."""
+        from sim.control.plan_execution import execute
 
         return execute(plan, self.setup, models, progress)
 

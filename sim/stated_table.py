@@ -11,10 +11,10 @@ from functools import cached_property
 from typing import TYPE_CHECKING, NoReturn
 
 from planner.types.world_state import Held, PlanarPose, SeenObject, WorldState
-from sim.cell.cell_description import LOOK, CellDescription
 from sim.errors import SimError
 from sim.motion.robot_reach import ArmHandReach
-from sim.standard_robot import ARM, HAND
+from sim.robots.cell_description import LOOK, CellDescription
+from sim.robots.robots import ARM, HAND
 
 if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Self
 
 if TYPE_CHECKING:
-    from sim.rotations import Array
+    from objectmodels.geometry.rotations import Array
     from sim.traces.trace import Trace
 
 Progress = Callable[[str, float, str], None]

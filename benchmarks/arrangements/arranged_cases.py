@@ -26,10 +26,10 @@ from benchmarks.record import Kept
 from nlcontrol import Controller, Registry
 from nlcontrol.batches.drawn_scenes import FRAGILE, Generator, draw_truth, scene_of
 from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.rotations import from_quaternion
 from objectmodels.models.shapes import standing_height
 from planner.types.world_state import SeenObject
-from sim.cell.cell_description import Vision
-from sim.rotations import from_quaternion
+from sim.robots.cell_description import Vision
 from sim.truth.scene_file import Pose, Scene, SceneObject
 
 if TYPE_CHECKING:

@@ -23,7 +23,7 @@ from planner.problem.footprints import footprint, gap
 from planner.types.defaults import DEFAULTS as D
 from planner.types.world_state import SeenObject, TableState, WorldState
 from sim.motion.robot_reach import lowest_contact
-from sim.standard_robot import HAND
+from sim.robots.robots import HAND
 
 Standing = dict[str, SeenObject]
 

@@ -21,10 +21,10 @@ from nlcontrol.batches.drawn_scenes import (
     pushable_models,
 )
 from objectmodels import BoxModel, CylinderModel, ObjectModel, Registry
+from objectmodels.geometry.rotations import rot_x, rot_y
 from planner.problem.footprints import footprint, gap
 from planner.types.defaults import DEFAULTS as D
 from planner.types.world_state import PlanarPose, SeenObject
-from sim.rotations import rot_x, rot_y
 from sim.truth.scene_file import VaryingTable
 
 CLOSE = (0.05, 0.08)

@@ -15,10 +15,10 @@ import numpy as np
 from nlcontrol.session.executor import Executor
 from objectmodels import ObjectModel, Registry
 from objectmodels.geometry.base_shapes import Array, Disc
+from objectmodels.geometry.rotations import from_quaternion, rot_z, yaw_of
 from objectmodels.models.object_model import LEVEL
 from planner.problem.directions import angle_between
 from planner.types.world_state import PlanarPose, SeenObject
-from sim.rotations import from_quaternion, rot_z, yaw_of
 from sim.simulated_executor import simulation
 
 MOVED = 0.005

@@ -22,7 +22,7 @@ from objectmodels.geometry.base_shapes import Array
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from planner.problem.footprints import footprint, gap, overlaps
 from planner.types.world_state import SeenObject, WorldState
-from sim.standard_robot import HAND
+from sim.robots.robots import HAND
 
 RESERVE = 1.5
 """Squeeze allowed over the one that holds a weight by friction alone."""

@@ -33,15 +33,14 @@ from nlcontrol.batches.drawn_scenes import (
     scene_of,
 )
 from objectmodels import ObjectModel
+from objectmodels.geometry.rotations import rot_x, rot_y
 from objectmodels.models.object_parts import Lid
 from planner.problem.directions import unit
 from planner.problem.footprints import footprint, free_travel, gap
 from planner.types.world_state import PlanarPose, SeenObject
-from sim.cell.cell_description import Vision
-from sim.rotations import rot_x, rot_y
-from sim.truth.object_truth import Truth
+from sim.robots.cell_description import Vision
+from sim.truth.object_truth import Truth, truth_as_believed
 from sim.truth.scene_file import Pose, Scene, SceneObject
-from sim.truth.truth_from_model import truth_as_believed
 
 Setting = Literal["narrow", "fallen", "many", "wide"]
 SETTINGS: tuple[Setting, ...] = get_args(Setting)

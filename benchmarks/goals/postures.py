@@ -8,7 +8,7 @@ what the robot always keeps, else by no distance. Its fingers may press up or do
 they press along the stroke; the robot's by a third. How it gets there, how well it feels the push
 and how much room the joints have is not asked.
 
-Frames: see `sim.motion.arm_configuration`.
+Frames: see `sim.motion.inverse_kinematics`.
 """
 
 from __future__ import annotations
@@ -19,21 +19,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.strokes import Array, Generator, Stroke
+from objectmodels.geometry.rotations import rot_x, rot_y, rot_z
 from planner.types.world_state import WorldState
-from sim.cell.cell_description import RobotMount, Vision
-from sim.collision.collision_scene import FRAGILE_CLEARANCE
-from sim.collision.collision_spheres import (
+from sim.motion.collision_scene import FRAGILE_CLEARANCE
+from sim.robots.cell_description import RobotMount, Vision
+from sim.robots.collision_spheres import (
     distance_to_prism,
     height_above_table,
     place_spheres,
 )
-from sim.hands.four_finger.hand_kinematics import FINGER_LIMITS
-from sim.hands.four_finger.hand_posture import bent_posture
-from sim.hands.four_finger.pushing_postures import pushing_quality, two_finger_postures
-from sim.hands.hand_model import Posture
-from sim.hands.mount import Mount
-from sim.rotations import rot_x, rot_y, rot_z
-from sim.standard_robot import ARM, HAND
+from sim.robots.finger_kinematics import FINGER_LIMITS, bent_posture
+from sim.robots.four_finger_hand import pushing_quality, two_finger_postures
+from sim.robots.hand import Mount, Posture
+from sim.robots.robots import ARM, HAND
 
 UNSEEN = Vision().position_noise_m
 """A distance that no single look tells from none [m]."""

@@ -41,8 +41,8 @@ from planner.problem.planning_problem import is_handled
 from planner.types.defaults import Defaults
 from planner.types.world_state import WorldState
 from sim.simulated_executor import simulation
+from sim.truth.object_truth import truth_as_believed
 from sim.truth.scene_file import Pose, Scene
-from sim.truth.truth_from_model import truth_as_believed
 
 Verdict = Literal["confirmed", "unlikely", "unconfirmed", "not looked for"]
 

@@ -38,7 +38,7 @@ from planner.types.defaults import DEFAULTS
 from planner.types.refusal import NoPlanError
 from planner.types.world_state import SeenObject, WorldState
 from sim.motion.robot_reach import lowest_contact
-from sim.standard_robot import HAND
+from sim.robots.robots import HAND
 
 TABLE = ((0.36, 0.80), (-0.45, 0.45))
 """Where objects may be sent: least and largest x and y [m]."""

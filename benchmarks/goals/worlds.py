@@ -23,9 +23,9 @@ from nlcontrol.batches.drawn_scenes import (
     draw_scene_with,
 )
 from objectmodels import ObjectModel, Registry
+from objectmodels.geometry.rotations import rot_z
 from planner.types.world_state import PlanarPose, SeenObject
-from sim.cell.cell_description import Vision
-from sim.rotations import rot_z
+from sim.robots.cell_description import Vision
 from sim.truth.scene_file import Pose, Scene
 
 BIAS = Vision(position_bias_m=0.003, angle_bias_deg=1.5)

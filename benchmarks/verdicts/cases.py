@@ -18,7 +18,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from sim.cell.cell_description import Vision
+from sim.robots.cell_description import Vision
 from sim.truth.scene_file import Scene, load_scene
 
 Suite = Literal["small", "agree", "covered", "poured", "paper"]

@@ -12,8 +12,8 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
-from sim.cell.cell_description import Vision
-from sim.rotations import Array
+from objectmodels.geometry.rotations import Array
+from sim.robots.cell_description import Vision
 from sim.traces.trace import Trace
 
 LOOKS_ON = 1.0

@@ -18,12 +18,11 @@ from nlcontrol.batches.batch_row import DrawnScene
 from objectmodels import ObjectModel, Registry
 from planner.problem.footprints import footprint, overlaps
 from planner.types.world_state import PlanarPose, SeenObject
-from sim.cell.cell_description import Vision
 from sim.motion.robot_reach import lowest_contact
-from sim.standard_robot import HAND
-from sim.truth.object_truth import Truth
+from sim.robots.cell_description import Vision
+from sim.robots.robots import HAND
+from sim.truth.object_truth import GREY, Truth, truth_as_believed
 from sim.truth.scene_file import Pose, Scene, SceneObject, built_in_scenes, load_scene
-from sim.truth.truth_from_model import GREY, truth_as_believed
 
 Generator = np.random.Generator
 

@@ -29,13 +29,13 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from nlcontrol.checks import trace_measures as measures
-from sim.perception.pose_tracks import FeltEnd
+from sim.control.pose_tracks import FeltEnd
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from objectmodels import ObjectModel
-    from sim.perception.pose_tracks import Array
+    from sim.control.pose_tracks import Array
     from sim.traces.trace import Trace
 
 FELT = 0.15

@@ -1,7 +1,7 @@
 """What happened as the robot itself knows it: accounts that its own senses allow, one a draw.
 
 Each account is a trace without truth: poses are draws of the tracks that camera frames tell
-(`sim.perception.pose_tracks`), lids and levels of liquids are draws of the means of their frames
+(`sim.control.pose_tracks`), lids and levels of liquids are draws of the means of their frames
 before and after. Forces, fingertips, phases and commands are the robot's own in each of them. The
 last account is the mean of all draws.
 
@@ -23,7 +23,7 @@ from nlcontrol.checks.evidence import Evidence
 from nlcontrol.checks.felt_pushes import Place, felt_end
 from objectmodels.models.object_parts import LiftOffLid, section_area
 from planner.problem.footprints import gap
-from sim.perception.pose_tracks import CameraSheet, PoseTrack, Stretch, pose_track
+from sim.control.pose_tracks import CameraSheet, PoseTrack, Stretch, pose_track
 from sim.random_streams import RandomStream, source
 from sim.traces.trace import ContactEvent, Trace
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from objectmodels import ObjectModel
     from planner.types.defaults import Defaults
     from planner.types.world_state import TableState
-    from sim.cell.cell_description import Vision
+    from sim.robots.cell_description import Vision
 
 MEMBERS = 40
 """Draws; a share of 2.5 % is one of them."""
@@ -79,7 +79,7 @@ class OwnAccounts:
         unsure: objects that may have been touched without being moved.
         unseen: objects that were not seen in the end.
         hidden: neither frames nor touch tell all of the object that was worked on; draws are then
-            calm and wild in turn (`sim.perception.pose_tracks.CALM`).
+            calm and wild in turn (`sim.control.pose_tracks.CALM`).
     """
 
     draws: tuple[Trace, ...]

@@ -19,7 +19,7 @@ from nlcontrol.checks.frame_checks import check
 from nlcontrol.checks.own_accounts import own_accounts
 from nlcontrol.checks.verdicts import NOT_PERCEIVED, Check, Observed, Verdict, holds
 from objectmodels.errors import ModelError
-from sim.perception.pose_tracks import CALM, WILD
+from sim.control.pose_tracks import CALM, WILD
 
 if TYPE_CHECKING:
     from grammar.frames.command import Frame

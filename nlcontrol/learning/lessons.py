@@ -28,7 +28,7 @@ from objectmodels.mechanics.push_motion import learned_radius
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from planner.types.actions import LiftUp, PourOut
 from planner.types.plan import Plan
-from sim.control.grasping.held_object_sensing import Weight, estimate_weight
+from sim.control.held_object_sensing import Weight, estimate_weight
 from sim.exploration.trial_extraction import trial_from_push
 
 if TYPE_CHECKING:

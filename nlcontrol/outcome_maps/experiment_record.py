@@ -21,7 +21,7 @@ from nlcontrol.errors import ControlError, error
 from nlcontrol.json_document import SCHEMA_VERSION, is_readable
 from objectmodels.errors import ModelError
 from objectmodels.files.yaml_documents import error_of_system, read_bytes
-from sim.face_experiment.face_contact import Contact, TouchResult, Way
+from sim.face_experiment import Contact, TouchResult, Way
 from sim.truth.observer import Moved
 
 FORMAT = "touches"

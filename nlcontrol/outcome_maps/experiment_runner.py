@@ -25,15 +25,14 @@ from nlcontrol.outcome_maps.experiment_record import Record
 from nlcontrol.parallel_tasks import run_all
 from nlcontrol.references.object_names import find_by_name, names_on_table
 from nlcontrol.text_format import enumeration
-from sim.face_experiment import applied_force as appliedforce
-from sim.face_experiment.face_contact import Contact, Touch, TouchResult, Way
-from sim.face_experiment.finger_push import FingerTouch
+from sim import face_experiment as appliedforce
+from sim.face_experiment import Contact, FingerTouch, Touch, TouchResult, Way
 from sim.simulated_executor import fresh_robot
 from sim.truth.scene_file import Scene, built_in_scenes, load_scene
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel, Registry
-    from sim.cell.cell_description import CellDescription, CellObject
+    from sim.robots.cell_description import CellDescription, CellObject
 
 Believed = Mapping[str, "ObjectModel"]
 """The robot's models of a scene's objects, by their names in it."""

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from nlcontrol.outcome_maps import outcome_map_table as maps
 from objectmodels.mechanics.outcome_map import OutcomeMap
-from sim.face_experiment.face_contact import Contact, TouchResult, Way
+from sim.face_experiment import Contact, TouchResult, Way
 
 BY = {"force": "a force applied directly", "robot": "the robot's finger"}
 """Ways of pushing in words."""

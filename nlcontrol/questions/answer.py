@@ -16,7 +16,7 @@ from pydantic.json_schema import SkipJsonSchema
 from grammar.frames.command import Query
 from nlcontrol.json_document import DocumentPart
 from objectmodels.mechanics.outcome_map import OutcomeMap
-from sim.cell.strict_model import AsItIs
+from sim.robots.cell_description import AsItIs
 
 if TYPE_CHECKING:
     from planner.affordances import Affordance

@@ -8,7 +8,7 @@ from nlcontrol.errors import error
 from objectmodels import ModelError, ObjectModel, Registry
 
 if TYPE_CHECKING:
-    from sim.cell.cell_description import CellDescription, CellObject
+    from sim.robots.cell_description import CellDescription, CellObject
 
 
 def initial_models(cell: CellDescription, registry: Registry) -> dict[str, ObjectModel]:

@@ -20,7 +20,7 @@ from planner.problem.directions import face_name
 
 if TYPE_CHECKING:
     from objectmodels import Face, ObjectModel
-    from sim.cell.cell_description import CellObject
+    from sim.robots.cell_description import CellObject
 
 
 @dataclass(frozen=True)

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from objectmodels.geometry.rotations import Array
 from planner.touch_experiments import Kind
 from sim.exploration.trial_extraction import force_curve
-from sim.rotations import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

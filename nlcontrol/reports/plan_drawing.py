@@ -20,8 +20,8 @@ from nlcontrol.plan_text import plan_lines
 from nlcontrol.references.object_names import face_names
 from nlcontrol.reports.predicted_places import end_poses, plan_contacts
 from objectmodels.geometry.base_shapes import hull_polygon
+from objectmodels.geometry.rotations import Array, from_quaternion
 from planner.problem.footprints import footprint
-from sim.rotations import Array, from_quaternion
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

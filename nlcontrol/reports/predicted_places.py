@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from objectmodels.geometry.rotations import Array, quaternion, rot_z
 from planner.problem.predicted_states import fallen_pose, standing_object
-from sim.rotations import Array, quaternion, rot_z
 from sim.views.run_story import ContactMark, Ghost
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from nlcontrol.reports.predicted_places import end_poses, plan_contacts
 from nlcontrol.reports.result_report import asked_text, default_line, measured_text
 from nlcontrol.reports.word_explanation import part_at
 from nlcontrol.text_format import words
-from sim.rotations import from_quaternion
+from objectmodels.geometry.rotations import from_quaternion
 from sim.views.run_story import (
     ContactMark,
     RunStory,

@@ -21,7 +21,7 @@ from planner.plan_explanation import Basis, Row
 from planner.types.actions import Vector3
 from planner.types.plan import DefaultUsed, MotionGuide, Plan
 from planner.types.world_state import Mark, PlanarPose
-from sim.cell.strict_model import AsItIs
+from sim.robots.cell_description import AsItIs
 from sim.traces.trace import Trace
 
 ResultStatus = Literal[

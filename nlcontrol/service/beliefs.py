@@ -24,12 +24,12 @@ from nlcontrol.errors import ControlError, error
 from nlcontrol.json_document import finite_or_none
 from nlcontrol.service.documents import TableObject, TableView
 from objectmodels.registry.model_registry import model_document
-from sim.cell.cell_description import LOOK
+from sim.robots.cell_description import LOOK
 
 if TYPE_CHECKING:
     from nlcontrol.service.documents import Source
     from planner.types.world_state import SeenObject, WorldState
-    from sim.cell.cell_description import CellDescription, Vision
+    from sim.robots.cell_description import CellDescription, Vision
 
 _DEVIATIONS = 6.0
 _LEAST_MOVE, _LEAST_TURN = 0.001, math.radians(0.5)

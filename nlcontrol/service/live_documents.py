@@ -21,7 +21,7 @@ class DrawnBody(DocumentPart):
         kind: of the body.
         object: name of the object on the table that it is, or whose lid it is; null for others.
         shapes: each with `kind`, `pose` in the body, `colour` (red, green, blue and opacity, 0…1)
-            and the measures of its kind [m]; see `sim.views.viewer_scene`.
+            and the measures of its kind [m]; see `sim.views.viewer_recording`.
     """
 
     name: str

@@ -10,7 +10,7 @@ from nlcontrol.errors import ControlError, ErrorInfo
 from objectmodels import ModelError, Registry
 from planner.problem.footprints import footprint, gap, room_to_edge
 from planner.types.world_state import PlanarPose, SeenObject
-from sim.cell.cell_description import CellDescription, CellObject
+from sim.robots.cell_description import CellDescription, CellObject
 from sim.stated_table import StatedTable
 
 if TYPE_CHECKING:

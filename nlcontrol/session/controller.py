@@ -29,8 +29,8 @@ from objectmodels import Registry
 from planner.types.plan import Plan, Reached
 from planner.types.refusal import Refusal
 from planner.types.world_state import Held, PlanarPose, SeenObject, TableState, WorldState
-from sim.cell.cell_description import LOOK
-from sim.perception.last_look import LastLook
+from sim.control.object_estimate import LastLook
+from sim.robots.cell_description import LOOK
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

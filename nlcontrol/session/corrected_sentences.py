@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from nlcontrol.session.executor import Planner
     from planner.types.robot import Robot
     from planner.types.world_state import WorldState
-    from sim.perception.last_look import LastLook
+    from sim.control.object_estimate import LastLook
     from sim.supervision import StopToken
 
     Parse = Callable[[str], Command]

@@ -19,8 +19,8 @@ from nlcontrol.checks.verdicts import Check
 from nlcontrol.json_document import DocumentPart
 from nlcontrol.learning.learning_reports import Lesson
 from nlcontrol.results.result import Result, ResultStatus
+from objectmodels.geometry.rotations import Array
 from planner.types.plan import Plan
-from sim.rotations import Array
 from sim.supervision import Monitor, Progress, StopToken
 
 EventKind = Literal[

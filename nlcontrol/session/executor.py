@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Literal, Protocol
 
-from sim.cell.cell_description import LOOK
+from sim.robots.cell_description import LOOK
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from planner.types.plan import Plan, PlanningResult
     from planner.types.robot import Failed, Robot
     from planner.types.world_state import Held, WorldState
-    from sim.cell.cell_description import CellDescription
     from sim.exploration.trial_extraction import Recording
+    from sim.robots.cell_description import CellDescription
     from sim.supervision import Progress
     from sim.traces.trace import Trace
 

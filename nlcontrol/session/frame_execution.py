@@ -245,7 +245,7 @@ class FrameRun:
                     result, planned=result.planned + 1, defaults=result.defaults + made.defaults
                 )
             if plan_only:
-                from sim.execution.motion_guides import motion_guide  # not needed to execute
+                from sim.control.motion_guides import motion_guide  # not needed to execute
 
                 guide = motion_guide(made, state, controller.robot)
                 result = result_with(self.result, guide=guide)

@@ -11,19 +11,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from objectmodels.geometry.rotations import Array
 from planner.types.world_state import Held, WorldState
-from sim.cell.cell_description import LOOK
+from sim.control.object_estimate import estimate_objects
 from sim.control.trace_recorder import TraceRecorder
-from sim.paths.point_attractor import attractor_points
-from sim.perception.state_estimation import estimate_objects
-from sim.rotations import Array
+from sim.motion.held_object_path import attractor_points
+from sim.robots.cell_description import LOOK
 from sim.supervision import Progress
 
 if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel
-    from sim.control.grasping.held_object_sensing import Holding
-    from sim.hands.hand_model import Posture
+    from sim.control.held_object_sensing import Holding
     from sim.motion.robot_reach import ArmHandReach
+    from sim.robots.hand import Posture
     from sim.worlds.ports import Frame, ObserverPort, RobotPort
 
 JOINT_SPEED, JOINT_ACCELERATION = 1.2, 3.0

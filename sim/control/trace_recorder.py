@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sim.perception.fingertip_sensing import Touch, sense_touch
-from sim.perception.state_estimation import frame_as_things_lie
-from sim.rotations import quaternion
+from objectmodels.geometry.rotations import quaternion
+from sim.control.object_estimate import Touch, frame_as_things_lie, sense_touch
 from sim.supervision import Monitor
 from sim.traces.trace import ContactEvent, Trace
 
@@ -18,9 +17,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike
 
+    from objectmodels.geometry.rotations import Array
     from objectmodels.models.object_model import Resting
-    from sim.hands.mount import Mount
-    from sim.rotations import Array
+    from sim.robots.hand import Mount
     from sim.supervision import Progress
     from sim.traces.trace import EndReason
     from sim.worlds.ports import Frame, ObserverPort, RobotPort, SeenPose

@@ -23,7 +23,7 @@ from sim.supervision import Monitor
 if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel
     from planner.types.robot import Robot
-    from sim.cell.cell_description import CellDescription
+    from sim.robots.cell_description import CellDescription
     from sim.supervision import Progress
 
 OPPOSITE: tuple[tuple[FaceName, FaceName], ...] = (("front", "back"), ("left", "right"))

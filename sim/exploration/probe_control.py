@@ -23,24 +23,24 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from objectmodels.geometry.rotations import Array
 from planner.touch_experiments import Experiment
 from planner.types.world_state import PlanarPose, WorldState
-from sim.control.pushing.guarded_touch import TouchControl
+from sim.control.guarded_touch import TouchControl
+from sim.control.object_estimate import mean_poses
+from sim.control.plan_execution import PushExecution
 from sim.control.trace_recorder import EarlyEndError
-from sim.execution.push_execution import PushExecution
 from sim.exploration.trial_extraction import Recording
-from sim.motion.arm_configuration import UnreachableError
-from sim.paths.fingertip_path import TiltArc
-from sim.perception.state_estimation import mean_poses
-from sim.rotations import Array
+from sim.motion.fingertip_path import TiltArc
+from sim.motion.inverse_kinematics import UnreachableError
 from sim.traces.trace import EndReason
 
 if TYPE_CHECKING:
     from objectmodels.identification import Moved
     from sim.control.free_motion import RobotSetup
     from sim.control.trace_recorder import TraceRecorder
-    from sim.motion.arm_configuration import ArmConfiguration
-    from sim.paths.fingertip_path import FingertipPath
+    from sim.motion.fingertip_path import FingertipPath
+    from sim.motion.inverse_kinematics import ArmConfiguration
     from sim.supervision import Progress
     from sim.worlds.ports import Frame
 

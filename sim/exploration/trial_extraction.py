@@ -24,12 +24,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from objectmodels.geometry.rotations import Array, rot_z, wrap
 from objectmodels.identification import Moved, Onset, Trial, detect_onset
 from objectmodels.identification.onset_detection import LEAST_SAMPLES
 from planner.touch_experiments import Experiment
 from planner.types.world_state import PlanarPose
-from sim.paths.fingertip_path import TiltArc
-from sim.rotations import Array, rot_z, wrap
+from sim.motion.fingertip_path import TiltArc
 from sim.traces.trace import EndReason, Trace
 
 if TYPE_CHECKING:

@@ -15,8 +15,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.arms.arm_kinematics import ArmKinematics
-from sim.rotations import Array
+from objectmodels.geometry.rotations import Array
+from sim.robots.arm import ArmKinematics
 
 IsFree = Callable[[Array], NDArray[np.bool_]]
 """Which arm poses, shape (n, joints), keep clear of everything."""

@@ -2,11 +2,11 @@
 
 The way: home, over obstacles where needed, a point above the start, down to 3 cm before the face,
 to the face, the stroke; and back the same way, which is known to be free. How a stance of arm and
-hand is found for it stands in `sim.motion.push_motion_search`.
+hand is found for it stands in `sim.motion.motion_planner`.
 
 Only hands push whose finger joints bear the force of the push.
 
-Frames: see `sim.motion.arm_configuration`. Objects are where and what the robot believes, never
+Frames: see `sim.motion.inverse_kinematics`. Objects are where and what the robot believes, never
 what is true.
 """
 
@@ -19,24 +19,29 @@ from typing import NamedTuple
 
 import numpy as np
 
+from objectmodels.geometry.rotations import Array, rot_z
 from planner.types.actions import FlipOver, Push
 from planner.types.plan import Plan
 from planner.types.robot import Grip, ReachAnswer, ReachEffort, RobotLimits
 from planner.types.world_state import WorldState
-from sim.arms.arm_kinematics import ArmKinematics
-from sim.cell.cell_description import CellDescription, RobotMount
-from sim.collision.collision_scene import TABLE_CLEARANCE, CollisionScene
-from sim.hands.hand_model import Hand
-from sim.hands.mount import Mount
-from sim.motion.arm_configuration import ArmConfiguration
-from sim.motion.flip_motion_search import FlipConfiguration, FlipMotionSearch
-from sim.motion.grasp_motion_search import GraspMotion, best_grasp_motion
-from sim.motion.ik_search import in_range, solve_poses
-from sim.motion.push_motion_search import PushMotionSearch
-from sim.motion.search_effort import THOROUGH, USUAL, Effort
-from sim.paths.fingertip_path import FingertipPath
-from sim.paths.held_object_path import HeldObject
-from sim.rotations import Array, rot_z
+from sim.motion.collision_scene import CollisionScene
+from sim.motion.fingertip_path import FingertipPath
+from sim.motion.held_object_path import HeldObject
+from sim.motion.inverse_kinematics import ArmConfiguration, in_range, solve_poses
+from sim.motion.motion_planner import (
+    THOROUGH,
+    USUAL,
+    Effort,
+    FlipConfiguration,
+    FlipMotionSearch,
+    GraspMotion,
+    PushMotionSearch,
+    best_grasp_motion,
+)
+from sim.robots.arm import ArmKinematics
+from sim.robots.cell_description import CellDescription, RobotMount
+from sim.robots.collision_spheres import TABLE_CLEARANCE
+from sim.robots.hand import Hand, Mount
 
 CELL = 0.04
 """Length of a cell along each axis [m]."""

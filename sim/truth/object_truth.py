@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import model_validator
 
+from objectmodels import BoxModel, CylinderModel, HullModel, ObjectModel, PrismModel
 from objectmodels.containers import lids
 from objectmodels.files.yaml_documents import Deviation, Friction, Length, Mass, length_of
 from objectmodels.geometry.base_shapes import Array, Base, Disc, Polygon, hull_polygon
@@ -25,7 +26,7 @@ from objectmodels.models.object_parts import (
     open_box_parts,
     require_open_box,
 )
-from sim.cell.strict_model import Fraction, Part, Point2, Point3
+from sim.robots.cell_description import Fraction, Part, Point2, Point3
 
 _RIM_POINTS = 16
 _FLAT = 1e-4  # heights of a hull that differ by less are one [m]
@@ -247,3 +248,60 @@ def _circle(radius: float) -> tuple[Point2, ...]:
     """Points of a rim on which a round object stands."""
     turns = (2.0 * math.pi * k / _RIM_POINTS for k in range(_RIM_POINTS))
     return tuple((radius * math.cos(phi), radius * math.sin(phi)) for phi in turns)
+
+
+# --- truth from model -----------------------------------------------------------------------------
+#
+# The truth of an object that really is as its model says.
+
+
+Colour = tuple[float, float, float]
+
+GREY: Colour = (0.6, 0.6, 0.6)
+
+
+def truth_as_believed(model: ObjectModel, colour: Colour = GREY) -> Truth:
+    """The truth of an object that is exactly as its model says, without contents and lid.
+
+    Of a kind that a plug-in brings it has the hull of its base and, at its top, of its outline.
+    """
+    return Truth.model_validate(_shape(model) | _figures(model, colour))
+
+
+def whole_truth(model: ObjectModel) -> Truth:
+    """The same with its contents and its lid; a hull has neither."""
+    shape = _shape(model)
+    parts = {} if "vertices_m" in shape else {"container": model.container, "lid": model.lid}
+    return Truth.model_validate(shape | _figures(model, GREY) | parts)
+
+
+def _shape(model: ObjectModel) -> dict[str, object]:
+    match model:
+        case BoxModel():
+            return {"size_m": model.size, "inside": model.inside}
+        case CylinderModel():
+            return {
+                "radius_m": model.radius,
+                "height_m": model.height,
+                "base_radius_m": model.base_radius,
+            }
+        case PrismModel():
+            return {"corners_m": model.corners, "height_m": model.height}
+        case HullModel():
+            return {"vertices_m": model.vertices}
+        case _:
+            ends = ((model.footprint.corners, 0.0), (model.outline, model.top))
+            vertices = [(x, y, z) for corners, z in ends for x, y in corners.tolist()]
+            return {"vertices_m": tuple(vertices)}
+
+
+def _figures(model: ObjectModel, colour: Colour) -> dict[str, object]:
+    feet = None if isinstance(model.support, str) else tuple(p[:2] for p in model.support)
+    return {
+        "support_m": feet,
+        "mass_kg": model.mass,
+        "friction_table": model.friction,
+        "friction_finger": model.finger_friction,
+        "centre_of_mass_m": tuple(model.com),
+        "colour": colour,
+    }

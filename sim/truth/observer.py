@@ -20,7 +20,7 @@ from typing import Literal
 
 import numpy as np
 
-from sim.rotations import Array, from_quaternion
+from objectmodels.geometry.rotations import Array, from_quaternion
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Scene
 

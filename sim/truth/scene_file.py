@@ -12,13 +12,15 @@ from __future__ import annotations
 
 import difflib
 import itertools
+from contextlib import suppress
 from importlib import resources
 from pathlib import Path
-from typing import Annotated, Literal, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeGuard, TypeVar
 
 import numpy as np
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
+from objectmodels import ObjectModel
 from objectmodels.errors import ModelError, printable
 from objectmodels.files.yaml_documents import (
     Angle,
@@ -31,25 +33,123 @@ from objectmodels.files.yaml_documents import (
     read_text,
 )
 from objectmodels.geometry.base_shapes import hull_polygon
-from planner.problem.footprints import gap
+from objectmodels.geometry.rotations import Array, rot_x, rot_y, rot_z
+from planner.problem.footprints import gap, room_to_edge
 from planner.types.defaults import DEFAULTS, Defaults, DefaultsError, with_settings
-from sim.cell.cell_description import (
+from sim.errors import SceneError
+from sim.random_streams import RandomStream, clipped_normal, source
+from sim.robots.cell_description import (
+    AsItIs,
     CellDescription,
     CellObject,
     CellParts,
+    Fraction,
+    Part,
+    Spread,
     Table,
     TorqueSensor,
 )
-from sim.cell.strict_model import AsItIs, Fraction, Part, Spread
-from sim.errors import SceneError
-from sim.random_streams import RandomStream, clipped_normal, source
-from sim.rotations import Array, rot_x, rot_y, rot_z
-from sim.truth.object_truth import Truth
-from sim.truth.scene_completion import (
-    completed_document,
-    document_beside,
-    extended_document,
-)
+from sim.truth.object_truth import Truth, whole_truth
+
+if TYPE_CHECKING:
+    from objectmodels import Registry
+
+
+# --- scene completion -----------------------------------------------------------------------------
+#
+# Scene documents completed: by the scene that they extend, and by models where no truth is said.
+#
+# A document is what stands in a scene file, before it is a `Scene`. What is not of the right form
+# is left as it is: it is refused when the scene is made.
+
+
+Document = dict[str, Any]
+
+_OF_ITSELF = ("version", "name", "extends")  # what no scene takes from another
+
+
+def document_beside(document: Document, folder: Path) -> Document:
+    """The document with the paths of its model files, which in the file are relative to it."""
+    if not _are_texts(document.get("models")):
+        return document
+    return document | {"models": [str(folder / path) for path in document["models"]]}
+
+
+def extended_document(base: Document, own: Document) -> Document:
+    """A scene's own document on top of that of the scene that it extends.
+
+    A block, such as `vision`, is changed key by key. Model files are added. An object of a new name
+    is added; one of a name that is there takes its place if it names its model, else it changes
+    what is there key by key.
+    """
+    merged = {key: value for key, value in base.items() if key not in _OF_ITSELF}
+    for key, value in own.items():
+        old = merged.get(key)
+        if key == "objects" and _are_objects(old) and _are_objects(value):
+            merged[key] = _merged_objects(old, value)
+        elif isinstance(old, list) and isinstance(value, list):
+            merged[key] = [*old, *value]
+        elif isinstance(old, dict) and isinstance(value, dict):
+            merged[key] = old | value
+        elif key != "extends":
+            merged[key] = value
+    return merged
+
+
+def _merged_objects(standing: list[Document], added: list[Document]) -> list[Document]:
+    found = {item["name"]: item for item in standing}
+    for item in added:
+        kept = {} if "model" in item else found.get(item["name"], {})
+        found[item["name"]] = kept | item
+    return list(found.values())
+
+
+def completed_document(document: Document) -> Document:
+    """The document with a truth for each object that has none: what its model says.
+
+    Raises:
+        ModelError: there is no such model, or its file is no good.
+    """
+    objects = document.get("objects")
+    if not _are_objects(objects) or not any(map(_lacks_truth, objects)):
+        return document
+    from objectmodels import Registry
+
+    registry = Registry.default()
+    for path in models if _are_texts(models := document.get("models")) else ():
+        registry.load(path)
+    completed = [
+        item | {"truth": _truth(registry, item["model"])} if _lacks_truth(item) else item
+        for item in objects
+    ]
+    return document | {"objects": completed}
+
+
+def _lacks_truth(item: Document) -> bool:
+    return "truth" not in item and isinstance(item.get("model"), str)
+
+
+def _truth(registry: Registry, name: str) -> Truth:
+    try:
+        return whole_truth(registry.find_one(name))
+    except ValidationError as raised:
+        message = f"the {name}: {first_fault(raised, Truth).message}"
+        hint = "write its truth into the scene file"
+        raise ModelError("bad_model", message, suggestions=(hint,)) from raised
+
+
+def _are_texts(value: object) -> TypeGuard[list[str]]:
+    return isinstance(value, list) and all(isinstance(each, str) for each in value)
+
+
+def _are_objects(value: object) -> TypeGuard[list[Document]]:
+    return isinstance(value, list) and all(
+        isinstance(each, dict) and isinstance(each.get("name"), str) for each in value
+    )
+
+
+# --- scene file -----------------------------------------------------------------------------------
+
 
 TOUCHING = 0.001
 """Depth up to which two things that are in each other only touch: files are rounded [m]."""
@@ -389,3 +489,56 @@ def sample_world(scene: Scene, seed: int) -> Scene:
         shifted = truth.with_shift([hidden.centre_of_mass_m * z for z in shift])
         objects.append(item.model_copy(update={"truth": shifted}))
     return scene.model_copy(update={"objects": tuple(objects), "hidden": Hidden()})
+
+
+# --- object placing -------------------------------------------------------------------------------
+#
+# Objects put on the table of a scene, which really are as their models say.
+#
+# Frames: W is the world, z up, table plane z = 0; B is an object's frame at the centre of its
+# base.
+
+
+PLACES = ((0.45, 0.18), (0.45, -0.18), (0.4, 0.25), (0.4, -0.3), (0.5, 0.5))
+"""Places within reach, from which a push away stays so, x and y in W [m]."""
+
+
+def scene_with_object(scene: Scene, model: ObjectModel, pose: Pose) -> Scene:
+    """The scene with one more object, which is as its model says.
+
+    Raises:
+        SceneError: `bad_scene` if its name is taken, or it would stand beyond the table's edge or
+            in something else.
+    """
+    truth = whole_truth(model)
+    item = SceneObject(name=model.name, model=model.name, pose=pose, truth=truth)
+    covered = item.covered
+    if room_to_edge(covered, scene.table.extent) < 0.0:
+        extent = scene.table.extent
+        bounds = f"x from {extent.x_min:g} to {extent.x_max:g}, y from {extent.y_min:g} to "
+        hint = f"the table has {bounds}{extent.y_max:g} m"
+        raise _no_place(model, "it would stand beyond the table's edge", hint)
+    for other in scene.objects:
+        if other.name.casefold() == model.name.casefold():
+            hint = "say its name alone: it stands there already"
+            raise _no_place(model, "there is an object of that name in the scene", hint)
+        if (apart := gap(covered, other.covered)) <= 0.0:
+            hint = f"put it {max(1.0, -1e2 * apart):.0f} cm or more away from there"
+            raise _no_place(model, f"the {other.name} stands there", hint)
+    return scene.model_copy(update={"objects": (*scene.objects, item)})
+
+
+def free_place(scene: Scene, model: ObjectModel) -> Pose | None:
+    """A place near the robot where there is room for an object; None if there is none."""
+    for x, y in PLACES:
+        place = Pose(x_m=x, y_m=y)
+        with suppress(SceneError):
+            scene_with_object(scene, model, place)
+            return place
+    return None
+
+
+def _no_place(model: ObjectModel, why: str, hint: str) -> SceneError:
+    return SceneError(
+        "bad_scene", f"the {printable(model.name)} cannot be put there: {why}", (hint,)
+    )

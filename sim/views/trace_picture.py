@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from objectmodels.geometry.rotations import Array
 from sim.errors import PictureError
-from sim.rotations import Array
 from sim.traces.trace import Trace
 from sim.truth.scene_file import Scene
 from sim.views.trace_scene import TraceScene, samples, view

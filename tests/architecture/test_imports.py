@@ -66,7 +66,7 @@ def test_circles_are_found() -> None:
 def test_imports_are_told_apart_by_when_they_happen() -> None:
     known = modules()
     source = """
-import sim.rotations
+import objectmodels.geometry.rotations
 from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from planner.types import plan
@@ -75,7 +75,7 @@ def report():
     from grammar import parse
 """
     assert imports(ast.parse(source), known) == Imports(
-        at_start=frozenset({"sim.rotations"}),
+        at_start=frozenset({"objectmodels.geometry.rotations"}),
         deferred=frozenset({"nlcontrol.reports.result_report", "grammar"}),
         typing=frozenset({"planner.types.plan"}),
     )

@@ -10,8 +10,8 @@ import pytest
 
 from sim import load_scene
 from sim.truth.scene_file import Scene
-from sim.views.html_replay import save_replay
 from sim.views.run_story import ContactMark, Ghost, RunStory, StoryClause, StoryLine, StoryWord
+from sim.views.viewer_recording import save_replay
 from tests.browser.open_page import OpenPage
 from tests.fakes.pushed_trace import DURATION, FORCE, pushed_trace
 

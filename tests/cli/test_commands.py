@@ -181,7 +181,7 @@ def test_plan_and_parse_load_nothing_that_they_do_not_need() -> None:
         f"assert run(['parse', {SENTENCE!r}]) == 0\n"
         f"assert run(['plan', {SENTENCE!r}, '--json']) == 0\n"
         "heavy = {'pydrake', 'matplotlib', 'scipy', 'rich', 'rapidfuzz', 'numpy.ma',\n"
-        "    'planner.grasping', 'sim.execution.plan_execution', 'nlcontrol.learning.lessons',\n"
+        "    'planner.grasping', 'sim.control.plan_execution', 'nlcontrol.learning.lessons',\n"
         "    'nlcontrol.cli.commands.map_command'} & set(sys.modules)\n"
         "assert not heavy, heavy"
     )

@@ -21,7 +21,7 @@ from objectmodels.identification.belief_update import SURPRISING
 from objectmodels.identification.least_squares import MOST_DROPPED, OUTLIER
 from planner import touch_experiments as experiments
 from planner.types.defaults import DEFAULTS
-from sim.control.pushing import guarded_touch as touch
+from sim.control import guarded_touch as touch
 from sim.exploration import probe_control as probing
 from tests.docs.guide_blocks import code_blocks
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from pydantic import BaseModel
 
-from sim.cell.cell_description import JointSensor, Vision
+from sim.robots.cell_description import JointSensor, Vision
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import (
     FrictionVariation,

@@ -18,13 +18,13 @@ from typing import Any
 import numpy as np
 
 from objectmodels import ObjectModel
+from objectmodels.geometry.rotations import rot_z
 from planner.touch_experiments import Experiment
 from planner.types.world_state import Held, WorldState
+from sim.control.object_estimate import estimate_objects
 from sim.exploration.trial_extraction import Recording
 from sim.motion.robot_reach import ArmHandReach
-from sim.perception.state_estimation import estimate_objects
-from sim.rotations import rot_z
-from sim.standard_robot import ARM, HAND
+from sim.robots.robots import ARM, HAND
 from sim.traces.trace import Trace
 from sim.truth.scene_file import load_scene
 from sim.worlds.ports import Frame, SeenPose

@@ -13,9 +13,9 @@ from nlcontrol import Controller
 from objectmodels import ObjectModel
 from planner.touch_experiments import Experiment
 from planner.types.world_state import Held, PlanarPose, WorldState
-from sim.cell.cell_description import CellDescription
+from sim.control.object_estimate import estimate_objects
 from sim.exploration.trial_extraction import Recording
-from sim.perception.state_estimation import estimate_objects
+from sim.robots.cell_description import CellDescription
 from sim.traces.trace import Trace
 from sim.worlds.ports import Frame, SeenPose
 from tests.unit.nlcontrol.pushes import BOX, Happens, seen, sighted

@@ -6,9 +6,9 @@ import numpy as np
 
 from planner.types.world_state import PlanarPose
 from sim.control.free_motion import RobotSetup, watch
+from sim.control.object_estimate import mean_poses
 from sim.motion.robot_reach import ArmHandReach
-from sim.perception.state_estimation import mean_poses
-from sim.standard_robot import ARM, HAND
+from sim.robots.robots import ARM, HAND
 from sim.worlds.drake.drake_world import DrakeWorld
 from sim.worlds.ports import Frame
 

@@ -11,7 +11,7 @@ import pytest
 
 from benchmarks.engines import run, worst
 from benchmarks.pushes import STEP, share_at
-from sim.face_experiment.applied_force import onset_time
+from sim.face_experiment import onset_time
 
 PUSHES = 12
 SEED = 0

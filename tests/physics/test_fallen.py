@@ -7,10 +7,10 @@ import pytest
 
 from nlcontrol import Controller
 from objectmodels import Registry
-from sim.cell.cell_description import Vision
-from sim.rotations import from_quaternion
+from objectmodels.geometry.rotations import from_quaternion
+from sim.robots.cell_description import Vision
+from sim.truth.object_truth import truth_as_believed
 from sim.truth.scene_file import Pose, Scene, SceneObject
-from sim.truth.truth_from_model import truth_as_believed
 
 pytestmark = pytest.mark.slow
 

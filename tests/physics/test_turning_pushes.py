@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from objectmodels import Registry
+from objectmodels.geometry.rotations import Array, rot_z
 from objectmodels.mechanics.push_motion import TurningPush, best_turn
 from planner.types.actions import Limits, Prediction, Push
 from planner.types.plan import Plan
 from sim import Trace, load_scene
 from sim.control.free_motion import JOINT_SPEED
-from sim.execution.push_execution import PushExecution
-from sim.rotations import Array, rot_z
+from sim.control.plan_execution import PushExecution
 from sim.simulated_executor import SimulatedExecutor
 from sim.truth.scene_file import Scene
 from sim.worlds.drake.drake_world import DrakeWorld

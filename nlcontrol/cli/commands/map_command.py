@@ -32,7 +32,7 @@ from objectmodels.files.yaml_documents import replace_file
 if TYPE_CHECKING:
     from nlcontrol.outcome_maps.map_comparison import Comparison
     from objectmodels.mechanics.outcome_map import OutcomeMap
-    from sim.face_experiment.face_contact import Way
+    from sim.face_experiment import Way
 
 _PICTURES = (".png", ".svg", ".pdf")
 

@@ -288,8 +288,7 @@ def _origin_text(registry: Registry, name: str) -> str:
 
 def _next_command(model: ObjectModel) -> str:
     """A command that pushes an object of the user's own, on a table with room for it."""
-    from sim.truth.object_placing import free_place
-    from sim.truth.scene_file import load_scene
+    from sim.truth.scene_file import free_place, load_scene
 
     place = free_place(load_scene("kitchen"), model)
     put = "NAME@X,Y" if place is None else f"{model.name}@{place.x_m:g},{place.y_m:g}"

@@ -158,8 +158,7 @@ def scene_with_objects(scene: Scene, put: Sequence[Placed]) -> Scene:
         SceneError: there is no room for one.
     """
     from objectmodels import Registry
-    from sim.truth.object_placing import scene_with_object
-    from sim.truth.scene_file import Pose
+    from sim.truth.scene_file import Pose, scene_with_object
 
     registry = Registry.default()
     for path in scene.models:

@@ -28,7 +28,7 @@ from objectmodels.errors import printable
 from objectmodels.files.yaml_documents import LIMITS, read_bytes, replace_file
 from sim.simulated_executor import simulation
 from sim.traces.trace import Trace
-from sim.views.html_replay import save_replay
+from sim.views.viewer_recording import save_replay
 
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result

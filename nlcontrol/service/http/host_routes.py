@@ -157,7 +157,7 @@ def list_objects(service: Service) -> Response:
 def read_object(name: ObjectPath) -> Response:
     """Tells what is believed about an object, by its name or a synonym."""
     from objectmodels import Registry
-    from sim.views.viewer_scene import believed_scene
+    from sim.views.viewer_recording import believed_scene
 
     with known_errors_raised():
         model = Registry.default().find_one(name)

@@ -14,7 +14,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Protocol
 
 from nlcontrol.service.live_documents import PoseFrame, SceneGeometry
-from sim.rotations import quaternion
+from objectmodels.geometry.rotations import quaternion
 from sim.simulated_executor import SimulatedExecutor
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ class ObservedWorld:
     """
 
     def __init__(self, executor: SimulatedExecutor) -> None:
-        from sim.views.viewer_scene import SceneBodies
+        from sim.views.viewer_recording import SceneBodies
 
         self._executor = executor
         # A viewer's own world shows how things are before anything moves: the executor's is built
@@ -104,7 +104,7 @@ class BelievedTable:
 
     def geometry(self) -> SceneGeometry:
         """Each object in the shape of its model."""
-        from sim.views.viewer_scene import believed_scene
+        from sim.views.viewer_recording import believed_scene
 
         name, models = self._controller.cell.name, self._controller.models
         return SceneGeometry(source="belief", **believed_scene(name, models))

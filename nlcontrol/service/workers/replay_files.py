@@ -8,7 +8,7 @@ from nlcontrol.reports.replay_story import replay_story
 from nlcontrol.results.result import Result, result_with
 from sim.traces.trace import Trace
 from sim.truth.scene_file import load_scene
-from sim.views.html_replay import save_recording, save_replay
+from sim.views.viewer_recording import save_recording, save_replay
 
 
 def write_view(kind: str, trace: str, scene: str, path: str, result: str | None) -> None:

@@ -12,13 +12,13 @@ import math
 from typing import TYPE_CHECKING
 
 from planner.problem.directions import angle_between
-from sim.cell.cell_description import LOOK
+from sim.robots.cell_description import LOOK
 
 if TYPE_CHECKING:
     from planner.types.defaults import Defaults
     from planner.types.plan import Plan
     from planner.types.world_state import PlanarPose, WorldState
-    from sim.cell.cell_description import Vision
+    from sim.robots.cell_description import Vision
 
 _WELL = 0.5  # share of a tolerance within which is well within it
 _LEAST = 1.0 / 3.0  # share of an amount that its tolerance is at most

@@ -14,10 +14,10 @@ from grammar.frames import command as g
 from nlcontrol.errors import ControlError
 from nlcontrol.session.foresight.kept_denials import RecallingRobot
 from nlcontrol.text_format import place_text
+from objectmodels.geometry.rotations import from_quaternion
 from planner import planning
 from planner.problem.planning_problem import SearchBudget
 from planner.types.refusal import Refusal
-from sim.rotations import from_quaternion
 from sim.supervision import Stopped, StopToken
 
 if TYPE_CHECKING:

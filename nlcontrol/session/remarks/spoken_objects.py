@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from nlcontrol.results.result import Result
     from nlcontrol.session.remarks.undo_frames import PastPush
     from objectmodels import ObjectModel
-    from sim.cell.cell_description import CellDescription
+    from sim.robots.cell_description import CellDescription
 
 _BESIDE = ("than ", "from ", "to ", "of ", "behind ", "beside ", "near ", "touches ")
 """Words before the name of something that a sentence is not about: "how far is it from the mug"."""

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from nlcontrol.references.reference_resolution import Context
     from nlcontrol.results.result import Result
     from objectmodels import ObjectModel
-    from sim.cell.cell_description import CellDescription
+    from sim.robots.cell_description import CellDescription
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ const THEMES = {
 };
 
 export class Viewer {
-  // `holder` is the element to fill, `scene` a document of `sim.views.viewer_scene`.
+  // `holder` is the element to fill, `scene` a document of `sim.views.viewer_recording`.
   constructor(holder, scene) {
     this.holder = holder;
     this.document = scene;

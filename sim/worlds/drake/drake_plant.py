@@ -5,10 +5,10 @@ Model: point contact, but for slabs, lagged approximation; with "sap" a sliding 
 prisms that touch the table with small spheres at their support points (a solid yields one contact
 point only); the solid itself touches everything but the table. An open box has five solids, its
 floor and walls. What stands on another object stands on that one's slab
-(`sim.worlds.drake.stack_contacts`), what hangs over the table's edge on its rim
-(`sim.worlds.drake.table_edge`).
-Lids are bodies of their own (`sim.worlds.drake.lid_bodies`), what a holder keeps is welded to the
-table. How bodies touch is in `sim.worlds.drake.body_contacts`.
+(`sim.worlds.drake.drake_bodies`), what hangs over the table's edge on its rim
+(`sim.worlds.drake.drake_bodies`).
+Lids are bodies of their own (`sim.worlds.drake.drake_bodies`), what a holder keeps is welded to the
+table. How bodies touch is in `sim.worlds.drake.drake_bodies`.
 """
 
 from __future__ import annotations
@@ -19,16 +19,25 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sim.arms.arm_kinematics import ArmKinematics
-from sim.hands.hand_model import Hand
-from sim.rotations import Array
-from sim.standard_robot import ARM, HAND
+from objectmodels.geometry.rotations import Array
+from sim.robots.arm import ArmKinematics
+from sim.robots.hand import Hand
+from sim.robots.robots import ARM, HAND
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Scene, SceneObject
-from sim.worlds.drake.body_contacts import ROUGH, surface
-from sim.worlds.drake.lid_bodies import LidBody, add_lid, filter_lids
-from sim.worlds.drake.stack_contacts import STANDS_OUT, add_slab, filter_slabs
-from sim.worlds.drake.table_edge import add_rims, add_sole, filter_rims
+from sim.worlds.drake.drake_bodies import (
+    ROUGH,
+    STANDS_OUT,
+    LidBody,
+    add_lid,
+    add_rims,
+    add_slab,
+    add_sole,
+    filter_lids,
+    filter_rims,
+    filter_slabs,
+    surface,
+)
 
 if TYPE_CHECKING:
     from pydrake.geometry import GeometryId, SceneGraph, Shape

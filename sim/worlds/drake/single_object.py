@@ -12,7 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from sim.rotations import Array
+from objectmodels.geometry.rotations import Array
 from sim.truth.scene_file import Scene, sample_world
 from sim.worlds.drake.drake_plant import (
     Standing,

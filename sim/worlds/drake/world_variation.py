@@ -20,11 +20,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from objectmodels.geometry.rotations import Array
 from sim.random_streams import RandomStream, clipped_normal, source
-from sim.rotations import Array
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Scene, VaryingTable
-from sim.worlds.drake.body_contacts import surface
+from sim.worlds.drake.drake_bodies import surface
 from sim.worlds.drake.drake_plant import Standing, inertia
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from benchmarks.arrangements.arranged_labels import is_sensible, slides
 from benchmarks.arrangements.wishes import Kind, Placed, Wish, harm, is_met, is_told
 from benchmarks.goals.worlds import standing
 from objectmodels import Registry
-from sim.rotations import rot_x, rot_z
+from objectmodels.geometry.rotations import rot_x, rot_z
 
 
 def thing(model: str, x: float, y: float, z: float = 0.0, yaw: float = 0.0) -> Placed:

@@ -25,7 +25,7 @@ from benchmarks.goals.refusal_judge import Verdict as RefusalVerdict
 from nlcontrol import Controller, Conversation, Registry
 from nlcontrol.errors import ErrorInfo
 from nlcontrol.results.result import Result, ResultStatus
-from sim.rotations import rot_x, rot_z
+from objectmodels.geometry.rotations import rot_x, rot_z
 
 TIN = TruePlace(Registry.built_in().get("tea tin"), np.eye(3), np.array([0.5, 0.1, 0.0]))
 FEASIBLE = Turn("displace", "push it away", "tin", feasible=True)

@@ -9,10 +9,10 @@ from benchmarks.goals.worlds import standing
 from nlcontrol import Controller, Registry
 from nlcontrol.batches.drawn_scenes import scene_of
 from planner.types.world_state import WorldState
-from sim.cell.cell_description import Vision
+from sim.robots.cell_description import Vision
 from sim.simulated_executor import simulation
+from sim.truth.object_truth import truth_as_believed
 from sim.truth.scene_file import Pose, SceneObject
-from sim.truth.truth_from_model import truth_as_believed
 
 REGISTRY = Registry.built_in()
 

@@ -13,9 +13,9 @@ from benchmarks.strokes import BEFORE, Stroke, at, heading_of, upright
 from nlcontrol import Controller, Registry
 from objectmodels.geometry.side_faces import Face
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
-from sim.standard_robot import HAND
+from sim.robots.robots import HAND
+from sim.truth.object_truth import truth_as_believed
 from sim.truth.scene_file import SceneObject
-from sim.truth.truth_from_model import truth_as_believed
 
 MODEL = Registry.built_in().get(OBJECT)
 

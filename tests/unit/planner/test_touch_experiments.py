@@ -23,7 +23,7 @@ from planner.types.robot import RobotLimits
 from planner.types.world_state import PlanarPose, SeenObject
 from sim import load_scene
 from sim.motion.robot_reach import ArmHandReach
-from sim.standard_robot import ARM, HAND
+from sim.robots.robots import ARM, HAND
 
 MODELS = {model.name: model for model in Registry.built_in()}
 LOW = "book"

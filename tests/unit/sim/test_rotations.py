@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.rotations import axis_rotation, quaternion
+from objectmodels.geometry.rotations import axis_rotation, quaternion
 
 ANGLES = st.floats(-np.pi, np.pi)
 

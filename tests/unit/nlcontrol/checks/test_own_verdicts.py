@@ -18,7 +18,7 @@ from nlcontrol.checks.own_accounts import Knowledge
 from nlcontrol.checks.verdicts import Check, compare
 from objectmodels import BoxModel
 from planner.types.defaults import DEFAULTS
-from sim.cell.cell_description import Vision
+from sim.robots.cell_description import Vision
 from sim.traces.trace import Trace
 from tests.unit.nlcontrol.checks.conftest import (
     AWAY,

@@ -24,10 +24,10 @@ from objectmodels.identification.belief_update import SURPRISING
 from objectmodels.mechanics.push_motion import turning_motion
 from planner.types.plan import Plan
 from planner.types.world_state import SeenObject
-from sim.cell.cell_description import Vision
+from sim.robots.cell_description import Vision
 from sim.traces.trace import EndReason
+from sim.truth.object_truth import truth_as_believed
 from sim.truth.scene_file import Pose, SceneObject
-from sim.truth.truth_from_model import truth_as_believed
 from tests.unit.nlcontrol.pushes import TraceMaker, stuck
 
 BELIEF = BoxModel(

@@ -16,8 +16,8 @@ from nlcontrol.outcome_maps.experiment_record import Record
 from nlcontrol.outcome_maps.experiment_runner import FaceExperiment, object_on_table
 from nlcontrol.session.controller import Controller
 from sim import SimError, load_scene
-from sim.cell.cell_description import CellObject
-from sim.face_experiment.face_contact import Contact, TouchResult, Way
+from sim.face_experiment import Contact, TouchResult, Way
+from sim.robots.cell_description import CellObject
 from sim.truth.scene_file import Scene
 
 SCENE = load_scene("kitchen")

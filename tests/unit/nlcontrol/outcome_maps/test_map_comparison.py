@@ -12,7 +12,7 @@ from nlcontrol.outcome_maps import map_comparison as comparison
 from nlcontrol.outcome_maps.map_comparison import Comparison, agreement_text, contacts_of
 from objectmodels import BoxModel
 from objectmodels.mechanics.outcome_map import OutcomeMap, outcome_map
-from sim.face_experiment.face_contact import TouchResult, Way
+from sim.face_experiment import TouchResult, Way
 
 CRATE = BoxModel(name="crate", size=(0.1, 0.1, 0.2), mass=1.0, friction=0.4, support="corners")
 CHART = outcome_map(CRATE, CRATE.faces()[0], spacing=0.01)

@@ -8,7 +8,7 @@ from matplotlib.colors import XKCD_COLORS, to_rgb
 
 from nlcontrol.references.object_attributes import SHADES, colour_names
 from sim import load_scene
-from sim.worlds.drake.camera_port import initial_frames
+from sim.worlds.camera import initial_frames
 
 
 def test_the_shades_are_the_survey_s() -> None:

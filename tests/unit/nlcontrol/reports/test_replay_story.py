@@ -11,8 +11,8 @@ from nlcontrol import Controller
 from nlcontrol.checks.verdicts import Check
 from nlcontrol.reports.replay_story import replay_story
 from nlcontrol.results.result import Result
+from objectmodels.geometry.rotations import from_quaternion
 from sim import load_scene
-from sim.rotations import from_quaternion
 from sim.views.run_story import RunStory
 from tests.fakes.pushed_trace import pushed_trace
 

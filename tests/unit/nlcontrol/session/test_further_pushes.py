@@ -11,7 +11,7 @@ from nlcontrol.session.foresight.further_pushes import LEFT_SO, Corrections
 from planner.types.actions import Aim
 from planner.types.defaults import DEFAULTS
 from planner.types.world_state import PlanarPose
-from sim.cell.cell_description import Vision
+from sim.robots.cell_description import Vision
 from sim.truth.scene_file import Scene, parse_scene
 from tests.unit.planner.conftest import planned, world
 

@@ -7,7 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 
 from nlcontrol import Controller, Conversation
-from sim.cell.cell_description import LOOK
+from sim.robots.cell_description import LOOK
 from sim.simulated_executor import simulation
 
 

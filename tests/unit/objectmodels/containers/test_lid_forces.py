@@ -20,7 +20,7 @@ from objectmodels.containers.lids import (
     lid_rim,
 )
 from objectmodels.models.object_parts import FlipLid, LiftOffLid, ScrewCap
-from sim.standard_robot import HAND
+from sim.robots.robots import HAND
 
 G = 9.81
 R, H, MASS, MU = 0.035, 0.12, 0.30, 0.38

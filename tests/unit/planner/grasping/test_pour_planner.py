@@ -18,7 +18,7 @@ from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan, Reached
 from planner.types.refusal import NoPlanError, Refusal
 from planner.types.world_state import Held, WorldState
-from sim.paths.held_object_path import HeldObject, step_segments
+from sim.motion.held_object_path import HeldObject, step_segments
 from tests.unit.planner.grasping.conftest import RuledHand, planned
 
 MUG = 3.285e-4  # what the mug of the registry holds [m³]

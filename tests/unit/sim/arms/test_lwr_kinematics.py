@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from sim.arms.lwr.lwr_kinematics import LIMITS, LwrKinematics, shoulder_to_wrist
-from sim.hands.mount import Mount
-from sim.standard_robot import ARM, HAND
+from sim.robots.hand import Mount
+from sim.robots.lwr_arm import LIMITS, LwrKinematics, shoulder_to_wrist
+from sim.robots.robots import ARM, HAND
 from sim.truth.scene_file import load_scene
 from sim.worlds.drake.drake_plant import Plant, add_plant
 

@@ -9,18 +9,18 @@ from hypothesis import strategies as st
 
 from nlcontrol import Controller
 from objectmodels import ObjectModel, Registry
+from objectmodels.geometry.rotations import rot_y, rot_z
 from planner.types.actions import Push
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim import load_scene
-from sim.collision.collision_scene import (
+from sim.control.plan_execution import PushExecution
+from sim.motion.collision_scene import (
     FRAGILE_CLEARANCE,
     OBJECT_CLEARANCE,
     CollisionScene,
     Obstacle,
 )
-from sim.collision.collision_spheres import distance_to_cylinder, distance_to_prism, place_spheres
-from sim.execution.push_execution import PushExecution
-from sim.rotations import rot_y, rot_z
+from sim.robots.collision_spheres import distance_to_cylinder, distance_to_prism, place_spheres
 from sim.simulated_executor import simulation
 
 REGISTRY = Registry.built_in()

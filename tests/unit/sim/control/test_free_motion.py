@@ -8,9 +8,9 @@ from typing import cast
 import numpy as np
 import pytest
 
+from objectmodels.geometry.rotations import Array
 from sim.control.free_motion import move_joints
 from sim.control.trace_recorder import TraceRecorder
-from sim.rotations import Array
 
 CLOSED, OPEN = np.zeros(12), np.full(12, 0.8)
 

@@ -7,7 +7,7 @@ from nlcontrol.checks.trace_measures import largest_held_speed
 from objectmodels.models.shapes import CylinderModel
 from planner.types.actions import Aim, Carry, Grasp, LiftUp, SetDown
 from planner.types.plan import Plan
-from sim.paths.held_object_path import CARRY_SPEED
+from sim.motion.held_object_path import CARRY_SPEED
 from sim.simulated_executor import SimulatedExecutor
 from sim.traces.trace import Trace
 from sim.truth.scene_file import Scene

@@ -17,7 +17,7 @@ from sim import load_scene
 from sim.exploration.exploration_run import OPPOSITE, SPIRAL, Explorer, Touched
 from sim.exploration.trial_extraction import Recording
 from sim.motion.robot_reach import ArmHandReach
-from sim.standard_robot import ARM, HAND
+from sim.robots.robots import ARM, HAND
 from sim.traces.trace import EndReason
 
 BOX = "ice tea box"

@@ -15,7 +15,7 @@ from sim import load_scene
 from sim.exploration.probe_control import probe
 from sim.exploration.trial_extraction import Recording, extract_trials
 from sim.motion.robot_reach import ArmHandReach
-from sim.standard_robot import ARM, HAND
+from sim.robots.robots import ARM, HAND
 from sim.truth.scene_file import Scene
 from sim.worlds.drake.drake_world import DrakeWorld
 from tests.fakes.robots import poses_in, robot_in

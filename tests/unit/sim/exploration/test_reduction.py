@@ -13,10 +13,10 @@ from planner.touch_experiments import Experiment, experiments
 from planner.types.world_state import PlanarPose, SeenObject
 from sim import load_scene
 from sim.exploration.trial_extraction import Recording, extract_trials, force_curve
-from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
+from sim.motion.fingertip_path import TiltArc
 from sim.motion.robot_reach import ArmHandReach
-from sim.paths.fingertip_path import TiltArc
-from sim.standard_robot import ARM, HAND
+from sim.robots.finger_kinematics import TIP_RADIUS
+from sim.robots.robots import ARM, HAND
 
 Array = NDArray[np.float64]
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from objectmodels import BoxModel
+from sim import face_experiment as appliedforce
 from sim import load_scene
-from sim.face_experiment import applied_force as appliedforce
-from sim.face_experiment.face_contact import Contact, TouchResult, Vector
+from sim.face_experiment import Contact, TouchResult, Vector
 from sim.random_streams import RandomStream, source
 from sim.truth.scene_file import FrictionVariation, Hidden, Scene, sample_world
 from sim.worlds.drake.single_object import single_object_world

@@ -8,10 +8,9 @@ import pickle
 import pytest
 
 from nlcontrol.session.controller import Controller
+from sim import face_experiment as appliedforce
 from sim import load_scene
-from sim.face_experiment import applied_force as appliedforce
-from sim.face_experiment.face_contact import Contact
-from sim.face_experiment.finger_push import FingerTouch
+from sim.face_experiment import Contact, FingerTouch
 from sim.simulated_executor import fresh_robot
 from sim.truth.scene_file import Scene
 

@@ -7,14 +7,7 @@ import pytest
 
 from objectmodels.geometry.side_faces import SidePress
 from objectmodels.models.shapes import CylinderModel
-from sim.hands.four_finger.grasp_postures import (
-    HOLDING,
-    NARROWEST,
-    WIDEST,
-    FourFingerGrasp,
-    closing_direction,
-)
-from sim.hands.four_finger.hand_kinematics import (
+from sim.robots.finger_kinematics import (
     EFFORT,
     EFFORT_SHARE,
     FINGERS,
@@ -24,7 +17,14 @@ from sim.hands.four_finger.hand_kinematics import (
     finger_jacobian,
     finger_points,
 )
-from sim.standard_robot import HAND
+from sim.robots.four_finger_hand import (
+    HOLDING,
+    NARROWEST,
+    WIDEST,
+    FourFingerGrasp,
+    closing_direction,
+)
+from sim.robots.robots import HAND
 
 WIDTHS = (NARROWEST, 0.03, 0.06, 0.09, WIDEST)
 

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.hands.four_finger import hand_kinematics as hand
-from sim.hands.four_finger.pushing_postures import one_finger_postures, two_finger_postures
-from sim.hands.hand_model import Posture
-from sim.standard_robot import HAND
+from sim.robots import finger_kinematics as hand
+from sim.robots.four_finger_hand import one_finger_postures, two_finger_postures
+from sim.robots.hand import Posture
+from sim.robots.robots import HAND
 from sim.truth.scene_file import load_scene
 from sim.worlds.drake.drake_plant import Plant, add_plant
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from sim.hands.four_finger.hand_kinematics import TIP_RADIUS, force_noise_gain, max_tip_force
-from sim.standard_robot import HAND
+from sim.robots.finger_kinematics import TIP_RADIUS, force_noise_gain, max_tip_force
+from sim.robots.robots import HAND
 
 HANDS = HAND.pressing_postures()
 

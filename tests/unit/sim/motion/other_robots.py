@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from objectmodels.geometry.rotations import Array, rot_x, rot_y, rot_z
 from planner.types.robot import Grip
-from sim.arms.lwr.lwr_kinematics import LwrKinematics
-from sim.collision.collision_spheres import sphere_row
-from sim.hands.hand_model import Angles, FlipPostureSet, GraspPosture, Posture, PostureSet
-from sim.paths.lid_arc_path import LidPath, LidShape
-from sim.rotations import Array, rot_x, rot_y, rot_z
+from sim.robots.collision_spheres import sphere_row
+from sim.robots.hand import Angles, FlipPostureSet, GraspPosture, Posture, PostureSet
+from sim.robots.lid_path import LidPath, LidShape
+from sim.robots.lwr_arm import LwrKinematics
 
 _LENGTH, _ASIDE = 0.18, -0.03  # of the fingers along z, and of both along y in P [m]
 _CLOSING = {"left": 1.0, "right": -1.0}  # direction along x

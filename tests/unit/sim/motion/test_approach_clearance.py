@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from objectmodels.geometry.rotations import Array, rot_z
 from planner.types.world_state import PlanarPose, SeenObject
-from sim.arms.lwr.lwr_kinematics import LwrKinematics
-from sim.collision.collision_scene import Obstacle
-from sim.hands.four_finger.four_finger_hand import FourFingerHand
-from sim.hands.hand_model import PostureSet
-from sim.motion.approach_clearance import FACE_CLEARANCE, Approach
-from sim.rotations import Array, rot_z
+from sim.motion.clearance import FACE_CLEARANCE, Approach
+from sim.motion.collision_scene import Obstacle
+from sim.robots.four_finger_hand import FourFingerHand
+from sim.robots.hand import PostureSet
+from sim.robots.lwr_arm import LwrKinematics
 from tests.unit.sim.collision.test_collision_scene import TEA
 
 HAND = FourFingerHand(wrist=float(np.linalg.norm(LwrKinematics.p_FW)))

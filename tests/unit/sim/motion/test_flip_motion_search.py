@@ -17,15 +17,15 @@ from planner.types.actions import FlipOver
 from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
-from sim.arms.lwr.lwr_kinematics import LIMITS
-from sim.cell.cell_description import Vision
-from sim.control.grasping.flip_control import LEANS, MOVES
-from sim.control.grasping.lid_sensing import LidEstimator
-from sim.execution.plan_execution import execute
-from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
+from sim.control.grasp_control import LEANS, MOVES
+from sim.control.held_object_sensing import LidEstimator
+from sim.control.plan_execution import execute
 from sim.motion.robot_reach import ArmHandReach
-from sim.paths.lid_arc_path import LidPath, LidShape
-from sim.standard_robot import ARM, HAND
+from sim.robots.cell_description import Vision
+from sim.robots.finger_kinematics import TIP_RADIUS
+from sim.robots.lid_path import LidPath, LidShape
+from sim.robots.lwr_arm import LIMITS
+from sim.robots.robots import ARM, HAND
 from sim.traces.trace import Trace
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Pose, Scene, SceneObject, load_scene

@@ -10,11 +10,11 @@ from planner.types.actions import Aim, Carry, Grasp, LiftUp, PourOut, SetDown
 from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import Held, PlanarPose, SeenObject, WorldState
-from sim.arms.lwr import lwr_kinematics as arm
-from sim.motion import grasp_motion_search
-from sim.motion.grasp_motion_search import GraspMotion
+from sim.motion import motion_planner
+from sim.motion.motion_planner import GraspMotion
 from sim.motion.robot_reach import ArmHandReach
-from sim.standard_robot import ARM, HAND
+from sim.robots import lwr_arm as arm
+from sim.robots.robots import ARM, HAND
 from tests.plans import NOTHING_POURED
 from tests.unit.sim.grasp_table import CARTON, grasp, plan, scene, state
 
@@ -123,8 +123,8 @@ def test_where_the_arm_does_not_get_the_way_is_not_looked_at(
     def looked(*_: object) -> None:
         raise AssertionError("nothing beyond the place where it is taken is needed")
 
-    monkeypatch.setattr(grasp_motion_search, "step_segments", looked)
-    monkeypatch.setattr(grasp_motion_search, "HoldClearance", looked)
+    monkeypatch.setattr(motion_planner, "step_segments", looked)
+    monkeypatch.setattr(motion_planner, "HoldClearance", looked)
     assert _refused(plan(LIFT), state(PlanarPose(0.9, 0.9))).reason == "kinematics"
 
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from sim import load_scene
-from sim.hands.mount import Mount
 from sim.motion import robot_reach
-from sim.standard_robot import ARM, HAND
+from sim.robots.hand import Mount
+from sim.robots.robots import ARM, HAND
 
 
 def test_a_map_keeps_so_many_cells_and_no_more(monkeypatch: pytest.MonkeyPatch) -> None:

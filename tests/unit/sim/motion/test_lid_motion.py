@@ -12,10 +12,10 @@ from objectmodels.models.object_parts import LiftOffLid, ScrewCap
 from planner.types.actions import Action, Aim, Carry, Grasp, LiftUp, PutOn, SetDown, TurnCap
 from planner.types.plan import Plan
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
-from sim.hands.four_finger.hand_kinematics import finger_points
+from sim.motion.held_object_path import HeldObject, held_segments
 from sim.motion.robot_reach import ArmHandReach
-from sim.paths.held_object_path import HeldObject, held_segments
-from sim.standard_robot import ARM, HAND
+from sim.robots.finger_kinematics import finger_points
+from sim.robots.robots import ARM, HAND
 from sim.truth.scene_file import load_scene
 from tests.plans import EASY_TURN, hand_plan
 

@@ -14,9 +14,9 @@ from planner import plan
 from planner.types.actions import Push
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim import load_scene
-from sim.collision.collision_scene import CollisionScene
+from sim.motion.collision_scene import CollisionScene
 from sim.motion.robot_reach import ArmHandReach
-from sim.standard_robot import ARM, HAND
+from sim.robots.robots import ARM, HAND
 from tests.unit.planner.conftest import TABLE, frame_of
 
 STEP, ROOM = 0.09, 0.19  # between the mugs, and around the box in their midst [m]

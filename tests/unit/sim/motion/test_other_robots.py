@@ -8,14 +8,13 @@ import pytest
 from planner.types.actions import LiftUp, Push
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
-from sim.arms.arm_kinematics import ArmKinematics
-from sim.cell.cell_description import CellDescription
 from sim.errors import SceneError
-from sim.hands.hand_model import Hand
-from sim.hands.mount import Mount
-from sim.motion.grasp_motion_search import GraspMotion
+from sim.motion.motion_planner import GraspMotion
 from sim.motion.robot_reach import ArmHandReach
-from sim.standard_robot import ARM, HAND
+from sim.robots.arm import ArmKinematics
+from sim.robots.cell_description import CellDescription
+from sim.robots.hand import Hand, Mount
+from sim.robots.robots import ARM, HAND
 from sim.truth.scene_file import load_scene
 from tests.unit.sim.grasp_table import CARTON, grasp, plan, scene, state
 from tests.unit.sim.motion.other_robots import SixJointArm, TwoFingerGripper

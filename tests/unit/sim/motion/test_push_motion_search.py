@@ -10,35 +10,35 @@ import numpy as np
 import pytest
 
 from objectmodels import BoxModel, Registry
+from objectmodels.geometry.rotations import rot_z
 from objectmodels.mechanics.push_motion import best_turn
 from planner.problem.directions import face_name
 from planner.types.actions import Push
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim import load_scene
-from sim.collision.collision_scene import (
+from sim.motion.collision_scene import (
     FRAGILE_CLEARANCE,
     LEAST_CLEARANCE,
     OBJECT_CLEARANCE,
     SPARE,
     Obstacle,
 )
-from sim.hands.four_finger.hand_kinematics import (
+from sim.motion.fingertip_path import BACK, FingertipPath
+from sim.motion.inverse_kinematics import ArmConfiguration
+from sim.motion.roadmap import interpolate_joints
+from sim.motion.robot_reach import ArmHandReach, reachability_map
+from sim.robots.finger_kinematics import (
     EFFORT,
     FINGER_LIMITS,
     FINGERS,
     JOINT_STIFFNESS,
     TIP_RADIUS,
     finger_jacobian,
+    hand_spheres,
 )
-from sim.hands.four_finger.hand_posture import hand_spheres
-from sim.hands.four_finger.pushing_postures import pushing_postures
-from sim.motion.arm_configuration import ArmConfiguration
-from sim.motion.roadmap import interpolate_joints
-from sim.motion.robot_reach import ArmHandReach, reachability_map
-from sim.paths.fingertip_path import BACK, FingertipPath
-from sim.rotations import rot_z
-from sim.standard_robot import ARM, HAND
+from sim.robots.four_finger_hand import pushing_postures
+from sim.robots.robots import ARM, HAND
 
 REGISTRY = Registry.built_in()
 REACH = ArmHandReach(load_scene("kitchen").cell, ARM, HAND)

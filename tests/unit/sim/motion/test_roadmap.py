@@ -7,9 +7,9 @@ import itertools
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.arms.lwr.lwr_kinematics import LIMITS
 from sim.motion.roadmap import LIMIT_MARGIN, free_path, interpolate_joints, sample_configurations
-from sim.standard_robot import ARM
+from sim.robots.lwr_arm import LIMITS
+from sim.robots.robots import ARM
 
 Array = NDArray[np.float64]
 

@@ -13,15 +13,15 @@ from planner.types.actions import Push
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim import load_scene
-from sim.arms.lwr.lwr_kinematics import FLANGE
-from sim.collision.collision_spheres import distance_to_box
-from sim.hands.four_finger.four_finger_hand import FourFingerHand
-from sim.hands.four_finger.hand_kinematics import FINGER_JOINTS, FINGERS
-from sim.hands.hand_model import PostureSet
-from sim.motion.arm_configuration import ArmConfiguration, UnreachableError
+from sim.motion.fingertip_path import FingertipPath
+from sim.motion.inverse_kinematics import ArmConfiguration, UnreachableError
 from sim.motion.robot_reach import ArmHandReach
-from sim.paths.fingertip_path import FingertipPath
-from sim.standard_robot import ARM, HAND
+from sim.robots.collision_spheres import distance_to_box
+from sim.robots.finger_kinematics import FINGER_JOINTS, FINGERS
+from sim.robots.four_finger_hand import FourFingerHand
+from sim.robots.hand import PostureSet
+from sim.robots.lwr_arm import FLANGE
+from sim.robots.robots import ARM, HAND
 from sim.truth.scene_file import Scene
 
 FACES = {"front": (-1.0, 0.0), "back": (1.0, 0.0), "left": (0.0, 1.0), "right": (0.0, -1.0)}
@@ -235,7 +235,7 @@ def test_spheres_cover_the_collision_shapes() -> None:
     from pydrake.geometry import Role
     from pydrake.systems.framework import DiagramBuilder
 
-    from sim.hands.mount import Mount
+    from sim.robots.hand import Mount
     from sim.worlds.drake.drake_plant import add_plant
 
     scene = load_scene("kitchen")

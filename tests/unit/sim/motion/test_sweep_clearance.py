@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sim.collision.collision_scene import OBJECT_CLEARANCE, Obstacle
-from sim.collision.collision_spheres import place_spheres
-from sim.motion.sweep_clearance import Sweep, first_obstacles
-from sim.rotations import rot_z
-from sim.standard_robot import HAND
+from objectmodels.geometry.rotations import rot_z
+from sim.motion.clearance import Sweep, first_obstacles
+from sim.motion.collision_scene import OBJECT_CLEARANCE, Obstacle
+from sim.robots.collision_spheres import place_spheres
+from sim.robots.robots import HAND
 
 BOX = np.array([[-0.04, -0.03], [0.04, -0.03], [0.04, 0.03], [-0.04, 0.03]])
 TURN = np.radians(40.0)

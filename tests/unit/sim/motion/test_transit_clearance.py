@@ -6,10 +6,10 @@ import numpy as np
 
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim import load_scene
-from sim.collision.collision_scene import CollisionScene
-from sim.hands.mount import Mount
-from sim.motion.transit_clearance import TransitClearance
-from sim.standard_robot import ARM, HAND
+from sim.motion.clearance import TransitClearance
+from sim.motion.collision_scene import CollisionScene
+from sim.robots.hand import Mount
+from sim.robots.robots import ARM, HAND
 from tests.unit.sim.collision.test_collision_scene import TEA
 
 MOUNT = Mount.from_cell(load_scene("kitchen").cell.robot, ARM, HAND)

@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 
 from objectmodels import Registry
+from objectmodels.geometry.rotations import rot_z
 from planner.types.actions import Push
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim import load_scene
-from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
-from sim.hands.mount import Mount
-from sim.motion.arm_configuration import ArmConfiguration
+from sim.motion.fingertip_path import FingertipPath
+from sim.motion.inverse_kinematics import ArmConfiguration
 from sim.motion.robot_reach import ArmHandReach
-from sim.paths.fingertip_path import FingertipPath
-from sim.rotations import rot_z
-from sim.standard_robot import ARM, HAND
+from sim.robots.finger_kinematics import TIP_RADIUS
+from sim.robots.hand import Mount
+from sim.robots.robots import ARM, HAND
 
 SLANT = np.radians(30.0)
 

@@ -6,17 +6,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from objectmodels.geometry.rotations import axis_rotation
 from planner.types.actions import Aim, Carry, LiftUp, PourOut, SetDown
-from sim.paths.held_object_path import (
+from sim.motion.held_object_path import (
     HeldObject,
+    HeldSegment,
     grasp_frame,
     held_segments,
     lip_point,
     upright_again,
     withdrawal_vectors,
 )
-from sim.paths.held_segment import HeldSegment
-from sim.rotations import axis_rotation
 from tests.plans import NOTHING_POURED
 from tests.unit.sim.grasp_table import grasp, plan, state
 

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.paths.point_attractor import attractor_points
+from sim.motion.held_object_path import attractor_points
 
 PERIOD = 0.01
 numbers = st.floats(-2.0, 2.0)

@@ -10,11 +10,10 @@ import pytest
 from numpy.typing import NDArray
 
 from sim import load_scene
-from sim.hands.four_finger.hand_kinematics import TIP_RADIUS, finger_points
-from sim.hands.hand_model import Angles
-from sim.hands.mount import Mount
-from sim.perception.fingertip_sensing import sense_touch
-from sim.standard_robot import ARM, HAND
+from sim.control.object_estimate import sense_touch
+from sim.robots.finger_kinematics import TIP_RADIUS, finger_points
+from sim.robots.hand import Angles, Mount
+from sim.robots.robots import ARM, HAND
 
 
 @dataclass

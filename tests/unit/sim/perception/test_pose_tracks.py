@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from sim.perception.pose_tracks import (
+from sim.control.pose_tracks import (
     CALM,
     WILD,
     Array,

@@ -9,10 +9,8 @@ from numpy.typing import ArrayLike
 from objectmodels import CylinderModel, Disc, Face, HullModel, ObjectModel, Polygon, Registry
 from objectmodels.geometry.base_shapes import Array
 from sim.errors import SceneError
-from sim.truth.object_placing import free_place, scene_with_object
-from sim.truth.object_truth import Truth
-from sim.truth.scene_file import Pose, Scene, load_scene
-from sim.truth.truth_from_model import truth_as_believed
+from sim.truth.object_truth import Truth, truth_as_believed
+from sim.truth.scene_file import Pose, Scene, free_place, load_scene, scene_with_object
 from sim.worlds.drake.drake_world import DrakeWorld
 
 FREE = Pose(x_m=0.45, y_m=0.18)

@@ -8,8 +8,8 @@ import pytest
 
 from objectmodels import Registry
 from sim.errors import SceneError
+from sim.truth.object_truth import whole_truth
 from sim.truth.scene_file import load_scene, parse_scene
-from sim.truth.truth_from_model import whole_truth
 
 CRATE = """
 format: box/1

@@ -15,8 +15,8 @@ import pytest
 
 from sim import load_scene
 from sim.truth.scene_file import Scene
-from sim.views.html_replay import MODULES, replay_page, save_replay
 from sim.views.run_story import RunStory, StoryWord
+from sim.views.viewer_recording import MODULES, replay_page, save_replay
 from tests.fakes.pushed_trace import pushed_trace
 
 PAGE = resources.files("sim.views") / "page"

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from objectmodels.models.object_parts import Vessel
 from sim.traces.trace import Trace
 from sim.truth.scene_file import parse_scene
-from sim.views.liquid_view import Part, parts, triangles
+from sim.views.trace_scene import Part, parts, triangles
 from tests.unit.sim.worlds.drake.test_liquid import FORWARDS, FULL, SCENE, Moved
 
 Array = NDArray[np.float64]

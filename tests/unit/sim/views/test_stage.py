@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from sim.rotations import Array
+from objectmodels.geometry.rotations import Array
 from sim.traces.trace import Trace
 from sim.views.trace_picture import _moments
 from sim.views.trace_scene import view

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from objectmodels.geometry.rotations import from_quaternion
 from sim import load_scene
-from sim.rotations import from_quaternion
 from sim.truth.scene_file import Scene
 from sim.views.viewer_recording import packed_series, scene_and_recording
 from tests.fakes.pushed_trace import DURATION, FORCE, PHASES, pushed_trace

@@ -10,11 +10,11 @@ import pytest
 
 from nlcontrol.service.live_documents import SceneGeometry
 from objectmodels import Registry
+from objectmodels.geometry.rotations import from_quaternion
 from sim import load_scene
-from sim.rotations import from_quaternion
 from sim.truth.scene_file import Scene
 from sim.views.trace_scene import TraceScene
-from sim.views.viewer_scene import (
+from sim.views.viewer_recording import (
     SceneBodies,
     believed_scene,
     body_name,

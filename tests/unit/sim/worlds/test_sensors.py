@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sim.cell.cell_description import JointSensor, TorqueSensor, Vision
-from sim.perception.state_estimation import mean_pose
-from sim.worlds.drake.camera_port import CameraPort
-from sim.worlds.joint_noise import JointReadings, TorqueReadings
+from sim.control.object_estimate import mean_pose
+from sim.robots.cell_description import JointSensor, TorqueSensor, Vision
+from sim.worlds.camera import CameraPort
+from sim.worlds.sensors import JointReadings, TorqueReadings
 
 PERIOD = 0.01
 FINGERS = ("first", "second", "third", "fourth")

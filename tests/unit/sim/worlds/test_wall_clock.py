@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from sim.worlds.wall_clock import WallClock
+from sim.worlds.ports import WallClock
 
 
 class HandSetTime:

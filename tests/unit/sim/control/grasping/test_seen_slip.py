@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from sim.cell.cell_description import Vision
-from sim.control.camera_noise import noise_left
-from sim.control.grasping.held_object_sensing import DROPPED, SLIP, most_slip, seen_share
-from sim.rotations import rot_y
+from objectmodels.geometry.rotations import rot_y
+from sim.control.held_object_sensing import DROPPED, SLIP, most_slip, seen_share
+from sim.robots.cell_description import Vision
+from sim.worlds.sensors import noise_left
 
 LEVER = 0.07  # of a carton that is held in its middle [m]
 FRAMES = 300  # of ten seconds

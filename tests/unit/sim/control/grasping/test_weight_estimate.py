@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim.control.grasping.held_object_sensing import LEVER_ERROR, estimate_weight
+from sim.control.held_object_sensing import LEVER_ERROR, estimate_weight
 
 
 def test_a_weight_is_the_mean_of_what_is_felt() -> None:

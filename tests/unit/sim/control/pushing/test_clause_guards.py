@@ -10,13 +10,12 @@ import numpy as np
 import pytest
 
 from objectmodels import Registry
+from objectmodels.geometry.rotations import Array, rot_y, rot_z
 from planner.problem.footprints import footprint
 from planner.types.actions import Limits, Push
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
-from sim.cell.cell_description import Vision
-from sim.control.pushing.bystander_guard import BystanderGuard
-from sim.control.pushing.clause_guards import End, LimitGuards
-from sim.rotations import Array, rot_y, rot_z
+from sim.control.guards import BystanderGuard, End, LimitGuards
+from sim.robots.cell_description import Vision
 from sim.worlds.ports import Frame, SeenPose
 
 PERIOD = 0.01

@@ -6,9 +6,9 @@ from objectmodels import BoxModel
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim import load_scene
-from sim.control.pushing.hand_guard import ASIDE, NEAREST, HandGuard
+from sim.control.guards import ASIDE, NEAREST, HandGuard
 from sim.motion.robot_reach import ArmHandReach
-from sim.standard_robot import ARM, HAND
+from sim.robots.robots import ARM, HAND
 from tests.unit.sim.motion.test_push_motion_search import _push, _seen
 
 HIGH = 2.0  # of a wall beside the whole arm [m]

@@ -7,8 +7,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from sim.control.pushing.lateral_control import LateralController, Pushed
-from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
+from sim.control.push_control import LateralController, Pushed
+from sim.robots.finger_kinematics import TIP_RADIUS
 from sim.worlds.ports import SeenPose
 
 FLAT = Pushed(0.045, 0.0344, TIP_RADIUS)

@@ -10,7 +10,7 @@ import pytest
 from planner.types.actions import Limits
 from planner.types.plan import Plan
 from planner.types.world_state import PlanarPose
-from sim.control.pushing.push_guards import Guards, TiltEstimator, TiltGuards
+from sim.control.guards import Guards, TiltEstimator, TiltGuards
 from sim.traces.trace import EndReason
 from tests.unit.planner.conftest import planned, world
 

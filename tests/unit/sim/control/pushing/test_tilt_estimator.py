@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sim.control.pushing.push_guards import TiltEstimator
+from sim.control.guards import TiltEstimator
 
 NOISE = np.radians(1.0)
 PERIOD, FRAME, DELAY = 0.01, 1.0 / 30.0, 0.05

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sim.control.pushing.turn_estimator import TurnedObject, TurnEstimator
-from sim.rotations import Array, rot_z
+from objectmodels.geometry.rotations import Array, rot_z
+from sim.control.object_estimate import TurnedObject, TurnEstimator
 from sim.worlds.ports import SeenPose
 
 RADIUS = 0.010

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sim.cell.cell_description import Vision
-from sim.perception.state_estimation import mean_poses
-from sim.rotations import rot_z
+from objectmodels.geometry.rotations import rot_z
+from sim.control.object_estimate import mean_poses
+from sim.robots.cell_description import Vision
 from sim.truth.scene_file import load_scene
-from sim.worlds.drake.camera_port import CameraPort, initial_frames
+from sim.worlds.camera import CameraPort, initial_frames
 
 PERIOD = 0.01
 

@@ -9,7 +9,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
 from sim import load_scene
-from sim.worlds.drake.body_contacts import APART, ContactWatch
+from sim.worlds.drake.drake_bodies import APART, ContactWatch
 from sim.worlds.drake.drake_plant import add_plant
 
 

@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 
 from nlcontrol import Controller
+from objectmodels.geometry.rotations import rot_x
 from planner.types.world_state import SeenObject
 from sim import SceneError, load_scene, save_replay
 from sim.control.free_motion import watch
-from sim.perception.state_estimation import estimate_objects, mean_lids
-from sim.rotations import rot_x
+from sim.control.object_estimate import estimate_objects, mean_lids
 from sim.traces.trace import Trace, join_traces
 from sim.truth.scene_file import Scene, parse_scene
 from sim.views.trace_scene import TraceScene
-from sim.worlds.drake.camera_port import camera_port, initial_frames
+from sim.worlds.camera import camera_port, initial_frames
 from sim.worlds.drake.drake_world import DrakeWorld
 from tests.fakes.robots import frames_in, robot_in
 

@@ -10,8 +10,8 @@ from benchmarks.pouring import Prescribed
 from objectmodels.containers.pour_dynamics import Catch, caught_volume, pour
 from sim.errors import SceneError
 from sim.truth.scene_file import parse_scene
+from sim.worlds.drake.contents import Liquid
 from sim.worlds.drake.drake_world import DrakeWorld
-from sim.worlds.drake.liquid_transfer import Liquid
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ import pytest
 from objectmodels import BoxModel
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.mechanics.standing_balance import TableEdge, edge_margins
-from sim.standard_robot import HAND
+from sim.robots.robots import HAND
 from sim.truth.scene_file import Scene, parse_scene
 from sim.worlds.drake.drake_plant import add_plant
 

@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from sim.random_streams import RandomStream, source
-from sim.standard_robot import HAND
+from sim.robots.robots import HAND
 from sim.truth.scene_file import FrictionVariation, Scene, VaryingTable, parse_scene
 from sim.worlds.drake.drake_plant import Plant, add_plant
 from sim.worlds.drake.world_variation import FrictionField, ShiftingContents, VaryingFriction

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from sim import PictureError, load_scene, save_picture, save_replay
-from sim.hands.four_finger.hand_kinematics import JOINT_NAMES
-from sim.perception.state_estimation import mean_poses
+from sim.control.object_estimate import mean_poses
+from sim.robots.finger_kinematics import JOINT_NAMES
 from sim.traces.trace import Trace
 from sim.truth.scene_file import ScaledTorqueSensor
 from sim.views.trace_picture import missing_libraries
 from sim.views.trace_scene import samples
-from sim.worlds.drake.camera_port import initial_frames
+from sim.worlds.camera import initial_frames
 from sim.worlds.drake.drake_world import DrakeWorld
 from sim.worlds.ports import WorldRecord
 from tests.fakes.robots import poses_in

@@ -1,1 +1,0 @@
-"""Description of a robot's cell: mount, home, table, sensor data sheets."""

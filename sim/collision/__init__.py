@@ -1,1 +1,0 @@
-"""Obstacles as the robot sees them, and distances of spheres from them; it knows no robot."""

@@ -1,1 +1,0 @@
-"""Control of what the hand holds."""

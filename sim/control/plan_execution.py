@@ -1,0 +1,707 @@
+"""One plan of the whole hand: take hold, lift, carry, pour, set down, let go.
+
+Arm and hand are joint impedances throughout. The fingers close until both sides feel the object;
+then their springs are wound up until they feel the squeeze. Guards know what the robot feels and
+sees (`sim.control.held_object_sensing`). One that stops a plan makes the hand go back the
+way it came, which was free, and set down what it holds where it took it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from objectmodels.geometry.rotations import Array, rot_z
+from objectmodels.mechanics.push_thresholds import GRAVITY
+from objectmodels.models.object_parts import LiftOffLid
+from planner.types.actions import (
+    Action,
+    FlipOver,
+    LiftUp,
+    PourOut,
+    Push,
+    PutOn,
+    SetDown,
+    SetOn,
+    TurnCap,
+)
+from planner.types.plan import Plan
+from planner.types.robot import ReachAnswer
+from planner.types.world_state import Held, SeenObject, WorldState
+from sim.control.free_motion import look_around, move_joints, return_home, straight_line, transit
+from sim.control.grasp_control import ACCELERATES, FlipControl, HandMotion
+from sim.control.held_object_sensing import (
+    CONTACT,
+    HandSense,
+    Holding,
+    LidSense,
+    Weight,
+    estimate_weight,
+)
+from sim.control.press_control import DragControl
+from sim.control.push_control import (
+    ExecutionContext,
+    ForceController,
+    PushControl,
+    TiltControl,
+    TurnControl,
+)
+from sim.control.trace_recorder import EarlyEndError, TraceRecorder
+from sim.motion.collision_scene import SPARE
+from sim.motion.fingertip_path import BACK, FingertipPath
+from sim.motion.held_object_path import THREAD, HeldObject, HeldSegment, upright_again
+from sim.motion.inverse_kinematics import ArmConfiguration, UnreachableError
+from sim.motion.motion_planner import FlipConfiguration, GraspMotion
+from sim.supervision import Progress
+from sim.traces.trace import EndReason, Trace
+
+if TYPE_CHECKING:
+    from objectmodels.models.object_model import ObjectModel
+    from sim.control.free_motion import RobotSetup
+
+
+SETTLE = 0.5
+"""Time that everything gets to come to rest in the end [s]."""
+
+_BEYOND = 0.008  # how far each side closes beyond the believed width to find something [m]
+_WIDTH_ERROR = 0.012  # of a width between thumb and fingers that is not the object's [m]
+_WINDS_BEYOND = 1.5  # times the squeeze for which the springs are wound up at most
+_ENOUGH = 0.8  # share of the squeeze that must be felt
+_STILL = 0.5  # time for which the hand hangs still to look at what it holds [s]
+_LIFTED = 0.35  # share of the believed weight that must hang on the fingers
+_LIFT_OFF = 0.008  # way upwards over which its weight comes onto the fingers, and it swings [m]
+_GRASP_SLOW_DOWN = 0.015  # height over where it is to stand at which setting down becomes slow [m]
+_FEELING_SPEED = 0.015  # of what is set down then, or lifted off [m/s]
+_GRASP_INTO = 0.006  # how far below that place it is looked for [m]
+_RIGHTED = 0.15  # time after which nothing runs out any more, once it is tilted back [s]
+_SLOWEST_POUR = 0.12  # share of the rate of tilting just before enough has run out
+_STANDS = 0.5  # share of its weight with which it stands
+_PRESSES = 0.4  # or with so much less [N]
+
+
+class GraspExecution:
+    """One plan of the whole hand, whose `holding` is what the hand holds, where that lasts."""
+
+    def __init__(
+        self,
+        handled: HeldObject,
+        recorder: TraceRecorder,
+        way: GraspMotion,
+        holding: Holding | None = None,
+    ) -> None:
+        self._handled = handled
+        self._plan = handled.plan
+        self._grasp = handled.grasp
+        self._recorder = recorder
+        self._port = recorder.port
+        self.holding = holding
+        self._way = way
+        self._held = handled.held
+        self._sense = self._senses()
+        self._motion = HandMotion(recorder, way, self._sense)
+        self._grasped = 0  # where on the way it was taken hold of
+        self._holds = False
+
+    def carry_out(self, home: Array) -> None:
+        """Makes all steps; at home the arm waits at angles of shape (7,) [rad].
+
+        Raises:
+            EarlyEndError: a guard stopped it, or nothing was held.
+        """
+        approach, *steps, retreat = self._way.legs
+        if self._grasp.held:
+            self._take_up()
+        else:
+            self._reach_for(approach[0])
+            self._take_hold()
+        for step, legs in zip(self._plan.steps, steps, strict=True):
+            self._make(step, legs)
+        if retreat:
+            self._recorder.report("retreat", "drawing the hand back")
+            self._motion.go(retreat[0])
+            self._motion.come_home((*self._way.back, home))
+            self._settle()
+        else:
+            self._keep()
+
+    def _senses(self) -> HandSense:
+        """The senses of what is held."""
+        p_BG = np.array(self._grasp.p_BG)
+        handled = self._handled
+        return HandSense(self._recorder, self._way.mount, handled.name, p_BG, handled.state)
+
+    def _make(self, step: Action, legs: tuple[HeldSegment, ...]) -> None:
+        """Makes one step."""
+        if isinstance(step, PourOut):
+            self._pour(step, legs)
+        elif isinstance(step, SetDown | SetOn):
+            self._set_down(legs[0])
+        else:
+            off = isinstance(step, LiftUp) and not self._grasp.held and self._grasp.part != "lid"
+            for leg in _lift_off(legs) if off else legs:
+                self._motion.go(leg)
+        if isinstance(step, LiftUp):
+            self._hold_up(step)
+
+    def give_up(self) -> None:
+        """Back the way it came; what is still held is set down where it was taken, or kept."""
+        self._motion.squeeze, self._motion.bears = 0.0, False
+        self._recorder.phase = "retreat"
+        self._motion.back_to(self._grasped, stop=self._holds)
+        if self._grasp.held and self._sense.holds(self._grasp.squeeze):
+            self._keep()
+            return
+        if self._holds and not self._grasp.held:
+            self._motion.let_go()
+        self._motion.back_to(0)
+        self._motion.come_home((self._motion.came[0],))
+        self._settle()
+
+    def _settle(self) -> None:
+        self._recorder.begin("settle", "letting everything come to rest")
+        self._motion.wait(SETTLE)
+
+    # -- taking hold ----------------------------------------------------------------------------
+
+    def _reach_for(self, approach: HeldSegment) -> None:
+        """From home to where the open hand is about the object."""
+        self._recorder.begin("transit", "moving the hand")
+        opened = self._way.grip.posture_at(self._motion.opening).joint_angles
+        first, _ = self._way.joint_angles(*approach.poses_at(np.zeros(1)))
+        self._motion.transit((*self._way.there, first[0]), opened)
+        self._recorder.report("approach", f"reaching for the {self._plan.object}")
+        self._motion.go(approach)
+
+    def _take_hold(self) -> None:
+        """Closes until both sides feel something, and squeezes it."""
+        self._recorder.begin("grasp", f"taking hold of the {self._plan.object}")
+        motion, sense, squeeze = self._motion, self._sense, self._grasp.squeeze
+        motion.feel_nothing()
+        self._grasped = len(motion.came) - 1
+        self._holds = True
+        while min(sense.thumb, sense.fingers) < CONTACT:
+            if motion.opening < -_BEYOND:
+                raise EarlyEndError("no_grasp", self._felt_too_little("closed"))
+            motion.close()
+        while sense.squeeze < squeeze and motion.wound < _WINDS_BEYOND * squeeze:
+            motion.wind()
+        sense.forget()
+        motion.wait(_STILL)
+        wrong = abs(sense.width - self._grasp.width) > _WIDTH_ERROR
+        if min(sense.thumb, sense.fingers) < _ENOUGH * squeeze or wrong:
+            raise EarlyEndError("no_grasp", self._felt_too_little("squeezed"))
+        sense.remember()
+        motion.squeeze = squeeze
+        self._recorder.report_contact()
+
+    def _felt_too_little(self, done: str) -> str:
+        sense = self._sense
+        return (
+            f"the hand {done} to {1e3 * sense.width:.0f} mm and feels {sense.thumb:.1f} N at the "
+            f"thumb, {sense.fingers:.1f} N at the fingers"
+        )
+
+    def _take_up(self) -> None:
+        """Goes on with what is held already."""
+        holding = self.holding
+        if holding is None or holding.held.name != self._handled.name:
+            raise EarlyEndError("no_grasp", f"the hand does not hold the {self._plan.object}")
+        self.holding = None
+        self._recorder.fingers = self._way.mount.hand.grasp_fingers
+        self._recorder.zero = holding.zero
+        motion = self._motion
+        motion.take_over(holding)
+        self._grasped = len(motion.came) - 1
+        self._holds = True
+        motion.wait(_STILL)
+        self._sense.remember(holding.R_PB, holding.p_PG)
+        motion.squeeze = self._grasp.squeeze
+        motion.swing(np.array([self._port.commanded[0], *self._way.there]))
+
+    def _keep(self) -> None:
+        """Stays where it is, with what it holds."""
+        self._recorder.phase = "settle"
+        self._motion.wait(SETTLE)
+        R_WP, p_WP = self._way.mount.palm_poses(self._port.commanded[0])
+        R_PB, p_PG = self._sense.remembered_pose or (self._way.R_BP.T, self._way.grip.middle)
+        base = p_WP + R_WP @ (p_PG - R_PB @ np.array(self._grasp.p_BG))
+        turned = {
+            "closing_W": tuple(R_WP[:, 0].tolist()),
+            "approach_W": tuple(R_WP[:, 2].tolist()),
+        }
+        held = Held(
+            self._handled.name,
+            self._handled.asked.model_copy(update=turned),
+            float(base[2]),
+            tuple(self._port.commanded[0].tolist()),
+        )
+        self.holding = self._motion.holding(held, R_PB, p_PG)
+
+    # -- steps ----------------------------------------------------------------------------------
+
+    def _hold_up(self, step: LiftUp) -> None:
+        """Weighs what was lifted."""
+        felt = self._weigh(max(step.hold, _STILL))
+        believed = self._held.model.weight
+        self._recorder.report("lift", f"it weighs {felt.mean:.2f} N, give or take {felt.sd:.2f} N")
+        if felt.mean < _LIFTED * believed:
+            raise EarlyEndError(
+                "no_grasp",
+                f"{felt.mean:.1f} N hang on the fingers, and the {self._plan.object} should weigh "
+                f"{believed:.1f} N",
+            )
+        self._motion.bears = True
+
+    def _weigh(self, seconds: float) -> Weight:
+        """Hangs still and feels the weight."""
+        felt = []
+        for _ in range(round(seconds / self._port.period)):
+            self._motion.stay()
+            felt.append(self._sense.vertical)
+        # The arm still swings at first.
+        return estimate_weight(np.array(felt[len(felt) // 3 :]), self._motion.zero_samples)
+
+    def _pour(self, step: PourOut, legs: tuple[HeldSegment, ...]) -> None:
+        """Tilts until enough has run out, waits, and comes back upright."""
+        self._recorder.report("pour", f"pouring into the {step.into}")
+        first, *tilting = legs[: len(legs) // 2]
+        self._motion.go(first)
+        container = self._held.model.container
+        assert container is not None, "only a container is poured from"
+        full = self._weigh(_STILL).mean
+        if step.volume is None:
+            for leg in tilting:
+                self._motion.go(leg)
+            self._motion.wait(step.wait)
+            done, share = [first, *tilting], 1.0
+        else:
+            out = GRAVITY * container.density * step.volume
+            done, share = self._pour_some(tilting, full, out, step.wait)
+            done = [first, *done]
+        for leg in upright_again(done[:-1], done[-1], share):
+            self._motion.go(leg)
+        poured = (full - self._weigh(_STILL).mean) / (GRAVITY * container.density)
+        self._recorder.report("pour", f"{1e6 * poured:.0f} ml have run out, as the weight tells")
+
+    def _pour_some(
+        self, legs: list[HeldSegment], full: float, out: float, wait: float
+    ) -> tuple[list[HeldSegment], float]:
+        """Tilts ever slower until enough has run out; returns legs and share of the last one.
+
+        Each leg sets in and ends smoothly: what speeds up downwards weighs less.
+        """
+        period = self._port.period
+        done: list[HeldSegment] = []
+        for leg in legs:
+            done.append(leg)
+            share = pace = 0.0
+            while share < 1.0:
+                left = 1.0 - self._run_out(full) / out
+                if left < 0.0:
+                    return done, share
+                faster = pace + period / ACCELERATES
+                ahead = (1.0 - share) / (leg.share_rate * ACCELERATES)
+                pace = min(float(np.clip(min(left, ahead), _SLOWEST_POUR, 1.0)), faster)
+                share = min(1.0, share + pace * leg.share_rate * period)
+                self._motion.reach(leg, share)
+        for _ in range(round(wait / period)):
+            if self._run_out(full) > out:
+                break
+            self._motion.stay()
+        return done, 1.0
+
+    def _run_out(self, full: float) -> float:
+        """Weight that will have run out once it is tilted back [N].
+
+        What is still to come is no more than what has come: a motion that sets in shakes the hand.
+        """
+        sense = self._sense
+        gone = max(full - sense.weight, 0.0)
+        coming = sense.weight - sense.weight_ahead(_RIGHTED)
+        return gone + float(np.clip(coming, 0.0, gone))
+
+    def _set_down(self, leg: HeldSegment) -> None:
+        """Down until it stands, then lets go."""
+        self._recorder.report("set_down", f"setting the {self._plan.object} down")
+        height = float(leg.start[2] - leg.end[2])
+        slow = min(_GRASP_SLOW_DOWN, height)
+        down = np.array([0.0, 0.0, -1.0])
+        near = leg.start + (height - slow) * down
+        if height > slow:
+            self._motion.go(replace(leg, end=near))
+        hangs = self._weigh(_STILL).mean
+        self._motion.squeeze, self._motion.bears = 0.0, False
+        last = replace(leg, start=near, end=leg.end + _GRASP_INTO * down, speed=_FEELING_SPEED)
+        self._motion.go(last, until=min(_STANDS * hangs, hangs - _PRESSES))
+        self._motion.let_go()
+        self._holds = False
+
+
+def _lift_off(legs: tuple[HeldSegment, ...]) -> tuple[HeldSegment, ...]:
+    """Legs upwards, slow until it hangs: what hangs askew swings as fast as it is lifted off."""
+    first, *rest = legs
+    way = first.end - first.start
+    share = _LIFT_OFF / float(np.linalg.norm(way))
+    if share >= 1.0:
+        return legs
+    hangs = first.start + share * way
+    slow = replace(first, end=hangs, speed=min(first.speed, _FEELING_SPEED))
+    return slow, replace(first, start=hangs), *rest
+
+
+# --- lid execution --------------------------------------------------------------------------------
+#
+# Lids: one that comes off is pulled off and put aside, put on, or turned; one on a hinge flipped.
+#
+# Law: as for anything that is held (`sim.control.plan_execution`). A cap is turned by the arm,
+# which lets go, turns back and grips anew where the wrist ends.
+
+
+_FOLLOWS = 0.5  # share of a lift that a lid which comes along is seen lifted
+_LOOKS = 0.4  # time after which the camera shows what came of it [s]
+_MORE_STROKES = 6  # for what slips through the fingers
+_TURNED = float(np.radians(4.0))  # less than that is missing of no turn [rad]
+_LID_SLOW_DOWN = 0.012  # height over the rim at which putting it on becomes slow [m]
+_SLOWLY = 0.015  # [m/s]
+_LID_INTO = 0.008  # how far below the rim it is pressed at most [m]
+
+
+class LidExecution(GraspExecution):
+    """One plan in which a lid is held."""
+
+    def _senses(self) -> LidSense:
+        self._feels = LidSense(self._recorder, self._way, self._handled)
+        return self._feels
+
+    def _make(self, step: Action, legs: tuple[HeldSegment, ...]) -> None:
+        if isinstance(step, TurnCap):
+            self._turn(step, legs)
+        elif isinstance(step, PutOn):
+            self._put_on(step, legs[0])
+        else:
+            super()._make(step, legs)
+        if isinstance(step, TurnCap | PutOn) and step is self._plan.steps[-1]:
+            self._motion.let_go()
+            self._holds = False
+        if isinstance(step, PutOn):
+            self._require_on(step)
+
+    def _turn(self, step: TurnCap, legs: tuple[HeldSegment, ...]) -> None:
+        """Turns the cap, gripping anew between the strokes, until it is seen turned."""
+        before, first = self._feels.view.lid, legs[0]
+        self._recorder.report("lid", f"turning the cap by {np.degrees(step.angle):.0f}°")
+        for stroke in range(len(legs) + _MORE_STROKES):
+            turned = self._feels.view.lid - before
+            if abs(step.angle) - abs(turned) < _TURNED:
+                self._recorder.report("lid", f"the cap is seen turned by {np.degrees(turned):.0f}°")
+                return
+            up = np.array([0.0, 0.0, self._handled.pitch * turned / THREAD])
+            leg = replace(first, start=first.start + up, end=first.end + up)
+            if stroke:
+                self._motion.let_go()
+                self._motion.go(leg.way_back(start=leg.start, free=True))
+                self._take_hold()
+            self._feels.torque, self._feels.most_torque = 0.0, step.torque_limit
+            self._motion.go(leg)
+            self._motion.wait(_LOOKS)
+            self._feels.most_torque = np.inf
+        seen = np.degrees(self._feels.view.lid - before)
+        raise EarlyEndError("missed", f"the cap is seen turned by {seen:.0f}° only")
+
+    def _hold_up(self, step: LiftUp) -> None:
+        """Requires that the lid came along; raises `EarlyEndError` if it is seen where it was."""
+        self._motion.wait(max(step.hold, _LOOKS))
+        seen, lid = self._feels.view.lid, self._handled.state.objects[self._handled.name].model.lid
+        if isinstance(lid, LiftOffLid) and seen < _FOLLOWS * step.height:
+            raise EarlyEndError("missed", f"the lid is seen lifted by {1e3 * seen:.0f} mm only")
+
+    def _require_on(self, step: PutOn) -> None:
+        """Requires that the lid sits on its rim; raises `EarlyEndError` if it is seen off."""
+        self._motion.wait(_LOOKS)
+        if self._feels.view.is_off:
+            raise EarlyEndError("missed", f"the lid does not sit on the {step.onto}")
+
+    def _put_on(self, step: PutOn, leg: HeldSegment) -> None:
+        """Down onto the rim, until it presses."""
+        self._recorder.report("lid", f"putting the lid onto the {step.onto}")
+        height = float(leg.start[2] - leg.end[2])
+        slow = min(_LID_SLOW_DOWN, height)
+        near = leg.end + np.array([0.0, 0.0, slow])
+        if height > slow:
+            self._motion.go(replace(leg, end=near))
+        hangs = self._weigh(_LOOKS).mean
+        self._motion.bears = False
+        into = leg.end - np.array([0.0, 0.0, _LID_INTO])
+        down = replace(leg, start=near, end=into, speed=_SLOWLY)
+        made = self._motion.go(down, until=hangs - step.press)
+        # Fingers that press while they open would drag it along.
+        _, (here,) = down.poses_at(np.array([made]))
+        self._motion.go(replace(leg, start=here, speed=_SLOWLY))
+
+
+def flip_over(
+    plan: Plan,
+    setup: RobotSetup,
+    models: Mapping[str, ObjectModel],
+    progress: Progress | None = None,
+) -> Trace:
+    """Carries out a plan whose only step flips a lid, as `plan_execution.execute` does."""
+    (step,) = plan.steps
+    assert isinstance(step, FlipOver), "a lid is flipped over"
+    towards = np.array([np.cos(step.heading), np.sin(step.heading), 0.0])
+    recorder = setup.recorder(towards, progress)
+    end: EndReason
+    try:
+        state = look_around(recorder, models, setup.held)
+        target = state.objects[plan.object]
+        if target.lid is not None:
+            step = step.model_copy(update={"start": target.lid})
+        found = setup.reach.flip_configuration(step, plan.object, state)
+        if isinstance(found, ReachAnswer):
+            end, detail = "unreachable", found.message
+        else:
+            end, detail = _flip_lid(step, recorder, found[0], target)
+    except EarlyEndError as early:
+        end, detail = early.end, early.detail
+    return recorder.trace(plan.object, towards, end=end, detail=detail)
+
+
+def _flip_lid(
+    step: FlipOver, recorder: TraceRecorder, motion: FlipConfiguration, target: SeenObject
+) -> tuple[EndReason, str]:
+    """Goes to a lid, flips it and comes home; returns how that ended."""
+    port, posture = recorder.port, motion.stance.posture
+    start = motion.hands.path.points[0]
+    here = above = start + np.array([0.0, 0.0, motion.stance.lift])
+    came: list[Array] = []
+
+    def move(there: Array) -> None:
+        nonlocal here
+        for point in straight_line(here, there, port.period):
+            recorder.step(motion.joint_angles(point, 0.0), posture.joint_angles)
+            here = point
+
+    way = (*motion.stance.via, motion.joint_angles(above, 0.0))
+    try:
+        transit(recorder, posture, way, came)
+        recorder.begin("approach", "down to the lid")
+        move(start)
+        return _flip_and_leave(FlipControl(step, recorder, motion, target))
+    finally:
+        recorder.phase = "retreat"
+        move(above)
+        return_home(recorder, came, SETTLE)
+
+
+def _flip_and_leave(control: FlipControl) -> tuple[EndReason, str]:
+    """Flips the lid before which the finger stands, and comes back there; returns how it ended."""
+    end: EndReason
+    try:
+        end, detail = control.flip()
+    except UnreachableError as error:
+        end, detail = "unreachable", str(error)
+    except EarlyEndError as early:
+        end, detail = early.end, early.detail
+    control.leave(done=end == "handled")
+    return end, detail
+
+
+# --- push execution -------------------------------------------------------------------------------
+#
+# A push carried out: look, go to an object, do something there, come back home.
+#
+# The robot knows what its ports tell it: joint angles, finger torques and late, noisy camera
+# frames. Frames: W is the world, T the midpoint of the pushing fingertips' centres.
+
+
+class PushExecution:
+    """The hand's way to the contact of a push and back; `recorder` records all of it."""
+
+    def __init__(
+        self,
+        push: Push,
+        setup: RobotSetup,
+        models: Mapping[str, ObjectModel],
+        progress: Progress | None = None,
+    ) -> None:
+        self.recorder = setup.recorder(np.array(push.normal_W), progress)
+        self._push = push
+        self._setup = setup
+        self._port = setup.port
+        self._models = models
+        self._descent: list[Array] = []  # arm angles from above the start down to it
+        self._came: list[Array] = []  # arm angles between home and there, in order
+
+    def look(self) -> WorldState:
+        """Looks at the table and returns where everything stands."""
+        return look_around(self.recorder, self._models, self._setup.held)
+
+    def stance(self, state: WorldState) -> tuple[ArmConfiguration, FingertipPath]:
+        """Configuration of arm and hand, and the path of the fingertips.
+
+        Raises:
+            EarlyEndError: the hand does not get there.
+        """
+        for reach in (self._setup.reach, self._setup.reach.thorough_reach):
+            # It was reached from where things were seen before.
+            for spare in (0.0, SPARE):
+                answer = reach.push_configuration(self._push, state, spare)
+                if not isinstance(answer, ReachAnswer):
+                    return answer[0], reach.fingertip_path(self._push, state)
+                why = answer.message
+        raise EarlyEndError("unreachable", why)
+
+    def approach(self, stance: ArmConfiguration, way: FingertipPath) -> None:
+        """Free motion: over the start, then down to it."""
+        above = np.array([*way.start[:2], stance.lift])
+        way_there = (*stance.via, stance.joint_angles(above))
+        transit(self.recorder, stance.posture, way_there, self._came)
+        self.recorder.begin("approach", "down to the object")
+        for point in straight_line(above, way.start, self._port.period):
+            self._go(stance, point)
+            self._descent.append(self._port.commanded[0])
+
+    def leave(
+        self, stance: ArmConfiguration, tip: Array, way: FingertipPath, turned: float = 0.0
+    ) -> None:
+        """Off the face, and back along the way that was free.
+
+        Args:
+            stance: of arm and hand.
+            tip: where T is commanded to be, shape (3,) [m].
+            way: on which it came.
+            turned: how far the palm has turned [rad]; it turns back once it is off the face.
+        """
+        self.recorder.begin("retreat", "leaving the object")
+        self.recorder.force_limit = 0.0
+        off = tip - BACK * rot_z(turned) @ way.inward
+        far = max(float(np.linalg.norm(off - way.start)), 1e-9)
+        try:
+            for point in straight_line(tip, off, self._port.period):
+                self._go(stance, point, turned)
+            for point in straight_line(off, way.start, self._port.period):
+                left = float(np.linalg.norm(point - way.start)) / far
+                self._go(stance, point, left * turned)
+        except UnreachableError:
+            # Both ends of the way are reached, so the joints lead from one to the other.
+            move_joints(self.recorder, self._descent[-1], self._port.commanded[1])
+
+    def come_home(self, settle: float) -> None:
+        """Back home, and some time for everything to come to rest [s]."""
+        self.recorder.phase = "retreat"
+        for q in reversed(self._descent):
+            self.recorder.step(q, self._port.commanded[1])
+        return_home(self.recorder, self._came, settle)
+
+    def _go(self, stance: ArmConfiguration, tip: Array, turned: float = 0.0) -> None:
+        self.recorder.step(stance.joint_angles(tip, turned), stance.posture.joint_angles)
+
+
+# --- plan execution -------------------------------------------------------------------------------
+#
+# Carries out a plan in the simulated world: look, go there, touch, push, come back.
+#
+# The push is the paper's interface to its arm: a movement vector, a force magnitude and a largest
+# speed. The fingertips advance along the vector while less than the force is felt, no faster than
+# the speed, and end on the stroke, the force, the speed or a guard. Arm and hand are joint
+# impedances throughout; what is commanded is where their springs rest.
+
+
+_CONTROLS: dict[str, type[ForceController]] = {
+    "tilted": TiltControl,
+    "turned": TurnControl,
+}
+"""What controls a push, by what it ends on."""
+
+SETTLE_AFTER = {"stroke": 0.5, "toppled": 1.5}
+"""Time that an object gets to come to rest [s]."""
+
+
+def execute(
+    plan: Plan,
+    setup: RobotSetup,
+    models: Mapping[str, ObjectModel],
+    progress: Progress | None = None,
+) -> Trace:
+    """Carries out a plan.
+
+    Args:
+        plan: what to do.
+        setup: the robot.
+        models: what the robot believes of every object, by its name in the scene.
+        progress: called while something happens; a `Monitor` also says when to stop.
+
+    Returns:
+        What happened, also if it ended early.
+    """
+    if not plan.pushes:
+        return _execute_by_hand(plan, setup, models, progress)
+    execution = PushExecution(plan.push, setup, models, progress)
+    try:
+        end, detail = _push(plan, execution)
+    except EarlyEndError as early:
+        end, detail = early.end, early.detail
+    except UnreachableError as error:
+        end, detail = "unreachable", str(error)
+    execution.come_home(SETTLE_AFTER.get(end, SETTLE_AFTER["stroke"]))
+    push = plan.push
+    return execution.recorder.trace(push.object, np.array(push.direction_W), end=end, detail=detail)
+
+
+def _push(plan: Plan, execution: PushExecution) -> tuple[EndReason, str]:
+    """Looks, goes there and pushes; returns how that ended."""
+    state = execution.look()
+    stance, way = execution.stance(state)
+    execution.approach(stance, way)
+    execution.recorder.report("touch", "feeling for the face")
+    make = DragControl if plan.push.press else _CONTROLS.get(plan.push.ends_on, PushControl)
+    control = make(ExecutionContext(plan, execution.recorder, stance, way, state))
+    try:
+        control.touch()
+        return control.act()
+    finally:
+        execution.leave(stance, control.commanded, way, control.turned)
+
+
+def _execute_by_hand(
+    plan: Plan, setup: RobotSetup, models: Mapping[str, ObjectModel], progress: Progress | None
+) -> Trace:
+    """Carries out a plan of the whole hand; what it holds then is `setup.holding`.
+
+    A guard that stops it makes the hand go back the way it came, which was free, and set down what
+    it holds where it took it.
+    """
+    if plan.grasp is None:
+        return flip_over(plan, setup, models, progress)
+    approach = np.array(plan.grasp.approach_W)
+    recorder = setup.recorder(-approach, progress)
+    try:
+        end, detail = _handle(plan, setup, models, recorder)
+    except EarlyEndError as early:
+        end, detail = early.end, early.detail
+    return recorder.trace(plan.object, approach, end=end, detail=detail)
+
+
+def _handle(
+    plan: Plan, setup: RobotSetup, models: Mapping[str, ObjectModel], recorder: TraceRecorder
+) -> tuple[EndReason, str]:
+    """Looks and makes all steps; returns how that ended."""
+    state = look_around(recorder, models, setup.held)
+    way = setup.reach.grasp_motion(plan, state, SPARE)
+    if isinstance(way, ReachAnswer):
+        return "unreachable", way.message
+    handled = HeldObject.from_plan(plan, state)
+    make = GraspExecution if handled.owner is None else LidExecution
+    execution = make(handled, recorder, way, setup.holding)
+    try:
+        execution.carry_out(setup.reach.mount.home)
+    except EarlyEndError as early:
+        recorder.report("retreat", early.detail)
+        execution.give_up()
+        raise
+    finally:
+        setup.holding = execution.holding
+    return "handled", "all steps were made"

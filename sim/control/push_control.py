@@ -1,0 +1,775 @@
+"""Keeping an object on its line while one fingertip pushes it.
+
+Model: quasi-static sliding with an ellipsoidal limit surface of friction radius c̄ about a centre
+of friction. The fingertip, a sphere of radius r that does not turn, rolls on the face without
+slipping. With κ the face's curvature (0 of a flat one, 1/R of a round one), d the distance from the
+face to the object's middle, s the contact's offset along the face and g that of the centre of
+friction, the face's inward normal at the contact has the heading φ = θ − κ s, and with the
+travelled distance as time
+
+    θ′ = m (α (φ − u) − β (ν s − g)),    s′ = ρ r θ′,    y′ = u + d θ′
+    α = d / (d² + c̄²),  β = 1 / (d² + c̄²),  ν = 1 − κ d,  ρ = 1 / (1 + κ r)
+
+where θ is the heading error, y the lateral error of the middle and u the slope of the fingertip's
+path; m is 1 if c̄ is as believed. On a flat face the middle is ahead of the tip by d + r along the
+normal and aside by s; on a round one it lies on the normal. This is unstable, so (θ, s, g, m) are
+estimated by a Kalman filter from late camera frames and u is chosen by least squares over what
+remains of the way.
+
+Frame: D has its x axis along the push and its origin at W's; θ is the heading of the face's inward
+normal in D, where the face would be touched in its middle.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from objectmodels import ObjectModel
+from objectmodels.geometry.rotations import Array, rot_z, wrap, yaw_of
+from objectmodels.mechanics.push_motion import touched_faces, turning_motion
+from objectmodels.mechanics.push_thresholds import length_along
+from planner.types.plan import USUAL, Plan, speed_profile
+from planner.types.world_state import WorldState
+from sim.control.guarded_touch import TouchControl
+from sim.control.guards import (
+    MOVED,
+    RAMP,
+    Follower,
+    Guards,
+    HandGuard,
+    LimitGuards,
+    TiltEstimator,
+    TiltGuards,
+    band,
+)
+from sim.control.object_estimate import TurnedObject, TurnEstimator
+from sim.control.trace_recorder import EarlyEndError, TraceRecorder
+from sim.motion.fingertip_path import FingertipPath, TiltArc
+from sim.motion.inverse_kinematics import ArmConfiguration
+from sim.traces.trace import EndReason
+from sim.worlds.ports import SeenPose
+
+# --- force control --------------------------------------------------------------------------------
+#
+# Planned motions under force: their plan, beliefs, and the law of their advance.
+#
+# Law: from the touch on, the command advances at
+#
+#     ṡ = v clip((F_limit(t) − F_felt) / band, −1, 1)
+#
+# F_felt is the sum of the fingers' forces along the movement vector and F_limit rises from the
+# touch to the plan's force. While the object stands, v is so low that the fingers' stiffness
+# raises the force at a bounded rate; v rises at a bounded rate after. What v is then and where
+# the command goes is each motion's own: `sim.control.push_control`,
+# `sim.control.push_control`, `sim.control.push_control`.
+#
+# Frames: W is the world, T the midpoint of the pushing fingertips' centres.
+
+
+_FORCE_RATE = 10.0  # of an object that stands [N/s]
+
+FASTEST_START = 0.012
+"""Speed of the command before the object moves, at most [m/s]."""
+
+_LOOK_ANGLE, _LOOK_PLACE = 0.003, 0.0005  # doubt that averaging leaves [rad], [m]
+
+
+class MotionEstimator(Protocol):
+    """An estimate of how the object moves, from the fingertips and from late camera frames."""
+
+    def update_from_tip(self, time: float, tip: Array) -> None:
+        """Takes T in W, shape (2,) [m], at a time [s]."""
+
+    def update_from_camera(self, time: float, pose: SeenPose) -> None:
+        """Takes what a camera frame of an earlier time [s] shows."""
+
+
+@dataclass(frozen=True)
+class ExecutionContext:
+    """A planned motion: the stance of arm and hand, the fingertips' way, what is believed."""
+
+    plan: Plan
+    recorder: TraceRecorder
+    stance: ArmConfiguration
+    way: FingertipPath
+    state: WorldState
+
+
+class ForceController(TouchControl, ABC):
+    """One planned motion, from before a face to its end: first `touch`, then `act`."""
+
+    def __init__(self, errand: ExecutionContext) -> None:
+        self.plan = plan = errand.plan
+        super().__init__(
+            plan.push,
+            plan.push.prediction.onset,
+            errand.recorder,
+            errand.stance,
+            errand.way,
+        )
+        self._state = errand.state
+        self._target = errand.state.objects[plan.push.object]
+        self._started = 0.0
+        self._felt_first = 0.0
+
+    @abstractmethod
+    def act(self) -> tuple[EndReason, str]:
+        """Does what is planned from the touch on; returns how that ended and why."""
+
+    # -- force and speed -----------------------------------------------------------------------
+
+    def _begin(self, asked: str) -> None:
+        """Reports what is asked; from now on the force limit rises."""
+        self.recorder.begin("push", asked)
+        self._started = self.recorder.port.time
+        self._felt_first = self._felt
+
+    @property
+    def _elapsed_time(self) -> float:
+        """Time since it began [s]."""
+        return self.recorder.port.time - self._started
+
+    @property
+    def _felt(self) -> float:
+        """Force along the movement vector, filtered [N]."""
+        return float(self._forces.sum())
+
+    def _room(self) -> float:
+        """Share of its speed with which the command advances now, −1 to 1."""
+        push, first = self.plan.push, self._felt_first
+        limit = min(1.0, self._elapsed_time / RAMP) * (push.force_limit - first) + first
+        self.recorder.force_limit = max(limit, first)
+        return float(np.clip((limit - self._felt) / band(push), -1.0, 1.0))
+
+    def _loading(self) -> float:
+        """Speed of the command that raises the force of an object that stands [m/s]."""
+        return _FORCE_RATE / self.stance.push_stiffness(self._u)
+
+    def _start(self) -> float:
+        """Speed until the object moves [m/s]."""
+        return min(FASTEST_START, self.plan.push.speed, self._loading())
+
+    # -- what is known -------------------------------------------------------------------------
+
+    def _limits(self) -> LimitGuards:
+        """Limits and event of the sentence, from the touch on."""
+        vision, here = self.recorder.port.cell.vision, self._here.midpoint
+        return LimitGuards(self.plan.push, self._state, vision, here, self._period)
+
+    def _inform(self, keeper: MotionEstimator) -> None:
+        keeper.update_from_tip(self.recorder.port.time, self._here.midpoint[:2])
+        for frame in self.recorder.frames:
+            keeper.update_from_camera(frame.time, frame.poses[self._object])
+
+    @property
+    def _camera(self) -> tuple[float, float]:
+        """Standard deviations of a frame's position [m] and heading [rad]."""
+        vision = self.recorder.port.cell.vision
+        return vision.position_noise_m, float(np.radians(vision.angle_noise_deg))
+
+    @property
+    def _look(self) -> tuple[float, float]:
+        """Standard deviations of heading [rad] and place [m] in the look before."""
+        place, angle = self._camera
+        frames = max(1.0, self.recorder.port.cell.vision.rate_hz)  # the look lasted a second
+        return (
+            float(angle / np.sqrt(frames)) + _LOOK_ANGLE,
+            float(place / np.sqrt(frames)) + _LOOK_PLACE,
+        )
+
+
+# --- push control ---------------------------------------------------------------------------------
+
+
+_LATERAL_STEPS = 20  # of the remaining way in the least squares
+_SHORTEST = 0.01  # remaining way over which it is solved at least [m]
+_LATERAL_WEIGHT = 1.0 / 0.0015  # at the end [1/m]
+_HEADING_WEIGHT = 1.0 / np.radians(1.0)  # at the end [1/rad]
+# With its centre of friction aside of the contact an object goes straight only at an angle.
+_ON_THE_WAY = np.radians(4.0)  # heading on the way that weighs one, root mean square [rad]
+_OF_LIMIT = 0.15  # or this share of the largest turn allowed
+_INPUT_WEIGHT = 4.0
+_LATERAL_LARGEST_SLOPE = 0.4  # relative to φ: inside the friction cone, so that the tip sticks
+# Of the steps of the remaining way, how many a later one comes after an earlier one.
+_SINCE = np.subtract.outer(np.arange(_LATERAL_STEPS), np.arange(_LATERAL_STEPS))
+
+# Growth of the filter's doubt per centimetre of way, from friction that varies and tips that slip.
+# Of heading [rad], contact and centre of friction [m], and m.
+_DRIFT = np.array([0.004, 0.0002, 0.0004, 0.02])
+_LEAST, _MOST = 0.25, 2.0  # values that m may take
+
+
+@dataclass(frozen=True)
+class Pushed:
+    """The robot's beliefs about an object that it steers.
+
+    Attributes:
+        depth: distance d from the touched face to the object's middle, along the normal [m].
+        friction_radius: c̄ [m].
+        tip_radius: r of the fingertip [m].
+        facing: heading of the touched face's inward normal in B [rad].
+        curvature: κ of the face [1/m].
+        centre: offset g of the centre of friction from the middle, to the left of the push [m].
+    """
+
+    depth: float
+    friction_radius: float
+    tip_radius: float
+    facing: float = 0.0
+    curvature: float = 0.0
+    centre: float = 0.0
+
+    @property
+    def alpha(self) -> float:
+        """α = d / (d² + c̄²) [1/m]."""
+        return self.depth / (self.depth**2 + self.friction_radius**2)
+
+    @property
+    def beta(self) -> float:
+        """β = 1 / (d² + c̄²) [1/m²]."""
+        return 1.0 / (self.depth**2 + self.friction_radius**2)
+
+    @property
+    def flatness(self) -> float:
+        """ν = 1 − κ d: lever of the contact about the middle per offset along the face."""
+        return 1.0 - self.curvature * self.depth
+
+    @property
+    def rolling(self) -> float:
+        """ρ = 1 / (1 + κ r): turn of the normal at the contact per turn of the object."""
+        return 1.0 / (1.0 + self.curvature * self.tip_radius)
+
+    def turning(self, ahead: float, aside: float) -> Array:
+        """Turn of the object by (θ, s, g, 1) when the tip goes so far in D, m being 1; (4,)."""
+        by_heading, by_lever = self.alpha * ahead, self.beta * ahead
+        by_contact = -self.curvature * by_heading - self.flatness * by_lever
+        return np.array([by_heading, by_contact, by_lever, -self.alpha * aside])
+
+    def middle(self, heading: float, contact: float) -> tuple[Array, Array]:
+        """The middle from the tip in D, shape (2,) [m], and its derivatives by θ and s, (2, 2)."""
+        normal = heading - self.curvature * contact
+        R = rot_z(normal)[:2, :2]
+        ahead, aside = self.depth + self.tip_radius, -self.flatness * contact
+        by_normal = R @ np.array([-aside, ahead])
+        by_contact = -self.curvature * by_normal - self.flatness * R[:, 1]
+        return R @ np.array([ahead, aside]), np.column_stack([by_normal, by_contact])
+
+
+@dataclass
+class _State:
+    """The belief at one time: tip in D, and (θ, s, g, m)."""
+
+    time: float
+    tip: Array
+    belief: Array
+
+
+class LateralController:
+    """Estimates how the object moves and says which way the fingertip must go.
+
+    Args:
+        pushed: the object.
+        direction: heading of the push in W [rad].
+        tip: centre of the fingertip in W when it touches, shape (2,) [m].
+        seen: where the object was seen before, x, y in W [m] and heading of the face's inward
+            normal in W [rad].
+        turn: by which the object is to turn [rad].
+        limit: largest turn on the way [rad].
+        deviations: standard deviations of heading [rad], contact and centre of friction [m] and of
+            c̄ [m] at the start.
+        camera: standard deviations of a frame's position [m] and heading [rad].
+    """
+
+    def __init__(
+        self,
+        pushed: Pushed,
+        direction: float,
+        tip: Array,
+        seen: tuple[float, float, float],
+        *,
+        turn: float = 0.0,
+        limit: float = np.inf,
+        deviations: tuple[float, float, float, float],
+        camera: tuple[float, float],
+    ) -> None:
+        self._R_DW = rot_z(-direction)[:2, :2]
+        self._direction = direction
+        self._pushed = pushed
+        self._way_weight = 1.0 / min(_ON_THE_WAY, _OF_LIMIT * limit) / np.sqrt(_LATERAL_STEPS)
+        *others, radius = deviations
+        by_radius = 2.0 * pushed.friction_radius * pushed.beta
+        self._P = np.diag(np.square([*others, by_radius * radius]))
+        self._R = np.diag(np.square([*2 * (max(camera[0], 1e-6),), max(camera[1], 1e-4)]))
+        x, y, normal = seen
+        heading = float(wrap(normal - direction))
+        tip_D, middle = self._R_DW @ tip, self._R_DW @ np.array([x, y])
+        c, s = np.cos(heading), np.sin(heading)
+        aside = float(np.array([-s, c]) @ (tip_D - middle))
+        self._line = float(middle[1])
+        self._wanted = heading + turn
+        belief = np.array([heading, pushed.rolling * aside, pushed.centre, 1.0])
+        self._history = [_State(0.0, tip_D, belief)]
+        self._first = float(self._middle[0])
+
+    @property
+    def _now(self) -> _State:
+        return self._history[-1]
+
+    @property
+    def _middle(self) -> Array:
+        """The object's middle in D, shape (2,) [m]."""
+        now = self._now
+        return now.tip + self._pushed.middle(*now.belief[:2])[0]
+
+    @property
+    def travelled_distance(self) -> float:
+        """Way of the middle along the push since the touch [m]."""
+        return float(self._middle[0] - self._first)
+
+    def update_from_tip(self, time: float, tip: Array) -> None:
+        """Takes the fingertip's centre in W, shape (2,) [m], at a time [s]."""
+        now = self._now
+        tip_D = self._R_DW @ tip
+        step = tip_D - now.tip
+        *others, mobility = now.belief
+        turning = self._pushed.turning(*step)
+        turned = float(turning @ [*others, 1.0])
+        rolled = np.array([1.0, self._pushed.rolling * self._pushed.tip_radius, 0.0, 0.0])
+        F = np.eye(4) + np.outer(rolled, [*mobility * turning[:3], turned])
+        drift = np.square(_DRIFT) * np.linalg.norm(step) / 0.01
+        self._P = F @ self._P @ F.T + np.diag(drift)
+        self._history.append(_State(time, tip_D, now.belief + mobility * turned * rolled))
+
+    def update_from_camera(self, time: float, pose: SeenPose) -> None:
+        """Takes a camera frame of an earlier time; it corrects everything believed since."""
+        past = [state for state in self._history if state.time >= time - 1e-9]
+        if not past or past[0] is self._history[0]:
+            return
+        then = past[0]
+        middle, slope = self._pushed.middle(*then.belief[:2])
+        p_D = self._R_DW @ pose.p_WB[:2] - then.tip
+        heading = float(yaw_of(pose.R_WB)) + self._pushed.facing - self._direction
+        error = np.array([*(p_D - middle), wrap(heading - then.belief[0])])
+        H = np.zeros((3, 4))
+        H[:2, :2], H[2, 0] = slope, 1.0
+        K = self._P @ H.T @ np.linalg.inv(H @ self._P @ H.T + self._R)
+        self._P = (np.eye(4) - K @ H) @ self._P
+        for state in past:
+            state.belief = state.belief + K @ error
+            state.belief[3] = np.clip(state.belief[3], _LEAST, _MOST)
+
+    def slope(self, remaining: float) -> float:
+        """Slope u = dy/dx of the fingertip's path in D, for the remaining way [m]."""
+        pushed, (heading, contact, centre, mobility) = self._pushed, self._now.belief
+        step = max(remaining, _SHORTEST) / _LATERAL_STEPS
+        turning = mobility * pushed.turning(step, step)
+        # One step of (y, θ, s, g) and what the slope adds to it.
+        change = np.array([pushed.depth, 1.0, pushed.rolling * pushed.tip_radius, 0.0])
+        A = np.eye(4)
+        A[:, 1:] += np.outer(change, turning[:3])
+        B = turning[3] * change + np.array([step, 0.0, 0.0, 0.0])
+        state = np.array([self._middle[1] - self._line, heading, contact, centre])
+        # Columns: what comes of the state alone and of a slope in one step, so many steps later.
+        ahead = [np.column_stack([A @ state, B])]
+        for _ in range(_LATERAL_STEPS - 1):
+            ahead.append(A @ ahead[-1])
+        free, by_slope = np.moveaxis(np.array(ahead)[:, :2], -1, 0)
+        headings = self._way_weight * np.where(_SINCE < 0, 0.0, by_slope[_SINCE, 1])
+        weights = np.array([_LATERAL_WEIGHT, _HEADING_WEIGHT])
+        wanted = np.array([0.0, self._wanted])
+        rows = np.vstack([headings, weights[:, None] * by_slope[::-1].T])
+        missed = np.append(
+            self._way_weight * (free[:, 1] - self._wanted), weights * (free[-1] - wanted)
+        )
+        squares = rows.T @ rows + _INPUT_WEIGHT**2 / _LATERAL_STEPS * np.eye(_LATERAL_STEPS)
+        u = np.linalg.solve(squares, -rows.T @ missed)[0]
+        normal = heading - pushed.curvature * contact
+        return float(np.clip(u, normal - _LATERAL_LARGEST_SLOPE, normal + _LATERAL_LARGEST_SLOPE))
+
+
+# --- push control ---------------------------------------------------------------------------------
+#
+# The push itself: force and speed together, from the touch until an end or a guard.
+#
+# Law: the fingertips' command advances along the movement vector as in
+# `sim.control.push_control`. Once the object moves, the speed rises to the plan's; near
+# the end of the stroke it falls with what remains (`planner.types.plan`). The stroke is that of
+# the object's middle. Two fingers keep the object's heading by themselves, so that the fingertips
+# tell it; where they square the object up to themselves its middle swings aside, which the camera
+# tells. One finger is steered by `sim.control.push_control`, which knows it too.
+#
+# Ends and guards stand in `sim.control.guards`, limits and events in
+# `sim.control.guards`.
+
+
+_PUSH_FOLLOWS = 0.3  # share of the commanded speed with which a moving object follows
+_PUSH_SLOWEST = 0.008  # [m/s]
+_HOLD = 4.0  # rate at which deviations across the vector are corrected [1/s]
+_HOLD_MOST = 0.010  # largest such correction [m]
+_PUSH_LARGEST_SLOPE = 0.2  # of their path then: inside the friction cone
+_STIFFER = 0.5  # deviations of the friction radius: too large a one is corrected on the way
+_CENTRE_SD = 0.002  # of the centre of friction along the face, from friction that varies [m]
+
+
+class _Line:
+    """The line of fingertips led across a push along a unit direction in W, and back onto it."""
+
+    def __init__(self, along: Array) -> None:
+        self._along = along
+        self._across = np.zeros(3)
+        self._correction = np.zeros(3)
+
+    def correction(self, step: Array, come: Array, period: float) -> Array:
+        """Correction of a command that advances by a step; T has come so far, shape (3,) [m]."""
+        self._across = self._across + step - (step @ self._along) * self._along
+        off = come - (come @ self._along) * self._along - self._across
+        wanted = self._correction - _HOLD * period * off
+        self._correction = wanted * min(1.0, _HOLD_MOST / max(float(np.linalg.norm(wanted)), 1e-9))
+        return self._correction
+
+
+class PushControl(ForceController):
+    """One push, from before the face to its end."""
+
+    def act(self) -> tuple[EndReason, str]:
+        """Pushes until an end or a guard; returns which and why."""
+        push = self.plan.push
+        self._begin(f"pushing with at most {push.force_limit:.1f} N")
+        origin, command, line = self._here.midpoint, self.commanded, _Line(self._u)
+        steering = self._steering() if push.fingers == 1 and push.ends_on == "stroke" else None
+        limits = self._limits()
+        slope = 0.0
+        turns = push.ends_on == "stroke" and push.turn != 0.0
+        sideways = np.array([*self._leftwards, 0.0])
+        speed = start = self._start()
+        guards = Guards(self.plan, self._period)
+        hand = HandGuard(self.stance, self._state, push.object)
+        while True:
+            now, elapsed, felt = self.recorder.port.time, self._elapsed_time, self._felt
+            here = self._here.midpoint
+            come = float((here - origin) @ self._u)
+            stopped = limits.end(elapsed, now, here, felt, self.recorder.frames)
+            if steering is not None:
+                self._inform(steering)
+                come, slope = (
+                    steering.travelled_distance,
+                    steering.slope(push.stroke - steering.travelled_distance),
+                )
+            elif turns:
+                come, slope = self._led_way(limits.follower)
+            aside = float((here - origin) @ sideways)
+            stopped = stopped or hand.end(self.recorder.port.commanded[0], aside)
+            end = guards.end(elapsed, come, felt, self._tilt) or stopped
+            if end is not None:
+                return end
+            speed = self._speed(speed, start, come, guards.speed)
+            advance = speed * self._room()
+            step = advance * self._period * (self._u + slope * sideways) / np.hypot(1.0, slope)
+            command = command + step
+            off = line.correction(step, here - origin, self._period)
+            self._step(command + off, self._u)
+
+    def _speed(self, before: float, start: float, travel: float, measured: float) -> float:
+        """Largest speed now: slow until something moves, then up to the plan's, slow at the end."""
+        push, profile = self.plan.push, USUAL
+        if push.ends_on == "stroke":
+            profile = speed_profile(push.speed, push.stroke)
+        if travel < MOVED or (measured < _PUSH_FOLLOWS * before and before > 2.0 * _PUSH_SLOWEST):
+            return start
+        allowed = self._faster(before, push.speed, profile.acceleration)
+        if push.ends_on == "stroke":
+            allowed = min(allowed, max(_PUSH_SLOWEST, profile.braking * (push.stroke - travel)))
+        return allowed
+
+    # -- steering ------------------------------------------------------------------------------
+
+    @property
+    def _leftwards(self) -> Array:
+        """Unit vector to the left of the push in W, shape (2,)."""
+        return np.array([-self._u[1], self._u[0]])
+
+    def _led_way(self, follower: Follower) -> tuple[float, float]:
+        """Way of an object that two fingers square up [m], and their path's slope.
+
+        Its middle swings aside while it does.
+        """
+        come, aside = follower.displacement @ self._u[:2], follower.displacement @ self._leftwards
+        remaining = max(self.plan.push.stroke - float(come), _SHORTEST)
+        return float(come), float(
+            np.clip(-aside / remaining, -_PUSH_LARGEST_SLOPE, _PUSH_LARGEST_SLOPE)
+        )
+
+    def _steering(self) -> LateralController:
+        """Steering from what is believed at the touch."""
+        push, pose, model = self.plan.push, self._target.pose, self._target.model
+        inward = float(np.arctan2(-push.normal_W[1], -push.normal_W[0]))
+        facing = inward - pose.yaw
+        into = np.array([np.cos(facing), np.sin(facing)])
+        face = max(model.faces([facing]), key=lambda face: -into @ face.normal[:2])
+        left = np.array([-into[1], into[0]])
+        return LateralController(
+            Pushed(
+                depth=float(-into @ push.p_BC[:2]),
+                tip_radius=self._tip_radius,
+                friction_radius=model.friction_radius + _STIFFER * model.friction_radius_sd,
+                facing=facing,
+                curvature=face.curvature,
+                centre=float(left @ model.com[:2]),
+            ),
+            float(np.arctan2(self._u[1], self._u[0])),
+            self._here.midpoint[:2],
+            (pose.x, pose.y, inward),
+            turn=push.turn,
+            limit=push.limits.turn or np.inf,
+            deviations=(
+                *self._look,
+                float(np.hypot(_CENTRE_SD, np.abs(left) @ model.com_sd[:2])),
+                model.friction_radius_sd,
+            ),
+            camera=self._camera,
+        )
+
+
+# --- tilt control ---------------------------------------------------------------------------------
+#
+# A tilt and back: leans an object on the far edge of its base, holds it, lets it back.
+#
+# After the touch the fingertips go along the arc on which the contact turns about that edge, a
+# `TiltArc`, sticking to the face, no faster than the force limit allows (the law of
+# `sim.control.push_control`), and slower as the asked tilt comes near, so that they stop
+# on it. They hold still for a moment, then go back the same way and carry the object down until
+# its base stands and presses on them no more. Where they cannot go on (it slides, it leans too
+# far, the force does not suffice), they let it back at once.
+#
+# Frames: W is the world, T the midpoint of the pushing fingertips' centres.
+
+
+HOLD = 0.5
+"""Time for which the tilt is held [s]."""
+
+_SPEED = 0.8  # share of the plan's speed that is commanded; the fingertip overtakes it in jerks
+_RATE, _BACK_RATE = np.radians([6.0, 5.0])  # of tilting and of letting back [rad/s]
+_TILT_SLOWEST = np.radians(1.0)  # where it ends and where the base meets the table [rad/s]
+_BRAKING = 2.0  # rate per remaining tilt [1/s]
+_ACCELERATION = np.radians(12.0)  # [rad/s²]
+_STANDS = np.radians(1.0)  # tilt of an object that stands, as far as is seen
+_GONE = 0.15  # share of the largest force that a standing object no longer exceeds
+_BEHIND = 0.02  # most way back behind the touch [m]
+_TILT_STEPS = 8  # places of the arc that the arm is asked for beforehand
+
+
+class TiltControl(ForceController):
+    """One tilt, from before the face until the object stands again."""
+
+    def __init__(self, errand: ExecutionContext) -> None:
+        super().__init__(errand)
+        self._length = length_along(self._target.model, self._target.pose.R_WB.T @ self._u)
+        self._arc = TiltArc(self.way.touch, self._u, self._length, self._tip_radius)
+        self._view = TiltEstimator(self._camera[1])
+        self._angle = 0.0  # of the arc, as commanded
+        self._most = 0.0  # the largest tilt
+        self._most_force = 0.0
+
+    def act(self) -> tuple[EndReason, str]:
+        """Tilts, holds and lets back; returns how that ended and why."""
+        push = self.plan.push
+        self._arc = TiltArc(self._here.midpoint, self._u, self._length, self._tip_radius)
+        self._angle = float(self._arc.tilt_angles(self.commanded[None])[0])
+        for angle in np.linspace(0.0, push.tilt, _TILT_STEPS):
+            self.stance.joint_angles(self._arc.tip_at(angle))
+        self._begin(f"tilting it by {np.degrees(push.tilt):.1f}°")
+        try:
+            early = self._raise()
+            if early is None:
+                for _ in range(round(HOLD / self._period)):
+                    self._lean(0.0)
+        except EarlyEndError as stopped:
+            early = stopped.end, stopped.detail
+            self.recorder.phase = "retreat"
+        self.recorder.report("push", "letting it back")
+        back = self._let_back()
+        if early is not None or not back:
+            return early or ("guard", "it did not come back onto its base")
+        told = f"it was tilted by {np.degrees(self._most):.1f}° and stands on its base again"
+        return "returned", told
+
+    def _raise(self) -> tuple[EndReason, str] | None:
+        """Tilts it; why that ended early, or None."""
+        push = self.plan.push
+        guards = TiltGuards(self.plan, self._period, self._view)
+        fastest = min(_RATE, _SPEED * push.speed / self._arc.arc_radius)
+        standing = self._loading() / self._arc.arc_radius
+        wanted = push.tilt
+        rate = min(fastest, standing)
+        while self._view.tilt < wanted:
+            travel = float((self._here.midpoint - self._arc.origin) @ self._u)
+            end = guards.end(self._elapsed_time, travel, self._felt, self._view.tilt)
+            if end is not None:
+                return end
+            rate = self._faster(rate, fastest, _ACCELERATION)
+            if travel < MOVED:
+                rate = min(rate, standing)
+            allowed = min(rate, max(_TILT_SLOWEST, _BRAKING * (wanted - self._view.tilt)))
+            self._lean(allowed * self._room())
+        return None
+
+    def _let_back(self) -> bool:
+        """Carries it down; whether it stands."""
+        behind = -_BEHIND / self._arc.arc_radius
+        while self._angle > behind and not self._stands():
+            near = max(_TILT_SLOWEST, _BRAKING * self._view.own)
+            self._lean(-min(_BACK_RATE, _SPEED * self.plan.push.speed / self._arc.arc_radius, near))
+        return self._stands()
+
+    def _stands(self) -> bool:
+        gone = self._felt < _GONE * self._most_force
+        return bool(gone and self._view.tilt < _STANDS)
+
+    def _lean(self, rate: float) -> None:
+        """Goes on along the arc at a rate [rad/s] for a control step."""
+        self._angle += rate * self._period
+        lean = self._view.own
+        # Where the fingertip touches goes round on it as the face leans.
+        self.recorder.inward = np.cos(lean) * self._u - [0.0, 0.0, np.sin(lean)]
+        self._step(self._arc.tip_at(self._angle), self._u)
+        now = self.recorder.port.time
+        self._view.update_from_tip(now, float(self._arc.tilt_angles(self._here.midpoint[None])[0]))
+        for frame in self.recorder.frames:
+            up = frame.poses[self._object].R_WB[:, 2]
+            self._view.update_from_camera(frame.time, float(np.arctan2(up @ self._u, up[2])))
+        self._most = max(self._most, self._view.tilt)
+        self._most_force = max(self._most_force, self._felt)
+
+
+# --- turn control ---------------------------------------------------------------------------------
+#
+# A push that turns an object: one finger off the middle of a face, the palm turning along.
+#
+# Law: as in `sim.control.push_control`, the contact advances while less than the force
+# limit is felt; its direction is fixed relative to the face, which turns. The turn is estimated
+# by `sim.control.object_estimate`; the speed falls with what remains of it, and the push
+# ends when the estimate reaches it.
+
+
+_CONTACT = 0.8  # speed of the contact as a share of that of the fingertip, which is farther out
+_TURN_SLOWEST = np.radians(1.5)  # turning rate at the end [rad/s]
+_TURN_FOLLOWS = 0.1  # share of its error that the palm's heading loses in a control step
+_FACE_END = 0.002  # distance from the end of a face at which the push stops [m]
+
+
+class TurnControl(ForceController):
+    """One push that turns an object, from before the face to its end."""
+
+    def __init__(self, errand: ExecutionContext) -> None:
+        super().__init__(errand)
+        self._direction = self._u
+        # In B: where the face is touched, and where along it, half its width, its curvature.
+        outward = self._target.pose.R_WB.T @ -self.way.inward
+        self._point = np.array([self.plan.push.p_BC])
+        self._normal = _normal(self._target.model, outward)[None]
+        (self._face,) = touched_faces(self._target.model, self._point[:, :2], self._normal[:, :2])
+
+    def act(self) -> tuple[EndReason, str]:
+        """Pushes until an end or a guard; returns which and why."""
+        push = self.plan.push
+        asked = f"turning it by {np.degrees(push.turn):.0f}° with at most {push.force_limit:.1f} N"
+        self._begin(asked)
+        command = self.commanded
+        keeper, guards = self._keeper(), Guards(self.plan, self._period)
+        limits = self._limits()
+        speed = start = self._start()
+        while True:
+            now, elapsed, felt = self.recorder.port.time, self._elapsed_time, self._felt
+            here = self._here.midpoint
+            self._inform(keeper)
+            stopped = limits.end(elapsed, now, here, felt, self.recorder.frames)
+            end = self._turn_end(keeper) or self._at_an_end_of_the_face(keeper)
+            end = end or guards.end(elapsed, keeper.travel, felt, self._tilt) or stopped
+            if end is not None:
+                return end
+            speed = self._speed(speed, start, keeper)
+            advance = speed * self._room() * self._period
+            self._follow(keeper, advance)
+            # The finger's spring, bent in the direction of the force, turns along.
+            bent = command - here
+            swung = rot_z(keeper.rate * advance) @ bent - bent
+            command = command + advance * self._u + swung
+            self._step(command, self._u)
+
+    def _turn_end(self, keeper: TurnEstimator) -> tuple[EndReason, str] | None:
+        if (
+            abs(keeper.turn_angle) < abs(self.plan.push.turn)
+            or keeper.turn_angle * self.plan.push.turn < 0
+        ):
+            return None
+        return "turned", f"it was seen to turn by {np.degrees(keeper.turn_angle):.1f}°"
+
+    def _at_an_end_of_the_face(self, keeper: TurnEstimator) -> tuple[EndReason, str] | None:
+        at, half, curvature = self._face
+        # Along ẑ × inward, which is against the face's tangent.
+        if curvature == 0.0 and abs(at - keeper.slip) > half - _FACE_END:
+            return "guard", f"the fingertip slid {1e3 * abs(keeper.slip):.0f} mm, off the face"
+        return None
+
+    def _speed(self, before: float, start: float, keeper: TurnEstimator) -> float:
+        """Largest speed of the contact now [m/s]: slow until it moves, and as the end is near."""
+        if abs(keeper.travel) < MOVED:
+            return start
+        remaining = abs(self.plan.push.turn - keeper.turn_angle)
+        at_end = float(max(_TURN_SLOWEST, _BRAKING * remaining) / abs(keeper.rate))
+        return self._faster(before, min(at_end, _CONTACT * self.plan.push.speed))
+
+    def _follow(self, keeper: TurnEstimator, advance: float) -> None:
+        """Turns palm and direction with the object."""
+        self.turned += keeper.rate * advance
+        self.turned += _TURN_FOLLOWS * (keeper.turn_angle - self.turned)
+        R = rot_z(self.turned)
+        self._u = R @ self._direction
+        self.recorder.inward = R @ self.way.inward
+
+    # -- what is known -------------------------------------------------------------------------
+
+    def _keeper(self) -> TurnEstimator:
+        """The estimate of the turn, from what is believed at the touch."""
+        pose, inward = self._target.pose, self.way.inward[:2]
+        here, centre = self._here.midpoint[:2], self.way.touch[:2]
+        along = np.array([-inward[1], inward[0]])
+        body = TurnedObject(
+            yaw=pose.yaw,
+            inward=inward,
+            middle=pose.p_WB[:2] - centre,
+            direction=self._direction[:2],
+            radius=self._tip_radius,
+            rate=self._rate(),
+        )
+        return TurnEstimator(
+            body,
+            here,
+            float((here - centre) @ along),
+            deviations=self._look,
+            camera=self._camera,
+        )
+
+    def _rate(self) -> float:
+        """Turn per travel of the contact, as the object's model has it [rad/m]."""
+        inward, u = self.way.inward, self._direction
+        slant = float(np.arctan2(inward[0] * u[1] - inward[1] * u[0], inward @ u))
+        turn = self.plan.push.turn
+        predicted = turning_motion(self._target.model, self._point, self._normal, slant, turn)
+        travel = float(predicted.travel[0])
+        return turn / (travel if np.isfinite(travel) else self.plan.push.stroke)
+
+
+def _normal(model: ObjectModel, outward: Array) -> Array:
+    """Level normal of the face that looks most along a direction in B, shape (3,).
+
+    A plan is made from an earlier look at the object: its direction is that of the face but for
+    the noise of two looks.
+    """
+    faces = model.faces(np.array([np.arctan2(-outward[1], -outward[0])]))
+    level = [np.array([*face.normal[:2], 0.0]) / np.hypot(*face.normal[:2]) for face in faces]
+    return max(level, key=lambda normal: float(normal @ outward))

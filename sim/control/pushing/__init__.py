@@ -1,1 +1,0 @@
-"""Force control of a push, its guards and estimators."""

@@ -1,1 +1,0 @@
-"""A plan carried out: push, grasp and lid execution."""

@@ -1,1 +1,0 @@
-"""Pushes all over a face with the truth known (`map --experiment`)."""

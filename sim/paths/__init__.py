@@ -1,1 +1,0 @@
-"""Paths of fingertips and held objects: geometry that knows no robot."""

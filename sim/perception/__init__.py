@@ -1,1 +1,0 @@
-"""Camera frames to world state, fingertip forces."""

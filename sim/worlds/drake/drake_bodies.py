@@ -1,0 +1,567 @@
+"""Lids as bodies of the simulated world.
+
+Model: each lid is a body L on a joint with Coulomb friction (an actuator of hardly any stiffness,
+strong damping and the friction as its largest effort; Drake ignores the friction of joints):
+
+- a flip lid on a hinge, which ends at its largest opening;
+- a lift-off lid on a seat that slides along B_z against the retention;
+- a screw cap on a seat that turns on a thread.
+
+The lid is a free body that a constraint welds to its seat until it is off
+(`sim.worlds.drake.contents`). The two share its mass while it is on, because a solver is stiff
+only about what has some mass.
+
+A lid's solid touches fingers and other objects, but not its own one; one that may lie about stands
+on small spheres under its rim.
+
+Frame: L is B moved up to the object's top, for a flip lid to its hinge, while the lid is closed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from objectmodels.containers import lids
+from objectmodels.geometry.base_shapes import Disc
+from objectmodels.geometry.rotations import Array, rot_z
+from objectmodels.models.object_parts import FlipLid, Lid, LiftOffLid, ScrewCap, inner_floor
+from sim.robots.cell_description import Point3, Table
+from sim.truth.object_truth import Truth
+from sim.truth.scene_file import SceneObject
+from sim.worlds.ports import BodyContact
+
+if TYPE_CHECKING:
+    from pydrake.geometry import GeometryId, ProximityProperties, SceneGraph, Shape
+    from pydrake.math import RigidTransform
+    from pydrake.multibody.plant import MultibodyPlant
+    from pydrake.multibody.tree import (
+        Frame,
+        Joint,
+        ModelInstanceIndex,
+        MultibodyConstraintId,
+        RigidBody,
+        SpatialInertia,
+    )
+    from pydrake.systems.framework import Context
+
+
+# --- body contacts --------------------------------------------------------------------------------
+#
+# Contacts of bodies: their material, and the events in which they begin to touch.
+#
+# Drake combines two friction coefficients as 2ab/(a+b). Robot and table are given a huge one, so
+# a pair's coefficient is twice the object's own: half of the true coefficient is written to it,
+# and each object keeps its own friction against table and fingers.
+#
+# Bodies touch where their shapes overlap, as in the plant's own point contact. Asking for the
+# shapes costs a twentieth of asking the plant for its contacts, since no forces are solved for.
+
+
+ROUGH = 1e9  # with this coefficient on one side, a pair has twice the other side's
+_BODY_STIFFNESS, _BODY_DISSIPATION = 1e6, 20.0
+
+
+def surface(friction: float) -> ProximityProperties:
+    """Contact material of a body with a coefficient of friction."""
+    from pydrake.geometry import AddContactMaterial, ProximityProperties
+    from pydrake.multibody.plant import CoulombFriction
+
+    properties = ProximityProperties()
+    AddContactMaterial(
+        dissipation=_BODY_DISSIPATION,
+        point_stiffness=_BODY_STIFFNESS,
+        friction=CoulombFriction(friction, friction),
+        properties=properties,
+    )
+    return properties
+
+
+APART = 1.0
+"""The robot touches an object anew if it did not for so long; less is one touch that chatters [s].
+"""
+
+_SEPARATED = 0.1
+"""Two bodies that were apart for less are taken as having touched all the time [s]."""
+
+_TABLE = "table"
+
+
+class ContactWatch:
+    """Touches of bodies, told when they begin.
+
+    Args:
+        plant: whose bodies they are; its world is the table.
+        objects: names of the bodies that are objects; the others are the robot's.
+        lids: names of the objects to whom bodies of other names belong. What touches a lid touches
+            its object; a lid that lies on its object or on the table is not told.
+
+    Attributes:
+        begun: touches that began at the time noted last; objects standing on the table are not
+            told.
+    """
+
+    def __init__(
+        self,
+        plant: MultibodyPlant,
+        objects: Collection[str],
+        lids: Mapping[str, str] | None = None,
+    ) -> None:
+        from pydrake.multibody.tree import BodyIndex
+
+        self._shapes = plant.get_geometry_query_input_port()
+        self._bodies = {
+            geometry: plant.get_body(BodyIndex(i)).name() if i else _TABLE
+            for i in range(plant.num_bodies())
+            for geometry in plant.GetCollisionGeometriesForBody(plant.get_body(BodyIndex(i)))
+        }
+        self._objects = frozenset(objects)
+        self._owner = {name: name for name in objects} | dict(lids or {})
+        self._untold = frozenset(self._standing())
+        self.begun: list[BodyContact] = []
+        self._touching: dict[tuple[str, str], float] = {}
+        self._by_robot: dict[str, float] = {}
+
+    def note(self, time: float, context: Context) -> list[str]:
+        """Takes in contacts at a time [s]; returns objects that the robot began to touch."""
+        self.begun, anew = [], []
+        for pair in self._pairs(context):
+            if time - self._touching.get(pair, -np.inf) > _SEPARATED:
+                self.begun.append(BodyContact(time, *pair))
+            self._touching[pair] = time
+            touched = self._objects.intersection(self._owners(pair))
+            if len(touched) == 1:
+                (name,) = touched
+                if time - self._by_robot.get(name, -np.inf) > APART:
+                    anew.append(name)
+                self._by_robot[name] = time
+        return anew
+
+    def in_robot(self, context: Context) -> Iterator[tuple[str, float]]:
+        """Names of the objects that are in the robot, and how deep [m]."""
+        for overlap in self._shapes.Eval(context).ComputePointPairPenetration():
+            pair = {self._bodies[overlap.id_A], self._bodies[overlap.id_B]} - {_TABLE}
+            owners = {self._owner[name] for name in pair if name in self._owner}
+            if len(pair) == 2 and len(owners) == 1 and not pair <= self._owner.keys():
+                yield *owners, overlap.depth
+
+    def _standing(self) -> Iterator[tuple[str, str]]:
+        """Pairs of bodies whose contact is nothing to tell: what belongs together, or stands."""
+        for name, owner in self._owner.items():
+            yield from ((name, _TABLE), (_TABLE, name))
+            yield from ((name, other) for other, its in self._owner.items() if its == owner)
+
+    def _pairs(self, context: Context) -> Iterator[tuple[str, str]]:
+        """Names of the bodies in contact, but for what only stands."""
+        for overlap in self._shapes.Eval(context).ComputePointPairPenetration():
+            a, b = self._bodies[overlap.id_A], self._bodies[overlap.id_B]
+            if (a, b) not in self._untold:
+                yield (a, b) if a < b else (b, a)
+
+    def _owners(self, pair: tuple[str, str]) -> set[str]:
+        """The two bodies, with objects instead of their lids."""
+        return {self._owner.get(name, name) for name in pair}
+
+
+# --- drake bodies ---------------------------------------------------------------------------------
+
+
+_CREEP = 1e-4  # speed at which the friction of a joint is reached [rad/s], [m/s]
+_ROTOR = 1e-6  # keeps a light cap on its thread from being stiff to solve [kg m²]
+_ON, _OFF = 0.5, 1e-3  # the seat's share of the lid's mass
+_FOOT_RADIUS = 1e-3
+_FEET = 8
+_LID_COLOUR = np.array([0.93, 0.93, 0.90, 1.0])
+
+
+@dataclass(frozen=True)
+class LidBody:
+    """A lid in a plant.
+
+    Attributes:
+        lid: how it is.
+        body: its body.
+        model: the model instance of lid and seat.
+        joint: hinge, slide or thread.
+        seat: on which one lies that comes off; else None.
+        weld: that holds it to its seat.
+        solids: what touches fingers and other objects.
+        feet: what touches the table, and its own object once it is off.
+        own: the solid of its object.
+    """
+
+    lid: Lid
+    body: RigidBody
+    model: ModelInstanceIndex
+    joint: Joint
+    seat: RigidBody | None
+    weld: MultibodyConstraintId | None
+    solids: list[GeometryId]
+    feet: list[GeometryId]
+    own: GeometryId
+
+
+def add_lid(
+    plant: MultibodyPlant, item: SceneObject, body: RigidBody, solid: GeometryId
+) -> LidBody | None:
+    """Adds the lid of an object with a body and a solid, closed; None if it has none."""
+    from pydrake.math import RigidTransform
+
+    lid = item.truth.lid
+    if lid is None:
+        return None
+    name = lids.lid_name(item.name)
+    model = plant.AddModelInstance(name)
+    if isinstance(lid, FlipLid):
+        return _add_flip_lid(plant, item, lid, body, solid, model)
+    on_seat, on_lid = shared_inertia(lid, on=True)
+    seat = plant.AddRigidBody(f"{name} seat", model, on_seat)
+    covering = plant.AddRigidBody(name, model, on_lid)
+    rim = _rim_frame(plant, name, body, (0.0, 0.0, item.truth.height))
+    joint = _add_seat(plant, lid, rim, seat)
+    weld = plant.AddWeldConstraint(seat, RigidTransform(), covering, RigidTransform())
+    shapes = _shapes(lid)
+    solids = [_add_solid(plant, covering, item, part, shape) for part, shape in shapes.items()]
+    feet = _add_feet(plant, covering, item, lid.radius - _FOOT_RADIUS)
+    return LidBody(lid, covering, model, joint, seat, weld, solids, feet, solid)
+
+
+def _add_flip_lid(
+    plant: MultibodyPlant,
+    item: SceneObject,
+    lid: FlipLid,
+    body: RigidBody,
+    solid: GeometryId,
+    model: ModelInstanceIndex,
+) -> LidBody:
+    from pydrake.geometry import Box, Cylinder
+    from pydrake.math import RigidTransform, RotationMatrix
+    from pydrake.multibody.tree import RevoluteJoint
+
+    name, rim = lids.lid_name(item.name), item.truth.rim
+    hinge = lids.lid_hinge(lid, rim, item.truth.height)
+    covering = plant.AddRigidBody(name, model, _disc_inertia(lid, hinge))
+    axis = np.cross(hinge.out, [0.0, 0.0, 1.0])
+    joint = plant.AddJoint(
+        RevoluteJoint(
+            f"{name} hinge",
+            _rim_frame(plant, name, body, hinge.p_BH.tolist()),
+            covering.body_frame(),
+            axis,
+            0.0,
+            lid.opens_to,
+        )
+    )
+    _add_friction(plant, joint, lid.friction_torque)
+    across = rim.extent(np.array([axis[:2], -axis[:2]])).tolist()
+    R_LT = rot_z(lid.tab_heading)
+    plate: Shape = Box(hinge.reach, sum(across), lids.THICKNESS)
+    if isinstance(rim, Disc):
+        plate = Cylinder(rim.radius, lids.THICKNESS)
+    tab_middle = hinge.reach + 0.5 * lid.tab
+    shapes = {
+        "disc": (plate, 0.5 * hinge.reach),
+        "tab": (Box(lid.tab, lids.TAB_WIDTH, lids.THICKNESS), tab_middle),
+    }
+    solids = []
+    for part, (shape, distance) in shapes.items():
+        p = distance * hinge.out + [0.0, 0.0, 0.5 * lids.THICKNESS]
+        X_LG = RigidTransform(RotationMatrix(R_LT), p)
+        solids.append(_add_solid(plant, covering, item, part, (shape, X_LG)))
+    return LidBody(lid, covering, model, joint, None, None, solids, [], solid)
+
+
+def _rim_frame(plant: MultibodyPlant, name: str, body: RigidBody, p_B: Iterable[float]) -> Frame:
+    from pydrake.math import RigidTransform
+    from pydrake.multibody.tree import FixedOffsetFrame
+
+    X_BF = RigidTransform(np.array(list(p_B)))
+    return plant.AddFrame(FixedOffsetFrame(f"{name} rim", body.body_frame(), X_BF))
+
+
+def _add_seat(
+    plant: MultibodyPlant, lid: LiftOffLid | ScrewCap, rim: Frame, seat: RigidBody
+) -> Joint:
+    """The joint on which a lid comes off, closed at its lower end."""
+    from pydrake.multibody.tree import PrismaticJoint, ScrewJoint
+
+    up = np.array([0.0, 0.0, 1.0])
+    name = f"{seat.name()} joint"
+    if isinstance(lid, LiftOffLid):
+        joint = plant.AddJoint(PrismaticJoint(name, rim, seat.body_frame(), up, 0.0, np.inf))
+        _add_friction(plant, joint, lid.retention)
+        return joint
+    joint = plant.AddJoint(ScrewJoint(name, rim, seat.body_frame(), up, lid.pitch, 0.0))
+    joint.set_position_limits([0.0], [np.inf])
+    _add_friction(plant, joint, lid.friction_torque)
+    return joint
+
+
+def _add_friction(plant: MultibodyPlant, joint: Joint, friction: float) -> None:
+    from pydrake.multibody.tree import PdControllerGains
+
+    largest = max(friction, 1e-9)  # an actuator needs a limit
+    actuator = plant.AddJointActuator(f"{joint.name()} friction", joint, largest)
+    actuator.set_default_rotor_inertia(_ROTOR)
+    actuator.set_controller_gains(PdControllerGains(p=1e-9, d=largest / _CREEP))
+
+
+def _shapes(lid: LiftOffLid | ScrewCap) -> dict[str, tuple[Shape, RigidTransform]]:
+    from pydrake.geometry import Cylinder
+    from pydrake.math import RigidTransform
+
+    def above(z: float) -> RigidTransform:
+        return RigidTransform(np.array([0.0, 0.0, z]))
+
+    shapes = {"disc": (Cylinder(lid.radius, lid.height), above(0.5 * lid.height))}
+    if isinstance(lid, LiftOffLid):
+        knob = Cylinder(lid.knob_radius, lid.knob_height)
+        shapes["knob"] = knob, above(lid.height + 0.5 * lid.knob_height)
+    return shapes
+
+
+def _add_solid(
+    plant: MultibodyPlant,
+    body: RigidBody,
+    item: SceneObject,
+    part: str,
+    shape: tuple[Shape, RigidTransform],
+) -> GeometryId:
+    solid, X_LG = shape
+    plant.RegisterVisualGeometry(body, X_LG, solid, part, _LID_COLOUR)
+    skin = surface(item.truth.friction_finger / 2)
+    return plant.RegisterCollisionGeometry(body, X_LG, solid, part, skin)
+
+
+def _add_feet(
+    plant: MultibodyPlant, body: RigidBody, item: SceneObject, radius: float
+) -> list[GeometryId]:
+    from pydrake.geometry import Sphere
+    from pydrake.math import RigidTransform
+
+    skin = surface(item.truth.friction_table / 2)
+    feet = []
+    for k, turn in enumerate(2.0 * np.pi * np.arange(_FEET) / _FEET):
+        p = np.array([radius * np.cos(turn), radius * np.sin(turn), _FOOT_RADIUS])
+        foot = Sphere(_FOOT_RADIUS)
+        feet.append(
+            plant.RegisterCollisionGeometry(body, RigidTransform(p), foot, f"foot_{k}", skin)
+        )
+    return feet
+
+
+def _disc_inertia(lid: FlipLid, hinge: lids.Hinge) -> SpatialInertia:
+    p_LLcm = hinge.centre_of_mass(0.0) - hinge.p_BH
+    return _cylinder_inertia(lid.mass, 0.5 * hinge.reach, lids.THICKNESS, p_LLcm)
+
+
+def shared_inertia(
+    lid: LiftOffLid | ScrewCap, *, on: bool
+) -> tuple[SpatialInertia, SpatialInertia]:
+    """Inertia in L of the seat and of the lid, whether it is on or off."""
+    share = _ON if on else _OFF
+    middle = np.array([0.0, 0.0, 0.5 * lid.height])
+    seat, covering = (
+        _cylinder_inertia(part * lid.mass, lid.radius, lid.height, middle)
+        for part in (share, 1.0 - share)
+    )
+    return seat, covering
+
+
+def _cylinder_inertia(mass: float, radius: float, height: float, p_cm: Array) -> SpatialInertia:
+    from pydrake.multibody.tree import SpatialInertia, UnitInertia
+
+    G_cm = UnitInertia.SolidCylinder(radius, height, np.array([0.0, 0.0, 1.0]))
+    return SpatialInertia(mass, p_cm, G_cm.ShiftFromCenterOfMass(p_cm))
+
+
+def filter_lids(
+    scene_graph: SceneGraph,
+    bodies: Iterable[LidBody],
+    *,
+    robot: list[GeometryId],
+    table: GeometryId,
+    feet: list[GeometryId],
+) -> None:
+    """Lids touch all but their own object, one that may lie about the table with its feet only."""
+    from pydrake.geometry import CollisionFilterDeclaration, GeometrySet
+
+    every = list(bodies)
+    lid_feet = [foot for each in every for foot in each.feet]
+    pairs = CollisionFilterDeclaration()
+    for each in every:
+        pairs.ExcludeWithin(GeometrySet([*each.solids, *each.feet, each.own]))
+        pairs.ExcludeBetween(GeometrySet(each.solids), GeometrySet([*feet, *lid_feet]))
+        if each.feet:
+            pairs.ExcludeBetween(GeometrySet(each.solids), GeometrySet(table))
+    pairs.ExcludeWithin(GeometrySet(lid_feet))
+    pairs.ExcludeBetween(GeometrySet(lid_feet), GeometrySet([*robot, *feet]))
+    scene_graph.collision_filter_manager().Apply(pairs)
+
+
+# --- stack contacts -------------------------------------------------------------------------------
+#
+# Contacts of objects that stand on one another.
+#
+# Model: two flat faces press on each other wherever they overlap, and Drake's point contact has
+# one point of two solids only. So each object has a slab besides, its solid a little drawn in at
+# the sides, which meets nothing but other slabs, in Drake's compliant hydroelastic contact. It
+# stands out at top and bottom, so that solids which are stacked do not meet. That of an open box
+# is its floor. Things that stand side by side touch with their solids, as if there were no slabs.
+#
+# Drake combines the friction coefficients a and b of two slabs as 2ab/(a+b).
+
+
+STANDS_OUT = 5e-5
+"""How far a slab stands out at top and bottom [m]."""
+
+_DRAWN_IN = 5e-4  # at the sides, more than solids ever overlap there [m]
+_STACK_STIFFNESS = (
+    5e12  # so that what presses on an edge leans by less than a tenth of a degree [Pa/m]
+)
+_STACK_DISSIPATION = 2e3  # a box that rocks by a degree stands still after half a second [s/m]
+
+
+def add_slab(plant: MultibodyPlant, truth: Truth, body: RigidBody) -> GeometryId:
+    """Adds the slab of an object to its body."""
+    from pydrake.geometry import (
+        AddCompliantHydroelasticProperties,
+        AddContactMaterial,
+        Convex,
+        ProximityProperties,
+    )
+    from pydrake.math import RigidTransform
+    from pydrake.multibody.plant import CoulombFriction
+
+    corners = np.array([*hull_points(truth)])
+    middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
+    off = corners - middle
+    around = np.hypot(*off[:, :2].T)
+    off[:, :2] *= np.maximum(0.0, 1.0 - _DRAWN_IN / np.maximum(around, _DRAWN_IN))[:, None]
+    off[:, 2] += np.sign(off[:, 2]) * STANDS_OUT
+    slab = Convex((middle + off).T, "slab")
+    properties = ProximityProperties()
+    friction = CoulombFriction(truth.friction_table, truth.friction_table)
+    AddContactMaterial(dissipation=_STACK_DISSIPATION, friction=friction, properties=properties)
+    # The pressure grows from the faces to the middle of the slab.
+    AddCompliantHydroelasticProperties(
+        1.0, 0.5 * _STACK_STIFFNESS * np.ptp(corners[:, 2]), properties
+    )
+    return plant.RegisterCollisionGeometry(body, RigidTransform(), slab, "slab", properties)
+
+
+def hull_points(truth: Truth) -> Iterator[Point3]:
+    """Corners in B of the hull of what it stands on, and of what others stand on [m]."""
+    yield from ((x, y, 0.0) for x, y in truth.support)
+    if truth.inside is not None:
+        floor = inner_floor(truth.inside)
+        yield from ((x, y, truth.inside.floor) for x, y in floor.vertices.tolist())
+        return
+    yield from truth.vertices_m or ((x, y, truth.height) for x, y in truth.upper_points)
+
+
+def filter_slabs(
+    scene_graph: SceneGraph, slabs: Iterable[GeometryId], others: Iterable[GeometryId]
+) -> None:
+    """Slabs meet none of the others."""
+    from pydrake.geometry import CollisionFilterDeclaration, GeometrySet
+
+    pairs = CollisionFilterDeclaration()
+    pairs.ExcludeBetween(GeometrySet(list(slabs)), GeometrySet(list(others)))
+    scene_graph.collision_filter_manager().Apply(pairs)
+
+
+# --- table edge -----------------------------------------------------------------------------------
+#
+# The edge of the table: what hangs over it is carried by what lies on it, and tips over it.
+#
+# Model: feet carry an object at single points, which do not tell where the table ends between
+# them. So the table has a rigid rim along each edge, level with its top, and each object a sole
+# of its own shape, which meets nothing but rims, in Drake's hydroelastic contact. Away from the
+# edges nothing changes; over an edge an object stands on its feet that the table has below them,
+# and on the rim.
+#
+# Friction is that of the feet, as on the table (`sim.worlds.drake.drake_bodies`).
+
+
+RIM = 0.02
+"""Width of a rim [m]."""
+
+_EDGE_STIFFNESS = (
+    5e9  # so that what nearly falls leans by less than 0.1°, and what slides on slides [Pa/m]
+)
+_EDGE_DISSIPATION = 200.0  # more holds fast what slides onto the rim [s/m]
+
+
+def add_rims(plant: MultibodyPlant, table: Table) -> list[GeometryId]:
+    """Adds a rim along each edge of the table, fixed to the world."""
+    from pydrake.geometry import (
+        AddContactMaterial,
+        AddRigidHydroelasticProperties,
+        Box,
+        ProximityProperties,
+    )
+    from pydrake.math import RigidTransform
+    from pydrake.multibody.plant import CoulombFriction
+
+    (x, y), (width, depth), thick = table.centre_m, table.size_m, table.thickness_m
+    properties = ProximityProperties()
+    friction = CoulombFriction(ROUGH, ROUGH)
+    AddContactMaterial(dissipation=_EDGE_DISSIPATION, friction=friction, properties=properties)
+    AddRigidHydroelasticProperties(1.0, properties)
+    along_x, along_y = 0.5 * (width - RIM), 0.5 * (depth - RIM)
+    strips = [
+        ((x + along_x, y), (RIM, depth)),
+        ((x - along_x, y), (RIM, depth)),
+        ((x, y + along_y), (width, RIM)),
+        ((x, y - along_y), (width, RIM)),
+    ]
+    return [
+        plant.RegisterCollisionGeometry(
+            plant.world_body(), RigidTransform(np.array([*middle, -0.5 * thick])),
+            Box(*size, thick), f"rim_{k}", properties,
+        )
+        for k, (middle, size) in enumerate(strips)
+    ]  # fmt: skip
+
+
+def add_sole(plant: MultibodyPlant, truth: Truth, body: RigidBody) -> GeometryId:
+    """Adds the sole of an object to its body."""
+    from pydrake.geometry import (
+        AddCompliantHydroelasticProperties,
+        AddContactMaterial,
+        Convex,
+        ProximityProperties,
+    )
+    from pydrake.math import RigidTransform
+    from pydrake.multibody.plant import CoulombFriction
+
+    corners = np.array([*hull_points(truth)])
+    properties = ProximityProperties()
+    friction = CoulombFriction(truth.friction_table / 2, truth.friction_table / 2)
+    AddContactMaterial(dissipation=_EDGE_DISSIPATION, friction=friction, properties=properties)
+    AddCompliantHydroelasticProperties(
+        1.0, 0.5 * _EDGE_STIFFNESS * np.ptp(corners[:, 2]), properties
+    )
+    sole = Convex(corners.T, "sole")
+    return plant.RegisterCollisionGeometry(body, RigidTransform(), sole, "sole", properties)
+
+
+def filter_rims(
+    scene_graph: SceneGraph,
+    rims: Iterable[GeometryId],
+    soles: Iterable[GeometryId],
+    others: Iterable[GeometryId],
+) -> None:
+    """Rims and soles meet each other alone."""
+    from pydrake.geometry import CollisionFilterDeclaration, GeometrySet
+
+    pairs = CollisionFilterDeclaration()
+    rim_set, sole_set, rest = (GeometrySet(list(each)) for each in (rims, soles, others))
+    pairs.ExcludeBetween(rim_set, rest)
+    pairs.ExcludeBetween(sole_set, rest)
+    pairs.ExcludeWithin(sole_set)
+    scene_graph.collision_filter_manager().Apply(pairs)
