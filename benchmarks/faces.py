@@ -12,8 +12,7 @@ from __future__ import annotations
 import argparse
 from time import perf_counter
 
-from nlcontrol.outcome_maps.experiment_runner import FaceExperiment
-from nlcontrol.outcome_maps.map_comparison import Comparison, contacts_of
+from nlcontrol.outcome_maps.face_experiment import Comparison, FaceExperiment, contacts_of
 from nlcontrol.references.object_names import face_of
 from nlcontrol.session.controller import Controller
 from objectmodels import ObjectModel

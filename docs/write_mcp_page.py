@@ -21,7 +21,7 @@ from mcp.client.stdio import StdioServerParameters
 from mcp_types import TextContent
 
 from nlcontrol.mcp.agent_tools import TOOLS
-from nlcontrol.mcp.grammar_card import grammar_card
+from nlcontrol.mcp.stdio_server import grammar_card
 
 GUIDE = Path(__file__).resolve().parent / "mcp.md"
 

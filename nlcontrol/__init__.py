@@ -21,7 +21,7 @@ TYPE_CHECKING = False  # `typing` is not imported before signals are held
 if TYPE_CHECKING:
     from grammar import Command, Frame, ParseError, parse
     from nlcontrol.batches.batch import batch
-    from nlcontrol.batches.batch_row import BatchRow, DrawnScene
+    from nlcontrol.batches.rows import BatchRow, DrawnScene
     from nlcontrol.checks.verdicts import Check
     from nlcontrol.errors import ControlError, ErrorInfo
     from nlcontrol.questions.answer import Answer
@@ -60,7 +60,7 @@ __version__ = "0.1.0"
 _HOMES = {
     "Affordance": "planner.affordances",
     "Answer": "nlcontrol.questions.answer",
-    "BatchRow": "nlcontrol.batches.batch_row",
+    "BatchRow": "nlcontrol.batches.rows",
     "BoxModel": "objectmodels",
     "Check": "nlcontrol.checks.verdicts",
     "Client": "nlcontrol.service.client.remote_session",
@@ -71,7 +71,7 @@ _HOMES = {
     "CylinderModel": "objectmodels",
     "DEFAULTS": "planner.types.defaults",
     "Defaults": "planner.types.defaults",
-    "DrawnScene": "nlcontrol.batches.batch_row",
+    "DrawnScene": "nlcontrol.batches.rows",
     "ErrorInfo": "nlcontrol.errors",
     "Event": "nlcontrol.session.events",
     "Executor": "nlcontrol.session.executor",

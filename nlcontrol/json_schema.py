@@ -9,9 +9,8 @@ from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue, models_jso
 from pydantic_core.core_schema import DataclassSchema, ModelSchema
 
 from grammar.frames.command import Command
-from nlcontrol.batches.batch_row import BatchRow
-from nlcontrol.batches.batch_summary import BatchSummary
-from nlcontrol.batches.row_result import RowResult
+from nlcontrol.batches.batch import BatchSummary
+from nlcontrol.batches.rows import BatchRow, RowResult
 from nlcontrol.errors import ErrorInfo
 from nlcontrol.json_document import SCHEMA_VERSION, docstring_parts
 from nlcontrol.learning.learning_reports import ExplorationReport, FitReport, Lesson

@@ -20,11 +20,11 @@ from typing import Any
 
 from benchmarks.batches.cluster import local_cluster
 from nlcontrol import Registry, batch
-from nlcontrol.batches.dask_executor import dask_executor
+from nlcontrol.batches.batch import dask_executor
 from nlcontrol.batches.row_orders import RowOrders
-from nlcontrol.batches.row_result import RowResult
 from nlcontrol.batches.row_worker import Order, run_row
-from nlcontrol.worker_processes import worker_processes
+from nlcontrol.batches.rows import RowResult
+from nlcontrol.parallel_tasks import worker_processes
 
 WORKERS = 2
 

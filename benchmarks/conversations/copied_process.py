@@ -10,7 +10,7 @@ from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from typing import TypeVar
 
-from nlcontrol.worker_processes import end_with_parent
+from nlcontrol.parallel_tasks import end_with_parent
 
 T = TypeVar("T")
 

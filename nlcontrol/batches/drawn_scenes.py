@@ -14,7 +14,7 @@ from functools import cache
 
 import numpy as np
 
-from nlcontrol.batches.batch_row import DrawnScene
+from nlcontrol.batches.rows import DrawnScene
 from objectmodels import ObjectModel, Registry
 from planner.problem.footprints import footprint, overlaps
 from planner.types.world_state import PlanarPose, SeenObject

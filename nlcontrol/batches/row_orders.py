@@ -16,9 +16,8 @@ from typing import BinaryIO
 
 from pydantic import ValidationError
 
-from nlcontrol.batches.batch_row import BatchRow, DrawnScene
-from nlcontrol.batches.row_result import RowResult
 from nlcontrol.batches.row_worker import Order, World
+from nlcontrol.batches.rows import BatchRow, DrawnScene, RowResult
 from nlcontrol.errors import ControlError, ErrorInfo, known_errors_raised
 from nlcontrol.installed_versions import library_versions
 from objectmodels import Registry

@@ -16,9 +16,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from nlcontrol.batches.batch_row import BatchRow, DrawnScene
 from nlcontrol.batches.drawn_scenes import draw_scene
-from nlcontrol.batches.row_result import RowResult
+from nlcontrol.batches.rows import BatchRow, DrawnScene, RowResult
 from nlcontrol.errors import ControlError, error, exception_info, known_errors_raised
 from nlcontrol.installed_versions import library_versions
 from nlcontrol.results.result import Result, result_with

@@ -17,9 +17,8 @@ from typing import TYPE_CHECKING
 
 from grammar.frames import command as g
 from nlcontrol.checks.constraint_checks import CONSTRAINTS, others
-from nlcontrol.checks.evidence import Evidence
 from nlcontrol.checks.goal_checks import GOALS
-from nlcontrol.checks.verdicts import HAND_ENDS, PLANNED_ENDS, Check, object_name
+from nlcontrol.checks.verdicts import HAND_ENDS, PLANNED_ENDS, Check, Evidence, object_name
 from nlcontrol.errors import error, whole_span
 from planner.types.defaults import DEFAULTS, Defaults
 

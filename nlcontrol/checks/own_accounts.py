@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nlcontrol.checks import trace_measures as measures
-from nlcontrol.checks.evidence import Evidence
 from nlcontrol.checks.felt_pushes import Place, felt_end
+from nlcontrol.checks.verdicts import Evidence
 from objectmodels.models.object_parts import LiftOffLid, section_area
 from planner.problem.footprints import gap
 from sim.control.pose_tracks import CameraSheet, PoseTrack, Stretch, pose_track

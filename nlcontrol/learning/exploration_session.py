@@ -18,6 +18,8 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from nlcontrol.errors import ControlError, error, executor_failures_raised
 from nlcontrol.learning.learning_reports import ExplorationReport, TouchMade
 from nlcontrol.learning.lessons import SPREAD, apply_lesson
@@ -28,6 +30,7 @@ from objectmodels.identification.belief_update import initial_belief as guessed
 from objectmodels.identification.experiment_design import (
     Candidate,
     is_precise_enough,
+    parameter_precisions,
     rank_candidates,
 )
 from objectmodels.identification.joint_fit import (
@@ -37,6 +40,7 @@ from objectmodels.identification.joint_fit import (
     fit,
     repetition_table,
 )
+from objectmodels.identification.measurement_model import with_belief
 from planner.touch_experiments import Experiment, Kind, expected_trials
 from sim.supervision import Monitor, Stopped
 
@@ -47,6 +51,7 @@ if TYPE_CHECKING:
     from sim.exploration.exploration_run import Explorer, Touched, TouchExecutor
     from sim.supervision import Progress
     from sim.traces.trace import Trace
+
 
 CENTRE_OF_MASS = ("com_x", "com_y", "com_z")
 
@@ -392,3 +397,25 @@ def _touch_made(touched: Touched) -> TouchMade:
         as_meant=touched.as_meant,
         force=force,
     )
+
+
+# --- expected beliefs -----------------------------------------------------------------------------
+#
+# What would be believed once parameters were found out: as now on average, and known better.
+
+
+def expected_belief(model: ObjectModel, parameters: Sequence[str], precision: float) -> ObjectModel:
+    """The model with some parameters known to a precision.
+
+    Args:
+        model: what is believed now.
+        parameters: that are found out, names of `UNCERTAIN`.
+        precision: relative standard deviation; of the centre of mass, as a share of the base's
+            size.
+    """
+    known, asked = parameter_precisions(model), precisions_asked(model, parameters, precision)
+    shares = [
+        min(1.0, asked.get(name, np.inf) / known[name]) if known[name] > 0.0 else 1.0
+        for name in UNCERTAIN
+    ]
+    return with_belief(model, np.outer(shares, shares) * model.covariance)

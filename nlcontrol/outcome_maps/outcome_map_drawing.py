@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nlcontrol.outcome_maps.map_comparison import BY, Comparison, agreement_text
+from nlcontrol.outcome_maps.face_experiment import BY, Comparison, agreement_text
 from nlcontrol.outcome_maps.outcome_map_table import legend
 from objectmodels.mechanics.outcome_map import COLOURS
 

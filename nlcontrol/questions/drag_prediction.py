@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict
 
 from nlcontrol.errors import error
 from nlcontrol.json_document import Document, finite_or_none
-from nlcontrol.questions.push_direction import heading_text, unit_direction
+from nlcontrol.questions.push_prediction import heading_text, unit_direction
 from objectmodels import ObjectModel
 from objectmodels.exact.top_drag import DragOutcome, drag_probability, top_drag
 from objectmodels.geometry.base_shapes import is_within

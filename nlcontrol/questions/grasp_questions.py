@@ -24,8 +24,7 @@ from nlcontrol.plan_text import (
     steps_text,
 )
 from nlcontrol.questions.answer import Answer
-from nlcontrol.questions.asked_push import push_asked_about, target_of
-from nlcontrol.questions.push_questions import most_favourable
+from nlcontrol.questions.push_questions import most_favourable, push_asked_about, target_of
 from nlcontrol.text_format import quantity
 from planner import plan
 from planner.grasping.lid_planner import is_open

@@ -22,20 +22,12 @@ from nlcontrol.questions.answer import (
     affordance_lines,
     force_text,
 )
-from nlcontrol.questions.asked_push import EVENTS, Inquiry, push_asked_about, target_of
 from nlcontrol.questions.grasp_questions import (
     asks_for_hand,
     hand_answer,
     possible_answer,
     spill_answer,
 )
-from nlcontrol.questions.place_answers import (
-    distance_answer,
-    edge_answer,
-    far_answer,
-    state_answer,
-)
-from nlcontrol.questions.property_values import property_answer
 from nlcontrol.questions.push_prediction import (
     SURE,
     PushPrediction,
@@ -43,10 +35,24 @@ from nlcontrol.questions.push_prediction import (
     particulars,
     threshold,
 )
-from nlcontrol.questions.push_questions import figures, how_hard, most_favourable, where_answer
+from nlcontrol.questions.push_questions import (
+    EVENTS,
+    Inquiry,
+    figures,
+    how_hard,
+    most_favourable,
+    push_asked_about,
+    target_of,
+    where_answer,
+)
 from nlcontrol.questions.scene_answers import (
     answer_about_scene,
     destination_answer,
+    distance_answer,
+    edge_answer,
+    far_answer,
+    property_answer,
+    state_answer,
 )
 from nlcontrol.text_format import enumeration, quantity
 from planner import plan

@@ -11,37 +11,296 @@ and whatever it offers was tried.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, get_args
 
-from grammar.frames.command import ObjectRef, Quality
+from grammar.frames.command import ObjectRef, Quality, Relation
 from grammar.words.plurals import singular
 from nlcontrol.errors import ControlError, error, whole_span
-from nlcontrol.references.disambiguation_text import (
-    COLOURS,
-    GENERIC,
-    RANKED,
-    ambiguity_error,
-    reference_noun,
-    reference_text,
-    require_no_more_than_a_name,
+from nlcontrol.references.object_names import (
+    SHADES,
+    Candidate,
+    distinguishing_words,
+    find_by_name,
+    in_relation,
+    likely_name,
+    name_words,
+    objects_at_rank,
+    with_attribute,
 )
-from nlcontrol.references.general_words import (
-    GENERAL,
-    compares_two,
-    count_in,
-    objects_called,
-    objects_of_kind,
-    on_side,
-)
-from nlcontrol.references.object_attributes import in_relation, objects_at_rank, with_attribute
-from nlcontrol.references.object_names import Candidate, find_by_name, likely_name, name_words
 from nlcontrol.text_format import enumeration
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel
-    from planner.types.world_state import WorldState
+    from planner.types.world_state import SeenObject, WorldState
+
+
+# --- disambiguation text --------------------------------------------------------------------------
+#
+# References in words: what was said, and what could be said to tell objects apart.
+
+
+COLOURS: tuple[Quality, ...] = tuple(q for q in get_args(Quality) if q in SHADES)
+
+GENERIC = frozenset({"", "one", "object", "thing", "item"})
+"""Nouns that fit every object."""
+
+RANKED: dict[Quality, tuple[str, int]] = {
+    "heavy": ("mass", 1), "light": ("mass", 2), "tall": ("height", 1), "short": ("height", 2),
+    "wide": ("width", 1), "narrow": ("width", 2), "big": ("size", 1), "small": ("size", 2),
+    "rough": ("friction", 1), "slippery": ("friction", 2),
+}  # fmt: skip
+"""Quality → the property that it compares, and the place of who has it among two."""
+
+_FAMILIES: tuple[tuple[Quality, ...], ...] = (
+    COLOURS,
+    ("left", "middle", "right"),
+    ("near", "far"),
+    ("tall", "short"),
+    ("big", "small"),
+    ("wide", "narrow"),
+    ("heavy", "light"),
+)
+"""Qualities that tell objects apart, the plainest first."""
+
+_PLACES: dict[Relation | None, str] = {
+    "next_to": "next to",
+    "left_of": "to the left of",
+    "right_of": "to the right of",
+    "in_front_of": "in front of",
+    "front_left_of": "in front and to the left of",
+    "front_right_of": "in front and to the right of",
+    "behind_left_of": "behind and to the left of",
+    "behind_right_of": "behind and to the right of",
+    "at": "next to",
+    None: "nearest to",
+}
+
+
+def ambiguity_error(
+    ref: ObjectRef, found: Sequence[Candidate], fitting: Callable[[ObjectRef], list[Candidate]]
+) -> ControlError:
+    """The error for a reference that fits several objects.
+
+    Only those other references are offered that, by `fitting`, fit one object alone.
+    """
+    names = [c.name for c in found]
+    by_name = {c.name: [ObjectRef(text=c.name)] for c in found}
+    by_looks = [
+        {c.name: [_with_quality(ref, quality) for quality in family] for c in found}
+        for family in _FAMILIES
+        if not set(family) & set(ref.qualities)
+    ]
+    generic = reference_noun(ref) in GENERIC and "other" not in ref.qualities
+    ways = [*by_looks, by_name] if generic else [by_name, *by_looks]
+    offered = _distinct_descriptions(names, ways, fitting)
+    told = distinguishing_words(names) if offered == [f"the {name}" for name in names] else offered
+    fits = f"'{reference_text(ref)}' fits {len(names)} objects: {enumeration(names)}"
+    return error(
+        "ambiguous_object",
+        f"{fits}; say which: {enumeration(told, 'or')}",
+        span=whole_span(ref.spans),
+        suggestions=tuple(offered),
+    )
+
+
+def _distinct_descriptions(
+    names: Sequence[str],
+    ways: Sequence[Mapping[str, Sequence[ObjectRef]]],
+    fitting: Callable[[ObjectRef], list[Candidate]],
+) -> list[str]:
+    """A description of each object, all of one way if there is one that suits them all."""
+
+    def first_description(name: str, refs: Sequence[ObjectRef]) -> str | None:
+        fits = (ref for ref in refs if [c.name for c in fitting(ref)] == [name])
+        return next((f"the {reference_text(ref)}" for ref in fits), None)
+
+    mixed = dict.fromkeys(names, "")
+    for way in ways:
+        found = {name: first_description(name, way[name]) for name in names}
+        if all(found.values()):
+            return [text for text in found.values() if text]
+        mixed |= {name: text for name, text in found.items() if text and not mixed[name]}
+    return [text or f"the {name}" for name, text in mixed.items()]
+
+
+def _with_quality(ref: ObjectRef, quality: Quality) -> ObjectRef:
+    """The same reference with one more adjective."""
+    qualities = (quality, *ref.qualities)
+    text = f"{quality} {ref.text}"
+    return ref.model_copy(
+        update={"text": text, "qualities": qualities, "noun": reference_noun(ref)}
+    )
+
+
+def reference_noun(ref: ObjectRef) -> str:
+    """The name in a reference, without adjectives and article."""
+    described = ref.noun or ref.qualities or ref.quantifier
+    return " ".join(name_words(ref.noun if described else ref.text))
+
+
+def relation_text(relation: Relation | None) -> str:
+    """A relation in words, before what it is to."""
+    return _PLACES.get(relation, str(relation))
+
+
+def reference_text(ref: ObjectRef) -> str:
+    """A reference in words, with the place that tells it apart."""
+    if not ref.reference:
+        return ref.text
+    place = relation_text(ref.relation)
+    others = [
+        other.text if other.pronoun else f"the {reference_text(other)}" for other in ref.reference
+    ]
+    return f"{ref.text} {place} {enumeration(others)}"
+
+
+def require_no_more_than_a_name(
+    ref: ObjectRef, on_table: Sequence[Candidate], *, misspelt: bool
+) -> None:
+    """Refuses words that a name has run on into: "ice tea box awya".
+
+    A misspelt name is the better explanation, unless those words are like some of the language.
+
+    Raises:
+        ControlError: `unknown_object`, about those words.
+    """
+    from grammar.syntax_diagnosis import words_like
+    from grammar.words.lexicon_plugins import installed_lexicon
+
+    said_words = ref.text.split()
+    of_names = {word.casefold() for name in [c.name for c in on_table] for word in name.split()}
+    for i in range(len(said_words) - 1, 0, -1):
+        name, more = " ".join(said_words[:i]), " ".join(said_words[i:])
+        lexicon, _ = installed_lexicon()
+        is_of_name = said_words[i].casefold() in of_names
+        meant = () if is_of_name else words_like(said_words[i], lexicon)
+        found = find_by_name(name, on_table)
+        if not found or not (meant or (len(found) == 1 and not misspelt)):
+            continue
+        whole = whole_span(ref.spans)
+        exact = whole is not None and whole[1] - whole[0] == len(ref.text)
+        raise error(
+            "unknown_object",
+            f"'{more}' behind '{name}' is neither understood nor a part of a name on the table",
+            span=(whole[1] - len(more), whole[1]) if whole and exact else whole,
+            suggestions=(*meant, f"leave out '{more}'"),
+        )
+
+
+# --- general words --------------------------------------------------------------------------------
+#
+# Objects by what they are, where none is called so: the carton, the cup, the one with the lid.
+#
+# A general word is looked up last, after names and synonyms. It fits every object of its kind, so
+# that of two that fit none is guessed. All words that are said have to fit.
+#
+# Sides of several things ("everything on the left") are those of the table: what stands left of
+# its middle.
+
+
+_KINDS: dict[str, frozenset[str]] = {
+    "box": frozenset({"box", "carton", "packet", "pack", "package", "packaging"}),
+    "carton": frozenset({"carton", "box", "packet", "pack", "package", "container"}),
+    "mug": frozenset({"mug", "cup", "container", "vessel", "beaker"}),
+    "cup": frozenset({"cup", "container", "vessel", "beaker"}),
+    "can": frozenset({"can", "tin", "container"}),
+    "tin": frozenset({"tin", "can", "container", "caddy"}),
+    "jar": frozenset({"jar", "container", "vessel", "pot"}),
+    "bottle": frozenset({"bottle", "container", "vessel"}),
+    "bin": frozenset({"bin", "tub", "container"}),
+    "book": frozenset({"book"}),
+}
+"""A word of a name → what the object may be called in general."""
+
+_NOBODY = frozenset({"one", "ones", "thing", "object", "item"})
+_LIDDED = frozenset({"lidded", "covered", "capped"})
+_FIXED = frozenset({"fixed", "held", "clamped", "immovable", "fastened"})
+_LOOSE = frozenset({"loose", "free", "movable", "unfixed"})
+
+_COUNTS = {"two": 2, "three": 3, "four": 4, "five": 5, "six": 6}
+
+GENERAL = frozenset(word for kind in _KINDS.values() for word in kind) | {"drink"}
+"""Words for many objects."""
+
+
+def objects_called(noun: str, candidates: Sequence[Candidate]) -> list[Candidate]:
+    """Those whose whole name a general word is, and those of whose name it is a part.
+
+    "The carton" is the one that is called so; "the big carton" may be a large ice tea carton.
+    """
+    words = name_words(noun)
+    return [c for c in candidates if any(set(words) <= set(name_words(n)) for n in c.names)]
+
+
+def objects_of_kind(
+    noun: str, candidates: Sequence[Candidate], look: Callable[[], WorldState]
+) -> list[Candidate]:
+    """Those of which all words of a name say what they are; none if no word is a general one.
+
+    Args:
+        noun: what was said, without adjectives.
+        candidates: what may be meant.
+        look: at lids and holders; asked only if the words speak of them.
+    """
+    said = [word for word in name_words(noun) if word not in _NOBODY]
+    words, states = set(said), set(said) & (_LIDDED | _FIXED | _LOOSE)
+    if not said or said[-1] not in (GENERAL | states):
+        return []
+    found = [c for c in candidates if words - states <= _kinds_of(c)]
+    if not states or not found:
+        return found
+    state = look()
+    return [c for c in found if states <= _states_of(state.objects[c.name], state)]
+
+
+def _kinds_of(candidate: Candidate) -> set[str]:
+    """All general words for an object, and those of its names."""
+    own = {word for name in candidate.names for word in name_words(name)}
+    said = own.union(*(_KINDS.get(word, ()) for word in own))
+    drink = find_by_name("ice tea", [candidate]) or "bottle" in own
+    return said | {"drink", "drinks"} if drink else said
+
+
+def _states_of(seen: SeenObject, state: WorldState) -> frozenset[str]:
+    """Words for whether it has a lid and whether it is held; only twins of those are loose."""
+    lidded = _LIDDED if seen.model.lid is not None else frozenset[str]()
+    if seen.fixed:
+        return lidded | _FIXED
+    twins = (other for other in state.objects.values() if other.model == seen.model)
+    return lidded | _LOOSE if any(other.fixed for other in twins) else lidded
+
+
+def on_side(quality: Quality, seen: Sequence[SeenObject], state: WorldState) -> list[SeenObject]:
+    """Those that stand on a side of the table's middle; all if the quality names no side."""
+    table = state.table
+    x, y = (table.x_min + table.x_max) / 2.0, (table.y_min + table.y_max) / 2.0
+    match quality:
+        case "left":
+            return [s for s in seen if s.pose.y > y]
+        case "right":
+            return [s for s in seen if s.pose.y < y]
+        case "near":
+            return [s for s in seen if s.pose.x < x]
+        case "far":
+            return [s for s in seen if s.pose.x > x]
+    return list(seen)
+
+
+def count_in(ref: ObjectRef) -> int | None:
+    """How many "all three" are; None if it is not said."""
+    return next((_COUNTS[word] for word in ref.text.casefold().split() if word in _COUNTS), None)
+
+
+def compares_two(ref: ObjectRef) -> bool:
+    """Check for "the taller one", which is one of two, and not one beside something else."""
+    compares = any(word.endswith("er") for word in ref.text.split() if word != "other")
+    return compares and not ref.reference and not set(COLOURS) & set(ref.qualities)
+
+
+# --- reference search -----------------------------------------------------------------------------
+
 
 _SIDES: tuple[Quality, ...] = ("left", "right", "near", "far")
 """Qualities of which all that stand on that side of the table have some."""

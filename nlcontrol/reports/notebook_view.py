@@ -9,8 +9,8 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from nlcontrol.reports.explanation_drawing import save_explanation
 from nlcontrol.reports.result_report import check_line, report
+from nlcontrol.reports.word_explanation import save_explanation
 
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result

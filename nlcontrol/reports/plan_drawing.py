@@ -9,6 +9,7 @@ Frames: the picture is W's table plane as the robot sees it, x upwards and y to 
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 from textwrap import fill, wrap
@@ -18,19 +19,112 @@ import numpy as np
 
 from nlcontrol.plan_text import plan_lines
 from nlcontrol.references.object_names import face_names
-from nlcontrol.reports.predicted_places import end_poses, plan_contacts
 from objectmodels.geometry.base_shapes import hull_polygon
-from objectmodels.geometry.rotations import Array, from_quaternion
+from objectmodels.geometry.rotations import Array, from_quaternion, quaternion, rot_z
 from planner.problem.footprints import footprint
+from planner.problem.predicted_states import fallen_pose, standing_object
+from planner.touch_experiments import Kind
+from sim.exploration.trial_extraction import force_curve
+from sim.views.run_story import ContactMark, Ghost
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from nlcontrol.results.result import Result, Step
-    from planner.types.actions import PushAction
+    from objectmodels.models.object_model import Resting
+    from planner.types.actions import GraspAction, PushAction
     from planner.types.plan import Plan
     from planner.types.world_state import SeenObject, WorldState
+    from sim.exploration.exploration_run import Touched
+
+
+# --- predicted places -----------------------------------------------------------------------------
+#
+# Places that a plan predicts: where objects are touched, and the poses in which they end.
+#
+# All of it is belief. A pose is a row of a trace: quaternion (w, x, y, z) and position in W [m].
+
+
+_Mark = tuple[Array, Array]  # a place and the outward normal there, in the frame of a plan
+
+
+def end_poses(steps: Sequence[Step]) -> Iterator[Ghost]:
+    """Poses in which moved objects end, as predicted."""
+    ends = {}
+    for step in steps:
+        if step.plan is not None and step.basis is not None:
+            ends[step.plan.object] = _end_pose(step.plan, step.basis.target)
+    for name, pose in ends.items():
+        if pose is not None:
+            yield Ghost(name, tuple(pose.round(6).tolist()))
+
+
+def _end_pose(plan: Plan, target: SeenObject) -> Array | None:
+    """The predicted pose at the end, as a row of a trace; None if none was predicted."""
+    before, rest = target.pose, target.rest
+    if plan.task == "topple" and plan.pushes:
+        return _row(rest, *fallen_pose(plan.push, before))
+    if plan.task == "stand" and plan.aim is not None:
+        return _row(None, *standing_object(target, plan.aim).body_pose)
+    if plan.aim is not None:
+        last = plan.actions[-1]
+        height = last.height if last.kind == "set_on" else 0.0
+        yaw = before.yaw if plan.aim.yaw is None else plan.aim.yaw
+        return _row(rest, rot_z(yaw), np.array([plan.aim.x, plan.aim.y, height]))
+    if plan.pushes and plan.push.displacement is not None:
+        return _row(rest, before.R_WB, before.p_WB + plan.push.displacement)
+    if plan.task == "lift":
+        height = sum(step.height for step in plan.steps if step.kind == "lift_up")
+        return _row(rest, before.R_WB, before.p_WB + np.array([0.0, 0.0, height]))
+    return None
+
+
+def _row(rest: Resting | None, R_WN: Array, p_WN: Array) -> Array:
+    """The pose of the object's own B, from that of the face on which it lies."""
+    R_WB, p_WB = (R_WN, p_WN) if rest is None else rest.body_pose(R_WN, p_WN)
+    return np.concatenate([quaternion(R_WB), p_WB])
+
+
+def plan_contacts(
+    plan: Plan, R_WB: Array, rest: Resting | None, since: float = 0.0
+) -> Iterator[ContactMark]:
+    """Places where the fingertips touch in the first action of a plan.
+
+    Args:
+        plan: of pushes or of a hand.
+        R_WB: attitude of its object, shape (3, 3).
+        rest: how that lies, if not on its bottom.
+        since: when they count [s].
+    """
+    R_BN, p_BN = (np.eye(3), np.zeros(3)) if rest is None else (rest.R_BN, rest.p_BN)
+    R_WN = R_WB @ R_BN
+    marks = _push_marks(plan.push, R_WN) if plan.pushes else _grasp_marks(plan.grasp, R_WN)
+    for there, out in marks:
+        place, outward = p_BN + R_BN @ there, R_BN @ out
+        x, y, z = place.round(5).tolist()
+        yield ContactMark(since, plan.object, (x, y, z), tuple(outward.round(5).tolist()))
+
+
+def _push_marks(push: PushAction, R_WN: Array) -> Iterator[_Mark]:
+    """Places where the fingertips push."""
+    n = np.array(push.normal_W) @ R_WN
+    along = np.cross([0.0, 0.0, 1.0] @ R_WN, n)
+    for side in (-0.5, 0.5) if push.fingers == 2 else (0.0,):
+        yield push.p_BC + side * push.spread * along, n
+
+
+def _grasp_marks(grasp: GraspAction | None, R_WN: Array) -> Iterator[_Mark]:
+    """Places where thumb and fingers hold an object; a lid's own contacts are on no object."""
+    if grasp is None or grasp.part == "lid":
+        return
+    closing = np.array(grasp.closing_W) @ R_WN
+    for side in (-1.0, 1.0):
+        yield grasp.p_BG + 0.5 * side * grasp.width * closing, side * closing
+
+
+# --- plan drawing ---------------------------------------------------------------------------------
+
 
 BLUE, ORANGE, PURPLE, GREY, DARK = "#0072b2", "#d55e00", "#a0307a", "#8a8a8a", "#222222"
 _MARGIN = 0.06  # of the picture around what is drawn [m]
@@ -239,3 +333,191 @@ def _draw_face(axes: Axes, push: PushAction, seen: SeenObject) -> None:
     axes.yaxis.set_major_formatter(_millimetres)
     axes.tick_params(labelsize=7)
     axes.set_title(f"{push.face} face, from outside\n{1e3 * push.p_BC[2]:.0f} mm up", fontsize=9)
+
+
+# --- drawing canvas -------------------------------------------------------------------------------
+#
+# A sheet to draw boxes, texts and ties on, measured in inches from its upper left corner.
+#
+# Texts are measured before they are placed, so a layout can give each as much room as it needs.
+
+
+LINE = 1.35
+"""Distance of lines as a share of the size of the letters."""
+
+_POINT = 1.0 / 72.0  # [in]
+_DPI = 150
+
+
+def line_height(size: float) -> float:
+    """Height of a line of text [in], by the size of its letters in points."""
+    return LINE * size * _POINT
+
+
+class Sheet:
+    """A sheet of a given width [in]; its height is known when it is saved."""
+
+    def __init__(self, width: float) -> None:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+
+        self._figure = Figure(figsize=(width, width), dpi=_DPI, facecolor="white")
+        canvas: Any = FigureCanvasAgg(self._figure)
+        self._renderer = canvas.get_renderer()
+        self._axes = self._figure.add_axes((0.0, 0.0, 1.0, 1.0))
+        self._axes.set_axis_off()
+        self._axes.set_xlim(0.0, width)
+        self._width = width
+
+    def length(self, text: str, size: float, *, bold: bool = False) -> float:
+        """Length of a text in one line [in]."""
+        from matplotlib.font_manager import FontProperties
+
+        font = FontProperties(size=size, weight="bold" if bold else "normal")
+        return float(self._renderer.get_text_width_height_descent(text, font, False)[0]) / _DPI
+
+    def lines_of(self, text: str, width: float, size: float, *, bold: bool = False) -> list[str]:
+        """The lines of a text that is not to be longer than `width` [in].
+
+        A word that is too long by itself is divided.
+        """
+        lines = [""]
+        for word in text.split():
+            rest = word
+            if not self._fits(f"{lines[-1]} {rest}".strip(), width, size, bold):
+                lines.append("")
+            while not self._fits(rest, width, size, bold):
+                most = next(
+                    n for n in range(len(rest) - 1, 0, -1)
+                    if n == 1 or self._fits(rest[:n], width, size, bold)
+                )  # fmt: skip
+                lines[-1:] = [rest[:most], ""]
+                rest = rest[most:]
+            lines[-1] = f"{lines[-1]} {rest}".strip()
+        return [line for line in lines if line] or [""]
+
+    def _fits(self, text: str, width: float, size: float, bold: bool) -> bool:
+        return len(text) < 2 or self.length(text, size, bold=bold) <= width
+
+    def write(self, x: float, y: float, text: str, size: float, colour: str, **style: Any) -> None:
+        """Writes a line of text, its middle at a height y."""
+        # Names in a sentence may hold the signs that mark formulae.
+        self._axes.text(
+            x, y, text, fontsize=size, color=colour, va="center_baseline", parse_math=False, **style
+        )  # fmt: skip
+
+    def box(
+        self, x: float, y: float, width: float, height: float, colour: str, fill: str, **style: Any
+    ) -> None:
+        """Draws a box with round corners."""
+        from matplotlib.patches import FancyBboxPatch
+
+        self._axes.add_patch(
+            FancyBboxPatch(
+                (x, y), width, height, boxstyle="round,pad=0,rounding_size=0.07",
+                edgecolor=colour, facecolor=fill, linewidth=1.3, **style,
+            )
+        )  # fmt: skip
+
+    def tie(
+        self, start: tuple[float, float], end: tuple[float, float], colour: str, **style: Any
+    ) -> None:
+        """Draws a curve from one point to another, level at both ends."""
+        from matplotlib.patches import PathPatch
+        from matplotlib.path import Path as Curve
+
+        bend = 0.5 * (start[0] + end[0])
+        points = [start, (bend, start[1]), (bend, end[1]), end]
+        curve = Curve(points, [Curve.MOVETO, Curve.CURVE4, Curve.CURVE4, Curve.CURVE4])
+        style = {"linewidth": 1.4, "zorder": 0} | style
+        self._axes.add_patch(PathPatch(curve, facecolor="none", edgecolor=colour, **style))
+
+    def save(self, path: Path, height: float) -> None:
+        """Writes the sheet to a file, as high as it has become [in]."""
+        self._figure.set_size_inches(self._width, height)
+        self._axes.set_ylim(height, 0.0)
+        self._figure.savefig(path)
+
+
+# --- force curve plot -----------------------------------------------------------------------------
+#
+# Force curves of an exploration: one panel for each kind of experiment, the onsets marked.
+#
+# Thin and pale stand the samples, drawn through them their running mean. What a panel tells
+# stands above it. A rub has a second curve: the force with which the fingertip drags along the
+# face.
+
+
+TELLS: Mapping[Kind, str] = {
+    "tilt": "the onset tells weight × lever, the fall the height of the mass",
+    "slide": "the level tells friction × weight",
+    "off-centre slide": "with the turn, the level tells the friction radius",
+    "rub": "dashed over solid, once even, is the friction at the finger",
+}
+"""What the curves of each experiment say about the object."""
+
+MEAN_OVER = 0.1
+"""Time over which the running mean is taken [s]."""
+
+_COLOURS = {"front": "#0072b2", "back": "#d55e00", "left": "#009e73", "right": "#cc79a7"}
+_SAMPLES, _MEAN = 0.12, 0.9  # opacity
+
+
+def save_curves(touches: Sequence[Touched], name: str, path: Path) -> None:
+    """Draws the force over the time since the touch: PNG, SVG or PDF by the path's ending."""
+    from matplotlib.figure import Figure
+
+    drawn = [touched for touched in touches if len(touched.recording.time)]
+    kinds = list(dict.fromkeys(touched.experiment.kind for touched in drawn))
+    rows = (len(kinds) + 1) // 2
+    figure = Figure(figsize=(8.4, 1.0 + 3.0 * max(rows, 1)), dpi=160, layout="constrained")
+    for place, kind in enumerate(kinds, start=1):
+        axes = figure.add_subplot(rows, 2 if len(kinds) > 1 else 1, place)
+        here = [touched for touched in drawn if touched.experiment.kind == kind]
+        _draw(axes, here)
+        times = f"{len(here)} touches" if len(here) > 1 else "1 touch"
+        axes.set_title(f"{kind}, {times}", fontsize=10, fontweight="bold", loc="left", pad=18)
+        axes.annotate(
+            TELLS[kind], (0.0, 1.0), (0.0, 4.0), xycoords="axes fraction", fontsize=8,
+            textcoords="offset points", va="bottom", color="#444444",
+        )  # fmt: skip
+    sides = dict.fromkeys(touched.experiment.push.face for touched in drawn)
+    handles = [axes.plot([], [], color=_COLOURS[side], label=f"at the {side}")[0] for side in sides]
+    if "rub" in kinds:
+        handles.append(axes.plot([], [], "--", color="#444444", label="along the face")[0])
+    if set(kinds) - {"rub"}:
+        handles.append(axes.plot([], [], "o", color="black", label="onset of motion", ms=4)[0])
+    figure.legend(handles=handles, loc="outside lower center", ncols=6, fontsize=8, frameon=False)
+    figure.suptitle(f"{name}: force felt along each push", fontsize=12, fontweight="bold")
+    figure.savefig(path, metadata={"Date": None} if path.suffix == ".svg" else None)
+
+
+def _draw(axes: Axes, touches: Sequence[Touched]) -> None:
+    for touched in touches:
+        recording, found = touched.recording, force_curve(touched.recording)
+        colour = _COLOURS[touched.experiment.push.face]
+        rubs = touched.experiment.kind == "rub"
+        forces = {"-": found.force} | ({"--": -recording.forces[:, 2]} if rubs else {})
+        for style, force in forces.items():
+            axes.plot(found.time, force, style, color=colour, alpha=_SAMPLES, linewidth=0.6)
+            axes.plot(*_running(found.time, force), style, color=colour, alpha=_MEAN, linewidth=1.0)
+        if found.onset is not None and found.onset.moved and not rubs:
+            axes.plot(
+                found.onset.time, found.onset.force, "o", color="black", ms=4.5, mec="white",
+                mew=0.6, zorder=3,
+            )  # fmt: skip
+    axes.set_xlabel("time since the touch [s]", fontsize=8)
+    axes.set_ylabel("force [N]", fontsize=8)
+    axes.tick_params(labelsize=8)
+    axes.set_xlim(0.0, None)
+    axes.set_ylim(0.0, None)
+    axes.grid(visible=True, linewidth=0.3, alpha=0.5)
+
+
+def _running(time: Array, force: Array) -> tuple[Array, Array]:
+    """Means over `MEAN_OVER`; all samples if there are too few."""
+    if len(time) < 2:
+        return time, force
+    width = max(1, min(len(time), round(MEAN_OVER / float(np.median(np.diff(time))))))
+    window = np.full(width, 1.0 / width)
+    return np.convolve(time, window, "valid"), np.convolve(force, window, "valid")

@@ -8,7 +8,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 from nlcontrol.plan_text import plan_lines
-from nlcontrol.reports.predicted_places import end_poses, plan_contacts
+from nlcontrol.reports.plan_drawing import end_poses, plan_contacts
 from nlcontrol.reports.result_report import asked_text, default_line, measured_text
 from nlcontrol.reports.word_explanation import part_at
 from nlcontrol.text_format import words

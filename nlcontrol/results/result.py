@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from textwrap import shorten
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 from pydantic import ConfigDict, Field
@@ -13,7 +13,7 @@ from pydantic.json_schema import SkipJsonSchema
 from grammar.frames.command import Frame
 from nlcontrol.checks import trace_measures as measures
 from nlcontrol.checks.verdicts import Check
-from nlcontrol.errors import OK, ErrorInfo
+from nlcontrol.errors import INTERNAL, NOT_UNDERSTOOD, OK, ErrorInfo
 from nlcontrol.json_document import Document, DocumentPart, document_text
 from nlcontrol.learning.learning_reports import ExplorationReport, Lesson
 from nlcontrol.questions.answer import Answer
@@ -23,6 +23,10 @@ from planner.types.plan import DefaultUsed, MotionGuide, Plan
 from planner.types.world_state import Mark, PlanarPose
 from sim.robots.cell_description import AsItIs
 from sim.traces.trace import Trace
+
+if TYPE_CHECKING:
+    from planner.types.world_state import Held
+
 
 ResultStatus = Literal[
     "done", "planned", "answered", "failed", "undecided", "refused", "not_understood",
@@ -227,3 +231,42 @@ class Result(Document):
 def result_with(result: Result, **changes: object) -> Result:
     """The result with some fields changed."""
     return result.model_copy(update=changes)
+
+
+# --- step endings ---------------------------------------------------------------------------------
+#
+# Ends of steps: the result with one more of them, its status, and what a stop has left.
+
+
+def result_with_step(
+    result: Result, step: Step, status: ResultStatus, reason: ErrorInfo | None = None
+) -> Result:
+    """The result with the end of one more step."""
+    step = step.model_copy(update={"status": status, "error": reason})
+    return result_with(
+        result, ok=reason is None, status=status, error=reason, steps=(*result.steps, step)
+    )
+
+
+def status_of(info: ErrorInfo) -> ResultStatus:
+    """Status of a sentence that is not even planned."""
+    return "failed" if info.status.exit == INTERNAL else "not_understood"
+
+
+def stop_info(held: Held | None, trace: Trace | None) -> ErrorInfo:
+    """The way in which a stop has left the robot."""
+    told = "it was told to stop before anything moved" if trace is None else trace.detail
+    left = "the hand is empty and at rest"
+    if held is not None:
+        left = f"the hand holds the {held.name} and stands still"
+    hint = "say it again" if held is None else "say “put it down”"
+    return ErrorInfo(code="interrupted", message=f"{told}; {left}", suggestions=(hint,))
+
+
+def unanswered_status(info: ErrorInfo) -> ResultStatus:
+    """Status of a question without an answer, or of a frame that got no further."""
+    if info.code in ("unsupported", "uncheckable"):
+        return "unsupported"
+    if info.status.exit == INTERNAL:
+        return "failed"
+    return "not_understood" if info.status.exit == NOT_UNDERSTOOD else "refused"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nlcontrol.references.object_names import face_names
-from nlcontrol.reports.predicted_places import end_poses, plan_contacts
+from nlcontrol.reports.plan_drawing import end_poses, plan_contacts
 from nlcontrol.reports.replay_story import prediction_lines
 from nlcontrol.service.documents import Drawing
 

@@ -14,18 +14,16 @@ from threading import RLock
 from typing import TYPE_CHECKING
 
 from grammar.frames.command import Command, Frame
-from nlcontrol.errors import ControlError, executor_failures_raised, known_errors_raised
-from nlcontrol.references.initial_beliefs import initial_models
+from nlcontrol.errors import ControlError, error, executor_failures_raised, known_errors_raised
 from nlcontrol.references.object_names import names_on_table
 from nlcontrol.references.reference_resolution import NOTHING_SAID, Context, resolve_references
-from nlcontrol.results.result import Result, result_with
-from nlcontrol.results.step_endings import status_of
+from nlcontrol.results.result import Result, result_with, status_of
 from nlcontrol.session.events import FORCE_RATE, Supervisor
 from nlcontrol.session.executor import Executor, Motion, Planner
 from nlcontrol.session.recipe import LOOKED, Journal, Recipe
 from nlcontrol.session.stoppable_robot import StoppableRobot
 from nlcontrol.session.turns import in_turn
-from objectmodels import Registry
+from objectmodels import ModelError, ObjectModel, Registry
 from planner.types.plan import Plan, Reached
 from planner.types.refusal import Refusal
 from planner.types.world_state import Held, PlanarPose, SeenObject, TableState, WorldState
@@ -47,8 +45,36 @@ if TYPE_CHECKING:
     from planner.types.defaults import Defaults
     from planner.types.robot import Failed, Robot
     from sim import Scene
+    from sim.robots.cell_description import CellDescription, CellObject
     from sim.supervision import Progress, StopToken
     from sim.traces.trace import Trace
+
+
+# --- initial beliefs ------------------------------------------------------------------------------
+#
+# Beliefs at the beginning: the registry's model of every object of a cell.
+
+
+def initial_models(cell: CellDescription, registry: Registry) -> dict[str, ObjectModel]:
+    """The models of a cell's objects, by the names of the objects.
+
+    Raises:
+        ControlError: `scene_and_registry_differ`.
+    """
+    return {item.name: _initial_model(item, registry) for item in cell.objects}
+
+
+def _initial_model(item: CellObject, registry: Registry) -> ObjectModel:
+    try:
+        return registry.get(item.model)
+    except ModelError as raised:
+        message = f"the scene's '{item.name}' is a '{item.model}', but {raised.message}"
+        raise error(
+            "scene_and_registry_differ", message, suggestions=raised.suggestions
+        ) from raised
+
+
+# --- controller -----------------------------------------------------------------------------------
 
 
 class Controller:

@@ -8,7 +8,7 @@ checked. So a remark may be refused as any sentence may, with its numbers.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, Literal, TypedDict
@@ -18,10 +18,8 @@ from grammar.part_reader import understood_part
 from nlcontrol.errors import ControlError, defects_raised
 from nlcontrol.questions.answer import Answer
 from nlcontrol.references.reference_resolution import Context
-from nlcontrol.reports.certainty import certainty_answer
-from nlcontrol.reports.why_answers import deed_answer, why_answer, why_not_answer
-from nlcontrol.results.result import result_with
-from nlcontrol.results.step_endings import status_of
+from nlcontrol.reports.result_report import deed_answer, why_answer, why_not_answer
+from nlcontrol.results.result import result_with, status_of
 from nlcontrol.session.corrected_sentences import result_with_corrections
 from nlcontrol.session.events import FORCE_RATE, Supervisor
 from nlcontrol.session.frame_documents import text_of
@@ -44,6 +42,59 @@ if TYPE_CHECKING:
     from nlcontrol.session.executor import Motion
     from nlcontrol.session.frame_documents import Frames
     from sim.supervision import Progress, StopToken
+
+
+# --- certainty ------------------------------------------------------------------------------------
+#
+# How sure an answer is: where the values come from that were told, and how well they are known.
+
+
+_SEEN = ("value", "seen")
+
+
+def certainty_answer(
+    asked: g.Frame, last: Result | None, answer: Callable[[g.Frame], Answer]
+) -> Answer | None:
+    """How the last answer is known; None if that is not asked, or nothing was answered.
+
+    Args:
+        asked: the question.
+        last: what was said last.
+        answer: gives the answer to a question for a value.
+    """
+    if not isinstance(asked.goal, g.Parameters):
+        return None
+    if last is None or last.answer is None or not last.frames:
+        return None
+    frame, told = last.frames[-1], last.answer
+    values = [answer(each) for each in _values_asked(frame)]
+    if values:
+        text = " ".join(each.text for each in values)
+        numbers = {k: v for each in values for k, v in each.numbers.items()}
+        return Answer(query="value", text=text, numbers=numbers if len(values) == 1 else {})
+    if told.query in _SEEN:
+        return told.model_copy(update={"text": f"That is what I see: {told.text}"})
+    if told.probability is not None or told.push is not None:
+        return told.model_copy(
+            update={"text": f"That is worked out from the object's model: {told.text}"}
+        )
+    return told
+
+
+def _values_asked(frame: g.Frame) -> Iterator[g.Frame]:
+    """A question for the value of each object that a question was about, which a model holds."""
+    goal = frame.goal
+    if frame.query not in ("value", "compare") or not isinstance(goal, g.Parameters):
+        return
+    if goal.which == ("distance",):
+        return
+    for ref in (frame.object, *goal.than):
+        if ref is not None and ref.id is not None:
+            alone = goal.model_copy(update={"than": ()})
+            yield g.Frame(query="value", object=ref, goal=alone)
+
+
+# --- conversation ---------------------------------------------------------------------------------
 
 
 REMEMBERED = 50

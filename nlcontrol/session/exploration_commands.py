@@ -17,19 +17,24 @@ from typing import TYPE_CHECKING
 import grammar
 from grammar.frames import command as g
 from nlcontrol.errors import ControlError, error, refusal_error, whole_span
-from nlcontrol.learning.expected_beliefs import expected_belief
 from nlcontrol.learning.exploration_session import (
     CENTRE_OF_MASS,
     Exploration,
+    expected_belief,
     explore,
     kinds_for,
     precisions_asked,
 )
 from nlcontrol.learning.lessons import SPREAD, felt_weight, weight_from_grasp
 from nlcontrol.questions.answer import Answer
-from nlcontrol.questions.asked_push import target_of
-from nlcontrol.results.result import Step, result_with
-from nlcontrol.results.step_endings import result_with_step, stop_info, unanswered_status
+from nlcontrol.questions.push_questions import target_of
+from nlcontrol.results.result import (
+    Step,
+    result_with,
+    result_with_step,
+    stop_info,
+    unanswered_status,
+)
 from nlcontrol.text_format import enumeration, with_sd_text
 from objectmodels.identification.experiment_design import (
     Candidate,

@@ -31,8 +31,16 @@ from nlcontrol.checks.verdicts import PLANNED_ENDS
 from nlcontrol.errors import ControlError, refusal_error
 from nlcontrol.plan_text import plan_lines
 from nlcontrol.reports.result_report import check_line
-from nlcontrol.results.result import Result, ResultStatus, Step, result_with, summary
-from nlcontrol.results.step_endings import result_with_step, stop_info, unanswered_status
+from nlcontrol.results.result import (
+    Result,
+    ResultStatus,
+    Step,
+    result_with,
+    result_with_step,
+    stop_info,
+    summary,
+    unanswered_status,
+)
 from nlcontrol.session.events import Supervisor
 from nlcontrol.session.foresight.further_pushes import LEFT_SO, Corrections, spent_text
 from nlcontrol.session.foresight.kept_plans import KeptPlans
@@ -369,7 +377,7 @@ class FrameRun:
 
     def _learn_by_hand(self, made: Plan, trace: Trace) -> bool:
         """Learn what the hand found out; return True if all was done."""
-        from nlcontrol.learning.hand_lessons import TRIED_AGAIN, lessons_from_hand
+        from nlcontrol.learning.lessons import TRIED_AGAIN, lessons_from_hand
 
         models, lessons = lessons_from_hand(made, self.controller.models, trace)
         self.controller.models.update(models)

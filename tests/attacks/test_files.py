@@ -24,7 +24,7 @@ from hypothesis import strategies as st
 from nlcontrol import Controller, Conversation
 from nlcontrol.errors import CODES, FAMILIES, exception_info
 from nlcontrol.json_document import SCHEMA_VERSION
-from nlcontrol.outcome_maps.experiment_record import Record
+from nlcontrol.outcome_maps.face_experiment import Record
 from nlcontrol.service.bundles.bundle_rerun import RerunReport, report_lines, rerun
 from nlcontrol.service.bundles.run_bundle import RunBundle, read_bundle
 from nlcontrol.service.bundles.run_request import run_request

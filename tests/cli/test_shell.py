@@ -21,8 +21,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nlcontrol import Conversation
+from nlcontrol.cli.commands import shell_command as lines
 from nlcontrol.cli.commands.shell_command import command
-from nlcontrol.cli.console import prompt_lines as lines
 from nlcontrol.results.result import Result as Answer
 from tests.patience import PATIENCE, wait_until
 

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nlcontrol.cli.console.terminal_text import lines_within
+from nlcontrol.cli.console.console_output import lines_within
 from tests.cli.terminal import COMMANDS, GOLDEN, in_terminal
 
 SENTENCE = "push the mug 3 cm away"

@@ -24,8 +24,7 @@ from nlcontrol.errors import OK
 from objectmodels.files.yaml_documents import error_of_system, replace_file
 
 if TYPE_CHECKING:
-    from nlcontrol.batches.batch import BatchProgress
-    from nlcontrol.batches.batch_summary import BatchSummary
+    from nlcontrol.batches.batch import BatchProgress, BatchSummary
 
 
 class _BatchGroup(click.Group):
@@ -84,10 +83,14 @@ def run(
 
     At the end stands a summary, with --json as one document.
     """
-    from nlcontrol.batches.batch import batch
-    from nlcontrol.batches.batch_summary import Tally, summarise
-    from nlcontrol.batches.dask_executor import dask_executor
-    from nlcontrol.batches.result_file import read_outcomes, result_line
+    from nlcontrol.batches.batch import (
+        Tally,
+        batch,
+        dask_executor,
+        read_outcomes,
+        result_line,
+        summarise,
+    )
     from nlcontrol.batches.row_orders import rows_in_file
 
     if output is None and (resume or as_json):
@@ -156,8 +159,7 @@ def _tell(bar: Progress | None, event: BatchProgress) -> None:
 @json_option
 def summary(results: Path, picture: Path | None, as_json: bool) -> int:
     """Summarise RESULTS, a file that `batch --output` has written."""
-    from nlcontrol.batches.batch_summary import summarise
-    from nlcontrol.batches.result_file import read_outcomes
+    from nlcontrol.batches.batch import read_outcomes, summarise
 
     require_writable(picture)
     found = summarise(read_outcomes(results))
@@ -168,7 +170,7 @@ def summary(results: Path, picture: Path | None, as_json: bool) -> int:
 def _answer_summary(
     found: BatchSummary, picture: Path | None, *, as_json: bool, err: bool = False
 ) -> int:
-    from nlcontrol.batches.batch_summary import save_summary_picture, summary_lines
+    from nlcontrol.batches.batch import save_summary_picture, summary_lines
 
     if picture is not None:
         with replace_file(picture) as path:

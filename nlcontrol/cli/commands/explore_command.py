@@ -91,7 +91,7 @@ def command(
     by control-C, it tells what the touches until then have shown; --save then saves nothing.
     """
     from nlcontrol.learning.exploration_session import ExplorationStopped, explore
-    from nlcontrol.outcome_maps.experiment_runner import object_on_table
+    from nlcontrol.outcome_maps.face_experiment import object_on_table
     from nlcontrol.reports.exploration_report import report_lines, with_truth
     from objectmodels.geometry.pushed_body import UNCERTAIN
     from objectmodels.registry.model_registry import rename_model, save_model, store_model
@@ -117,7 +117,7 @@ def command(
             found, stopped = _findings(raised)
     files = {}
     if picture is not None:
-        from nlcontrol.reports.force_curve_plot import save_curves
+        from nlcontrol.reports.plan_drawing import save_curves
 
         with replace_file(picture) as temporary:
             save_curves(found.touches, item.name, temporary)

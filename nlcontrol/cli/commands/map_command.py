@@ -30,7 +30,7 @@ from nlcontrol.json_document import document_text
 from objectmodels.files.yaml_documents import replace_file
 
 if TYPE_CHECKING:
-    from nlcontrol.outcome_maps.map_comparison import Comparison
+    from nlcontrol.outcome_maps.face_experiment import Comparison
     from objectmodels.mechanics.outcome_map import OutcomeMap
     from sim.face_experiment import Way
 
@@ -177,7 +177,7 @@ def _answer_map(
 def _answer_comparison(
     found: tuple[Comparison, ...], outputs: tuple[Path, ...], *, shaded: bool, as_json: bool
 ) -> int:
-    from nlcontrol.outcome_maps import map_comparison as comparison
+    from nlcontrol.outcome_maps import face_experiment as comparison
     from nlcontrol.outcome_maps.outcome_map_drawing import save_comparison
 
     return _write_and_print(
@@ -224,9 +224,13 @@ def _run_experiments(
     record: Path | None,
 ) -> tuple[Comparison, ...]:
     """The experiment each way, carried out as far as it was not yet, and the prediction."""
-    from nlcontrol.outcome_maps.experiment_record import Record
-    from nlcontrol.outcome_maps.experiment_runner import FaceExperiment, object_on_table
-    from nlcontrol.outcome_maps.map_comparison import Comparison, contacts_of
+    from nlcontrol.outcome_maps.face_experiment import (
+        Comparison,
+        FaceExperiment,
+        Record,
+        contacts_of,
+        object_on_table,
+    )
     from nlcontrol.references.object_names import face_of
     from nlcontrol.session.controller import Controller
     from objectmodels.mechanics.outcome_map import outcome_map

@@ -8,10 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from nlcontrol.cli.console.command_options import open_registry
-from nlcontrol.cli.console.console_output import FILE, json_option, print_answer, print_json
-from nlcontrol.cli.console.shell_completions import complete_objects
-from nlcontrol.cli.console.terminal_text import print_lines
+from nlcontrol.cli.console.command_options import complete_objects, open_registry
+from nlcontrol.cli.console.console_output import (
+    FILE,
+    json_option,
+    print_answer,
+    print_json,
+    print_lines,
+)
 from nlcontrol.errors import CODES, OK, ErrorInfo, error, exception_info
 from nlcontrol.text_format import error_lines
 

@@ -22,16 +22,18 @@ from nlcontrol.cli.console.command_options import (
 from nlcontrol.cli.console.console_output import (
     FILE,
     Detail,
+    LiveAnswer,
+    columns_of,
+    detail_options,
     json_option,
     print_answer,
     print_error,
     print_json,
+    print_lines,
     print_skipped_with_words,
     require_writable,
 )
-from nlcontrol.cli.console.live_answer import LiveAnswer, detail_options
 from nlcontrol.cli.console.robot_stop import exit_code_of, stop_on_signal
-from nlcontrol.cli.console.terminal_text import columns_of, print_lines
 from nlcontrol.errors import ControlError
 from objectmodels.files.yaml_documents import replace_file
 
@@ -274,7 +276,7 @@ def _writer(
     """Function that writes a file of some kind about a result; None if there is nothing to show."""
     answer = result.answer
     if what == "picture" and explain and result.frames:
-        from nlcontrol.reports.explanation_drawing import save_explanation
+        from nlcontrol.reports.word_explanation import save_explanation
 
         return partial(save_explanation, result)
     if what == "bundle":

@@ -8,14 +8,18 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from nlcontrol.cli.console.command_options import Placed, put_option, scene_with_objects
+from nlcontrol.cli.console.command_options import (
+    Placed,
+    complete_scenes,
+    put_option,
+    scene_with_objects,
+)
 from nlcontrol.cli.console.console_output import (
     FILE,
     json_option,
     print_answer,
     require_writable,
 )
-from nlcontrol.cli.console.shell_completions import complete_scenes
 from nlcontrol.errors import error, known_errors_raised
 from objectmodels.files.yaml_documents import replace_file
 

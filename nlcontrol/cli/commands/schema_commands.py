@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import click
 
-from nlcontrol.cli.console.command_options import Settings, scene_option, set_option
+from nlcontrol.cli.console.command_options import (
+    Settings,
+    complete_defaults,
+    scene_option,
+    set_option,
+)
 from nlcontrol.cli.console.console_output import json_option, print_answer, print_json
-from nlcontrol.cli.console.shell_completions import complete_defaults
 from nlcontrol.errors import OK
 
 

@@ -3,19 +3,117 @@
 from __future__ import annotations
 
 import os
+import re
+import shutil
 import sys
+import textwrap
 import time
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from itertools import chain
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, Self, TypeVar
 
 import click
 
-from nlcontrol.cli.console.terminal_text import print_lines
 from nlcontrol.errors import OK, ErrorInfo, error
 from nlcontrol.interruption import SIGNALS
 from nlcontrol.json_document import document_text
+
+if TYPE_CHECKING:
+    from nlcontrol.results.result import Result
+    from nlcontrol.session.events import Event
+
+
+# --- terminal text --------------------------------------------------------------------------------
+#
+# Lines as a terminal shows them: wrapped to its width, verdicts in colour.
+#
+# What goes to a file or a pipe stays as it is, line by line. Colours are the terminal's own green
+# and red, which its dark and its light theme choose so that they can be read; marks and words say
+# the same without them. The environment variable NO_COLOR turns them off.
+
+
+_STYLES: tuple[tuple[re.Pattern[str], dict[str, Any]], ...] = tuple(
+    (re.compile(pattern), style)
+    for pattern, style in (
+        (r" *✓", {"fg": "green"}),
+        (r" *✗", {"fg": "red"}),
+        (r"Done: .*", {"fg": "green", "bold": True}),
+        (r"(Refused|Not held|Unsupported|Error|Internal)( \(\w+\))?:",
+         {"fg": "red", "bold": True}),
+        (r"(I understood|Plan|Step \d+[^:]*|What (happened|\w+ taught)[^:]*):", {"bold": True}),
+    )
+)  # fmt: skip
+"""Beginnings of lines that are shown in a style; the first that fits counts."""
+
+_LEAST = 20  # columns of a text, however narrow the terminal is
+
+
+def columns_of(*, err: bool = False) -> int | None:
+    """Columns of the terminal that a standard stream goes to; None if it goes to none."""
+    stream = sys.stderr if err else sys.stdout
+    if stream is None or not stream.isatty():
+        return None
+    if "COLUMNS" in os.environ:
+        return shutil.get_terminal_size().columns
+    return os.get_terminal_size(stream.fileno()).columns or 80
+
+
+def print_lines(lines: Iterable[str], *, err: bool = False) -> None:
+    """Print lines on a standard stream, as its reader wants them."""
+    columns = columns_of(err=err)
+    if columns is None:
+        for line in lines:
+            click.echo(line, err=err)
+        return
+    before = ""
+    for line in chain.from_iterable(text.splitlines() or [""] for text in lines):
+        # Carets below words that do not fit into one line would point at others.
+        if not (_CARETS.fullmatch(line) and len(before) > columns):
+            click.echo(with_style(lines_within(line, columns)), err=err)
+        before = line
+
+
+_CARETS = re.compile(r" +\^[ ^]*")
+
+
+def lines_within(line: str, columns: int) -> str:
+    """The line in as many lines as it takes; those after the first stand below its last column."""
+    if len(line) <= columns:
+        return line
+    filled = textwrap.fill(
+        _UNIT.sub(_KEPT, line),
+        max(columns, _LEAST),
+        subsequent_indent=" " * _hanging(line, columns),
+        break_on_hyphens=False,
+    )
+    return filled.replace(_KEPT, " ")
+
+
+_KEPT = "\N{NO-BREAK SPACE}"
+_UNIT = re.compile(r"(?<=\d) (?=(mm|m|N|s|kg|ml|%)(\W|$))|(?<=±) ")  # a number stays with its unit
+
+
+def _hanging(line: str, columns: int) -> int:
+    """Indentation below a line: of the last column of a table, else two more than its own."""
+    indent = len(line) - len(line.lstrip())
+    gaps = [gap.end() for gap in re.finditer(r"(?<=\S) {2,}", line) if gap.end() <= columns / 2]
+    return max(gaps, default=indent + 2)
+
+
+def with_style(text: str) -> str:
+    """The text with its beginning in the style of what it tells."""
+    if "NO_COLOR" in os.environ or os.environ.get("TERM") == "dumb":
+        return text
+    for pattern, style in _STYLES:
+        if found := pattern.match(text):
+            return click.style(found[0], **style) + text[found.end() :]
+    return text
+
+
+# --- console output -------------------------------------------------------------------------------
+
 
 FILE = click.Path(dir_okay=False, path_type=Path)
 """The type of an option that names a file."""
@@ -192,3 +290,76 @@ class Progress:
             self._tenths = tenths
             told = " ".join(filter(None, (f"{done} of {total or '?'} {self._what}", note)))
             click.echo(told, err=True)
+
+
+# --- live answer ----------------------------------------------------------------------------------
+#
+# What is told of a sentence: while it is carried out, and at its end.
+#
+# At a terminal the understanding and each plan appear as soon as they are there, then the phases,
+# then what came of it. Elsewhere the answer is printed at its end, in one piece.
+
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+
+def detail_options(command: Command) -> Command:
+    """Add -v and -q, as `detail`."""
+    verbose = click.option(
+        "-v", "--verbose", "detail", flag_value="full", help="Tell every phase and every new plan."
+    )
+    quiet = click.option(
+        "-q", "--quiet", "detail", flag_value="quiet", help="Tell only what came of it."
+    )
+    return quiet(verbose(command))
+
+
+class LiveAnswer(Narrator):
+    """The answer to one sentence, told as it comes.
+
+    Args:
+        detail: how much is told; neither much nor little if not given.
+        as_json: whether standard output is for documents alone.
+    """
+
+    def __init__(self, detail: Detail | None, *, as_json: bool) -> None:
+        super().__init__(detail)
+        self._live = not as_json and detail != "quiet" and sys.stdout.isatty()
+        self._understood = False
+        self._defaults: list[str] = []
+
+    def take(self, event: Event) -> None:
+        """Take one event of the sentence."""
+        if self._live and (lines := list(self._lines_of(event))):
+            with self.pause():
+                print_lines(lines)
+
+    def _lines_of(self, event: Event) -> Iterator[str]:
+        from nlcontrol.plan_text import plan_lines
+        from nlcontrol.reports.result_report import default_line, understanding_lines
+
+        if event.kind == "understood":
+            self._understood = True
+            yield from understanding_lines(event.text, event.left_out or ())
+        elif event.kind == "planned" and event.plan is not None:
+            if event.frame:
+                yield from ("", f"Step {event.frame + 1}:")
+            told = dict.fromkeys(map(default_line, event.plan.defaults))
+            yield from (line for line in told if line not in self._defaults)
+            self._defaults += told
+            yield from ("", *plan_lines(event.plan))
+        elif self._detail == "full" and event.kind == "replanned" and event.plan is not None:
+            yield from ("", *plan_lines(event.plan))
+        elif self._detail == "full" and event.kind in ("contact", "lesson"):
+            yield f"  {event.text}"
+
+    def conclude(self, result: Result) -> None:
+        """Print what is still to be told of the result."""
+        from nlcontrol.reports.result_report import conclusion_lines, later_lines, report_lines
+
+        lines: Iterable[str]
+        if self._detail == "quiet":
+            lines = conclusion_lines(result)
+        else:
+            lines = later_lines(result) if self._understood else report_lines(result)
+        print_lines(lines, err=result.paraphrase is None and result.error is not None)

@@ -12,8 +12,8 @@ from multiprocessing.connection import Connection
 from typing import Any, Protocol
 
 from nlcontrol.errors import exception_info
+from nlcontrol.parallel_tasks import end_with_parent
 from nlcontrol.service.workers.worker_messages import Answer, Call, Ready, Told
-from nlcontrol.worker_processes import end_with_parent
 
 Tell = Callable[[str, bytes], None]
 """Tells the parent something, by topic."""

@@ -15,13 +15,10 @@ import pytest
 from benchmarks.batches.cluster import local_cluster
 from nlcontrol import BatchRow, ControlError, Controller, DrawnScene, Registry, batch
 from nlcontrol.batches import batch as batches
-from nlcontrol.batches.batch import BatchProgress
-from nlcontrol.batches.batch_summary import summarise
-from nlcontrol.batches.dask_executor import dask_executor
+from nlcontrol.batches.batch import BatchProgress, dask_executor, read_outcomes, summarise
 from nlcontrol.batches.drawn_scenes import draw_scene
-from nlcontrol.batches.result_file import read_outcomes
-from nlcontrol.batches.row_result import RowResult
 from nlcontrol.batches.row_worker import Order, result_digest, run_row
+from nlcontrol.batches.rows import RowResult
 from sim.truth.scene_file import load_scene
 
 P = ParamSpec("P")

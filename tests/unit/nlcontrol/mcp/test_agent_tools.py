@@ -14,9 +14,8 @@ import pytest
 from mcp.client.client import Client
 
 from nlcontrol.errors import CODES
-from nlcontrol.mcp.agent_tools import TOOLS, AgentTools
+from nlcontrol.mcp.agent_tools import MOST_BYTES, TOOLS, AgentTools
 from nlcontrol.mcp.stdio_server import tool_server
-from nlcontrol.mcp.tool_answers import MOST_BYTES
 from nlcontrol.service.documents import StatedObject, TableView
 from nlcontrol.service.session import Session
 from tests.fakes.counted_executor import (

@@ -7,7 +7,7 @@ import re
 from grammar import parse
 from grammar.frames.constraints import CONSTRAINTS
 from grammar.frames.goals import GOALS
-from nlcontrol.mcp.grammar_card import grammar_card
+from nlcontrol.mcp.stdio_server import grammar_card
 
 
 def test_every_example_is_read_as_its_kind() -> None:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import json
 
-from nlcontrol.mcp.foreign_text import ForeignNames
-from nlcontrol.mcp.tool_answers import MOST_BYTES, ToolAnswer
+from nlcontrol.mcp.agent_tools import MOST_BYTES, ForeignNames, ToolAnswer
 
 NAMES = ForeignNames(("mug",))
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from nlcontrol.errors import ControlError
 from nlcontrol.json_document import SCHEMA_VERSION
-from nlcontrol.outcome_maps.experiment_record import Record
+from nlcontrol.outcome_maps.face_experiment import Record
 from sim.face_experiment import Contact, TouchResult
 
 PUSH = Contact("crate", "front", (-0.05, 0.01, 0.1), (-1.0, 0.0, 0.0), (1.0, 0.0, 0.0))

@@ -12,8 +12,7 @@ from typing import Any, ParamSpec, TypeVar
 import pytest
 
 from nlcontrol.errors import ControlError
-from nlcontrol.outcome_maps.experiment_record import Record
-from nlcontrol.outcome_maps.experiment_runner import FaceExperiment, object_on_table
+from nlcontrol.outcome_maps.face_experiment import FaceExperiment, Record, object_on_table
 from nlcontrol.session.controller import Controller
 from sim import SimError, load_scene
 from sim.face_experiment import Contact, TouchResult, Way
@@ -138,7 +137,7 @@ def test_results_of_something_else_are_not_taken(
 def test_a_new_version_computes_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     record = Record(tmp_path / "touches.jsonl")
     experiment(record).run(executor=Inline())
-    monkeypatch.setattr("nlcontrol.outcome_maps.experiment_runner.__version__", "0.0.1")
+    monkeypatch.setattr("nlcontrol.outcome_maps.face_experiment.__version__", "0.0.1")
     assert len(experiment(record).missing) == len(CONTACTS)
 
 

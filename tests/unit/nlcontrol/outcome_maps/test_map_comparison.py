@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nlcontrol.outcome_maps import map_comparison as comparison
-from nlcontrol.outcome_maps.map_comparison import Comparison, agreement_text, contacts_of
+from nlcontrol.outcome_maps import face_experiment as comparison
+from nlcontrol.outcome_maps.face_experiment import Comparison, agreement_text, contacts_of
 from objectmodels import BoxModel
 from objectmodels.mechanics.outcome_map import OutcomeMap, outcome_map
 from sim.face_experiment import TouchResult, Way

@@ -10,13 +10,13 @@ from grammar.frames import command as g
 from nlcontrol import Registry
 from nlcontrol.errors import ControlError
 from nlcontrol.questions.answer import Answer
-from nlcontrol.questions.place_answers import (
+from nlcontrol.questions.scene_answers import (
     distance_answer,
     edge_answer,
     far_answer,
+    neighbours_answer,
     state_answer,
 )
-from nlcontrol.questions.scene_answers import neighbours_answer
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 
 SIDE = 0.09  # of the ice tea box, which stands square to the table [m]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.colors import XKCD_COLORS, to_rgb
 
-from nlcontrol.references.object_attributes import SHADES, colour_names
+from nlcontrol.references.object_names import SHADES, colour_names
 from sim import load_scene
 from sim.worlds.camera import initial_frames
 

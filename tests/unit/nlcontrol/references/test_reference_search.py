@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 from grammar.frames import command as g
 from nlcontrol import Controller
 from nlcontrol.errors import ControlError
-from nlcontrol.references.object_attributes import with_attribute
-from nlcontrol.references.object_names import Candidate
+from nlcontrol.references.object_names import Candidate, with_attribute
 from nlcontrol.references.reference_resolution import Context, resolve_references
 from objectmodels import BoxModel, Registry
 from planner.problem.footprints import gap

@@ -12,10 +12,9 @@ from PIL import Image
 
 from nlcontrol import Controller
 from nlcontrol.errors import ControlError
-from nlcontrol.reports import explanation_drawing as drawing
-from nlcontrol.reports.drawing_canvas import Sheet
-from nlcontrol.reports.explanation_drawing import save_explanation
-from nlcontrol.reports.word_explanation import groups, table
+from nlcontrol.reports import word_explanation as drawing
+from nlcontrol.reports.plan_drawing import Sheet
+from nlcontrol.reports.word_explanation import groups, save_explanation, table
 from planner.plan_explanation import Row
 
 SENTENCE = "push the ice tea box away without toppling it"
