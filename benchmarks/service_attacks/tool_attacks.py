@@ -22,7 +22,7 @@ from benchmarks.service_attacks.hostile_values import LEAKS, PATHS, near, odd_te
 from nlcontrol.errors import CODES
 from nlcontrol.mcp.agent_tools import TOOLS, AgentTools
 from nlcontrol.mcp.stdio_server import tool_server
-from nlcontrol.service.offered_plans import LIFE, MOST_OFFERED
+from nlcontrol.service.offers import LIFE, MOST_OFFERED
 from nlcontrol.service.session import Session
 from tests.fakes.counted_executor import (
     FOLDER_VARIABLE,

@@ -29,7 +29,7 @@ from nlcontrol.text_format import quantity, words
 if TYPE_CHECKING:
     from nlcontrol.checks.verdicts import Check
     from nlcontrol.errors import ErrorInfo
-    from nlcontrol.service.session_protocol import PlanningSession, Run
+    from nlcontrol.service.methods import PlanningSession, Run
     from planner.affordances import Affordance
 
 

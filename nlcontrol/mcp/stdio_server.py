@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from mcp.server.context import ServerRequestContext
 
     from nlcontrol.service.documents import NumberedEvent
-    from nlcontrol.service.session_protocol import PlanningSession, Run
+    from nlcontrol.service.methods import PlanningSession, Run
 
 
 # --- grammar card ---------------------------------------------------------------------------------

@@ -17,41 +17,286 @@ import secrets
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from itertools import combinations
 from pathlib import Path
-from threading import RLock
+from threading import Condition, RLock, Thread
 from typing import TYPE_CHECKING, Literal
 
-from nlcontrol.errors import error, known_errors_raised
-from nlcontrol.service.beliefs import Tolerances, belief_digest, require_unchanged, table_view
-from nlcontrol.service.bundles.run_request import run_request
-from nlcontrol.service.documents import Affordances, FaceMap, Offer, SessionSpec, TableView
-from nlcontrol.service.offer_drawing import offer_drawing
-from nlcontrol.service.offered_plans import LIFE, OfferedPlans
-from nlcontrol.service.session_protocol import PlanningSession, is_question
-from nlcontrol.service.session_runs import SessionRun
-from nlcontrol.service.stated_objects import stated_table
+from nlcontrol.errors import ControlError, ErrorInfo, error, exception_info, known_errors_raised
+from nlcontrol.service.bundle import run_request
+from nlcontrol.service.documents import (
+    Affordances,
+    FaceMap,
+    NumberedEvent,
+    Offer,
+    RunInfo,
+    RunKind,
+    SessionSpec,
+    TableSpec,
+    TableView,
+)
+from nlcontrol.service.methods import PlanningSession, is_question
+from nlcontrol.service.offers import (
+    LIFE,
+    OfferedPlans,
+    Tolerances,
+    belief_digest,
+    offer_drawing,
+    require_unchanged,
+    table_view,
+)
 from nlcontrol.session.controller import Controller
 from nlcontrol.session.conversation import Conversation
 from nlcontrol.session.frame_documents import text_of
-from objectmodels import Registry
+from objectmodels import ModelError, Registry
+from planner.problem.footprints import footprint, gap, room_to_edge
 from planner.types.defaults import with_settings
+from planner.types.world_state import PlanarPose, SeenObject
+from sim.robots.cell_description import CellDescription, CellObject
 from sim.simulated_executor import SimulatedExecutor
+from sim.stated_table import StatedTable
+from sim.supervision import StopToken
 
 if TYPE_CHECKING:
     from grammar.frames.command import Command
     from nlcontrol.questions.push_prediction import PushPrediction
     from nlcontrol.results.result import Result
-    from nlcontrol.service.documents import RunKind, Source, StatedObject
-    from nlcontrol.service.session_runs import Deed
+    from nlcontrol.service.bundle import RunRequest
+    from nlcontrol.service.documents import Source, StatedObject
     from nlcontrol.session.events import Event
     from nlcontrol.session.executor import Executor, Motion
     from nlcontrol.session.frame_documents import Frames
-    from planner.types.world_state import SeenObject
-    from sim.supervision import StopToken
+    from sim.traces.trace import Trace
+
+    Deed = Callable[[Callable[[Event], None], StopToken], Result]
+
+
+# --- session runs ---------------------------------------------------------------------------------
+#
+# A run in this process: a thread that carries something out, and all that it tells.
+
+
+class SessionRun:
+    """Something that a session carries out, from its construction on.
+
+    Args:
+        deed: carries it out; it is given who is told of events, and what asks it to stop.
+        session_id: of the session.
+        kind: of the run.
+        text: the sentence.
+        plan_id: that was approved.
+        table: on which.
+        on_event: told of every event, in the thread of the run.
+        request: makes the request of what has just been carried out.
+
+    Attributes:
+        request: with all that it takes to repeat it; None until it has a result.
+    """
+
+    def __init__(
+        self,
+        deed: Deed,
+        *,
+        session_id: str,
+        kind: RunKind,
+        text: str,
+        plan_id: str | None = None,
+        table: TableSpec,
+        on_event: Callable[[Event], object] | None = None,
+        request: Callable[[Result], RunRequest],
+    ) -> None:
+        self.run_id = f"run-{secrets.token_hex(8)}"
+        self.request: RunRequest | None = None
+        self._deed, self._on_event, self._make_request = deed, on_event, request
+        self._stop = StopToken()
+        self._changed = Condition()
+        self._events: list[NumberedEvent] = []
+        self._result: Result | None = None
+        now = time.time()
+        self._info = RunInfo(
+            run_id=self.run_id,
+            session_id=session_id,
+            kind=kind,
+            state="running",
+            text=text,
+            plan_id=plan_id,
+            scene=table.scene,
+            seed=table.seed,
+            asked_at=now,
+            begun_at=now,
+        )
+        self._thread = Thread(target=self._carry_out, name=self.run_id)
+        self._thread.start()
+
+    def _carry_out(self) -> None:
+        result: Result | None = None
+        failure: ErrorInfo | None = None
+        try:
+            result = self._deed(self._tell, self._stop)
+            self.request = self._make_request(result)
+        except Exception as raised:
+            failure = exception_info(raised)
+        with self._changed:
+            self._result = result
+            self._info = self._info.model_copy(
+                update={
+                    "state": "defect" if result is None else "ended",
+                    "ended_at": time.time(),
+                    "result": result,
+                    "error": failure,
+                }
+            )
+            self._changed.notify_all()
+
+    def _tell(self, event: Event) -> None:
+        with self._changed:
+            self._events.append(NumberedEvent(number=len(self._events) + 1, event=event))
+            self._changed.notify_all()
+        if self._on_event is not None:
+            self._on_event(event)
+
+    @property
+    def is_over(self) -> bool:
+        """It has ended, in whichever way."""
+        return self._info.ended_at is not None
+
+    @property
+    def is_stopped(self) -> bool:
+        """It was asked to come to rest."""
+        return self._stop.requested
+
+    def info(self) -> RunInfo:
+        """The run as it is now."""
+        with self._changed:
+            return self._info.model_copy(update={"events": len(self._events)})
+
+    def events(self, after: int = 0) -> Iterator[NumberedEvent]:
+        """Its events as they happen, until it has ended; see `Run.events`."""
+        while fresh := self._events_after(after):
+            yield from fresh
+            after += len(fresh)
+
+    def _events_after(self, number: int) -> list[NumberedEvent]:
+        """The events since one, as soon as there is any; none if it has ended."""
+        with self._changed:
+            self._changed.wait_for(lambda: len(self._events) > number or self.is_over)
+            return self._events[number:]
+
+    def result(self, timeout: float | None = None) -> Result:
+        """The result; waits until it has ended; see `Run.result`."""
+        with self._changed:
+            if not self._changed.wait_for(lambda: self.is_over, timeout):
+                raise TimeoutError(f"it goes on after {timeout} s")
+        if self._info.error is not None:
+            raise ControlError(self._info.error)
+        assert self._result is not None, "a run ends with a result, or with an error"
+        return self._result
+
+    def stop(self) -> None:
+        """Asks it to let go and come to rest; its result is then `cancelled`."""
+        self._stop.request()
+
+    def join(self) -> None:
+        """Waits until it has ended."""
+        self._thread.join()
+
+    def trace(self) -> Trace | None:
+        """The trace of what happened; None if nothing moved. Waits until it has ended."""
+        self.join()
+        return None if self._result is None else self._result.trace
+
+
+# --- stated objects -------------------------------------------------------------------------------
+#
+# Objects that a caller states, checked and put on the table of a cell.
+
+
+SEEN_OVERLAP = 0.005
+"""Overlap of two objects that a camera's errors explain [m]."""
+
+
+def stated_table(
+    cell: CellDescription, objects: Sequence[StatedObject], registry: Registry
+) -> StatedTable:
+    """The table of a cell, with nothing on it but what is stated.
+
+    Raises:
+        ControlError: `bad_table`, with the place in the document.
+    """
+    taken: dict[str, int] = {}
+    for index, item in enumerate(objects):
+        first = taken.setdefault(item.name.casefold(), index)
+        if first != index:
+            raise _bad_table(
+                f"objects[{index}].name",
+                f"'{item.name}' is the name of objects[{first}] too",
+                "give each object a name of its own, as 'left mug', and its `model`",
+            )
+    seen = [_seen(index, item, cell, registry) for index, item in enumerate(objects)]
+    for (i, one), (k, other) in combinations(enumerate(seen), 2):
+        apart = gap(footprint(one), footprint(other))
+        if apart < -SEEN_OVERLAP:
+            raise _bad_table(
+                f"objects[{k}]",
+                f"it stands {-1e3 * apart:.0f} mm deep in objects[{i}], the {one.name}",
+                "poses are those of the middles of their bases, in metres and radians",
+                numbers={"overlap": -apart},
+            )
+    standing = tuple(
+        CellObject(
+            name=item.name,
+            model=item.model or item.name,
+            synonyms=item.synonyms,
+            fragile=item.fragile,
+            fixed=item.fixed,
+        )
+        for item in objects
+    )
+    poses = {item.name: item.pose for item in seen}
+    return StatedTable(cell.model_copy(update={"objects": standing}), poses)
+
+
+def _seen(index: int, item: StatedObject, cell: CellDescription, registry: Registry) -> SeenObject:
+    """An object as it is stated, on the table."""
+    try:
+        model = registry.get(item.model or item.name)
+    except ModelError as raised:
+        key = "name" if item.model is None else "model"
+        hints = (*raised.suggestions, "`nlcontrol objects list` tells the models")
+        raise _bad_table(f"objects[{index}].{key}", raised.message, *hints) from raised
+    seen = SeenObject(item.name, PlanarPose(item.x, item.y, item.yaw), model)
+    table = cell.table.extent
+    beyond = -room_to_edge(footprint(seen), table)
+    if beyond > 0.0:
+        raise _bad_table(
+            f"objects[{index}]",
+            f"the {item.name} stands {1e3 * beyond:.0f} mm beyond the edge of the table",
+            f"x is from {table.x_min:g} to {table.x_max:g} m, y from {table.y_min:g} to "
+            f"{table.y_max:g} m, in W",
+            numbers={"beyond": beyond},
+        )
+    return seen
+
+
+def _bad_table(
+    path: str, message: str, *suggestions: str, numbers: dict[str, float] | None = None
+) -> ControlError:
+    return ControlError(
+        ErrorInfo(
+            code="bad_table",
+            message=message,
+            suggestions=suggestions,
+            numbers=numbers or {},
+            path=path,
+        )
+    )
+
+
+# --- session --------------------------------------------------------------------------------------
 
 
 class Session(PlanningSession):
-    """A table, a robot and a conversation; see `nlcontrol.service.session_protocol`.
+    """A table, a robot and a conversation; see `nlcontrol.service.methods`.
 
     Args:
         table: what is asked for, or the name of a scene, or the path of a scene file.

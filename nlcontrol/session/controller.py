@@ -19,9 +19,8 @@ from nlcontrol.references.object_names import names_on_table
 from nlcontrol.references.reference_resolution import NOTHING_SAID, Context, resolve_references
 from nlcontrol.results.result import Result, result_with, status_of
 from nlcontrol.session.events import FORCE_RATE, Supervisor
-from nlcontrol.session.executor import Executor, Motion, Planner
+from nlcontrol.session.executor import Executor, Motion, Planner, StoppableRobot
 from nlcontrol.session.recipe import LOOKED, Journal, Recipe
-from nlcontrol.session.stoppable_robot import StoppableRobot
 from nlcontrol.session.turns import in_turn
 from objectmodels import ModelError, ObjectModel, Registry
 from planner.types.plan import Plan, Reached
@@ -40,7 +39,7 @@ if TYPE_CHECKING:
     from nlcontrol.session.conversation import Options
     from nlcontrol.session.events import Event
     from nlcontrol.session.frame_documents import Frames
-    from nlcontrol.session.proposals import Approval
+    from nlcontrol.session.frame_execution import Approval
     from planner.affordances import Affordance
     from planner.types.defaults import Defaults
     from planner.types.robot import Failed, Robot

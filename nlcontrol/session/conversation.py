@@ -23,11 +23,11 @@ from nlcontrol.results.result import result_with, status_of
 from nlcontrol.session.corrected_sentences import result_with_corrections
 from nlcontrol.session.events import FORCE_RATE, Supervisor
 from nlcontrol.session.frame_documents import text_of
-from nlcontrol.session.proposals import Approval, Intention, Proposal
+from nlcontrol.session.frame_execution import Approval, Intention, Proposal
 from nlcontrol.session.recipe import Deed
 from nlcontrol.session.remarks import follow_up_frames as follow_up
 from nlcontrol.session.remarks import remark_aims as aims
-from nlcontrol.session.remarks import spoken_objects as spoken
+from nlcontrol.session.remarks import remark_aims as spoken
 from nlcontrol.session.remarks import unread_turns as unread
 from nlcontrol.session.remarks.remark_aims import nothing_before, says_something
 from nlcontrol.session.remarks.undo_frames import PastPush, WayBack, undo_frames, undo_text

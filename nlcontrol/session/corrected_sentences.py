@@ -24,10 +24,9 @@ import grammar
 from grammar.frames.vocabulary import Direction
 from nlcontrol.errors import ControlError, ErrorInfo, refusal_error
 from nlcontrol.results.result import result_with
-from nlcontrol.session.executor import Explorer
+from nlcontrol.session.executor import Explorer, StoppableRobot
 from nlcontrol.session.remarks.follow_up_frames import correct_frame
-from nlcontrol.session.remarks.merged_frames import without_spans
-from nlcontrol.session.stoppable_robot import StoppableRobot
+from nlcontrol.session.remarks.remark_aims import without_spans
 from planner import plan
 from planner.affordances import frame_with_less
 from planner.problem.planning_problem import SearchBudget

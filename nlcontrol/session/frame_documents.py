@@ -22,7 +22,7 @@ from grammar.paraphrasing.command_wording import paraphrase
 from nlcontrol.errors import ControlError, ErrorInfo, known_errors_raised
 from nlcontrol.json_document import SCHEMA_VERSION, is_readable
 from nlcontrol.references.reference_resolution import parts_within
-from nlcontrol.session.remarks.merged_frames import without_spans
+from nlcontrol.session.remarks.remark_aims import without_spans
 from nlcontrol.text_format import encodable_text
 from objectmodels.errors import suggest
 from objectmodels.files.yaml_documents import LIMITS, classes_in, read_bytes, short_text

@@ -21,15 +21,20 @@ should go first, other steps are looked for that bring all of it about
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING
+from itertools import takewhile
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
 
 from grammar.frames import command as g
+from grammar.paraphrasing.command_wording import paraphrase
 from nlcontrol.checks.verdicts import PLANNED_ENDS
 from nlcontrol.errors import ControlError, refusal_error
 from nlcontrol.plan_text import plan_lines
+from nlcontrol.questions.answer import Answer
 from nlcontrol.reports.result_report import check_line
 from nlcontrol.results.result import (
     Result,
@@ -42,14 +47,19 @@ from nlcontrol.results.result import (
     unanswered_status,
 )
 from nlcontrol.session.events import Supervisor
-from nlcontrol.session.foresight.further_pushes import LEFT_SO, Corrections, spent_text
-from nlcontrol.session.foresight.kept_plans import KeptPlans
-from nlcontrol.session.foresight.onward_plans import onward_plan
-from nlcontrol.session.foresight.step_search import Ways, ways_around
-from nlcontrol.session.foresight.stranded_things import stranded_things
-from nlcontrol.session.foresight.way_back import with_way_back
-from nlcontrol.session.frame_answers import answer_to, frames_asked_at_once
-from nlcontrol.session.whereabouts import whereabouts
+from nlcontrol.session.foresight import (
+    LEFT_SO,
+    Corrections,
+    KeptPlans,
+    Ways,
+    onward_plan,
+    spent_text,
+    stranded_things,
+    ways_around,
+    with_way_back,
+)
+from nlcontrol.session.remarks.remark_aims import without_spans
+from nlcontrol.text_format import place_text, quantity
 from planner.plan_explanation import Basis
 from planner.problem.directions import angle_between
 from planner.types.plan import Plan, PlanningResult, Reached
@@ -60,11 +70,153 @@ from sim.supervision import Stopped
 from sim.traces.trace import EndReason, Trace, join_traces
 
 if TYPE_CHECKING:
+    from grammar.frames.command import Command
     from nlcontrol.checks.verdicts import Check
     from nlcontrol.learning.learning_reports import Lesson
     from nlcontrol.session.controller import Controller
     from nlcontrol.session.executor import Motion
-    from nlcontrol.session.proposals import Approval
+    from nlcontrol.session.remarks.undo_frames import PastPush, WayBack
+    from objectmodels.models.object_model import ObjectModel
+    from planner.types.world_state import Held
+    from sim.supervision import StopToken
+
+
+# --- frame answers --------------------------------------------------------------------------------
+#
+# Answers to the questions of a command; what can be done is planned as it would be done.
+#
+# A question whether something can be done is answered by one plan where that suffices. Where
+# several objects are asked about at once, or where something stands in the way of one, it is yes
+# if the whole command could be carried out, with what is moved aside for it.
+
+
+_IN_THE_WAY = ("blocked", "out_of_reach")
+"""Reasons of refusals that other steps may change."""
+
+
+class Answerer(Protocol):
+    """Robot that answers single questions: a `nlcontrol.session.controller.Controller`."""
+
+    @property
+    def models(self) -> Mapping[str, ObjectModel]:
+        """Models of what stands on the table, by name."""
+
+    def answer(
+        self, frame: g.Frame, state: WorldState | None = None, *, stop: StopToken | None = None
+    ) -> Answer:
+        """The answer to a question; raises `ControlError` where there is none."""
+
+
+def frames_asked_at_once(frames: Sequence[g.Frame], index: int) -> tuple[g.Frame, ...]:
+    """The frame of a question, and those after it that ask by the same words what can be done."""
+    first, *later = frames[index:]
+    if first.query != "possible" or not first.spans:
+        return (first,)
+    same = takewhile(lambda f: f.query == "possible" and f.spans == first.spans, later)
+    return (first, *same)
+
+
+def answer_to(
+    controller: Answerer,
+    asked: tuple[g.Frame, ...],
+    state: WorldState,
+    stop: StopToken,
+    propose: Callable[[tuple[g.Frame, ...]], Result],
+) -> Answer:
+    """The answer to frames that are asked at once.
+
+    Args:
+        controller: that answers single questions.
+        asked: their objects resolved.
+        state: what is believed.
+        stop: asked whether to go on.
+        propose: plans frames without carrying them out.
+
+    Raises:
+        Stopped: that was asked for.
+        ControlError: why it cannot be answered.
+    """
+    if len(asked) == 1:
+        answer = controller.answer(asked[0], state, stop=stop)
+        hindered = answer.query == "possible" and answer.reason in _IN_THE_WAY
+        known = asked[0].object is not None and asked[0].object.id in controller.models
+        if not (hindered and known):
+            return answer
+    done = tuple(frame.model_copy(update={"query": None, "event": None}) for frame in asked)
+    return _possibility(propose(done))
+
+
+def _possibility(tried: Result) -> Answer:
+    """The answer that something can be done, in which steps, or why it cannot."""
+    if tried.error is not None:
+        told = tried.error
+        return Answer(
+            query="possible",
+            text=f"No: {told.message.removeprefix('nothing is moved: ')}.",
+            numbers=told.numbers,
+            yes=False,
+            reason=told.code,
+            suggestions=told.suggestions,
+        )
+    from nlcontrol.questions.question_answers import plan_answer  # not needed to execute
+
+    several = len(tried.frames) > 1
+    how = (
+        f"Yes, in {len(tried.frames)} steps: {paraphrase(list(map(without_spans, tried.frames)))}."
+        if several
+        else ""
+    )
+    if tried.plan is None:  # what the first step asks is so by now
+        return Answer(query="possible", text=how or "Yes: it is there already.", yes=True)
+    first = plan_answer(tried.plan)
+    if not several:
+        return first
+    begin = first.text.removeprefix("Yes: ")
+    return first.model_copy(update={"text": f"{how} The first: {begin}"})
+
+
+# --- whereabouts ----------------------------------------------------------------------------------
+#
+# Places in which a command that went no further leaves things, as far as the robot saw them.
+#
+# What was moved for a goal that was not reached does not stand where it did; a person who thinks
+# so would say the wrong thing next. Frames: W.
+
+
+_MOVED = 0.005  # less is not told: it is within what goals leave [m]
+_LAST = 0.5  # time at the end over which it is seen [s]
+
+
+def whereabouts(result: Result, held: Held | None) -> Iterator[str]:
+    """Sentences on what the hand holds and what was moved, if the last step ended halfway."""
+    trace, last = result.trace, result.steps[-1] if result.steps else None
+    if trace is None or last is None or last.error is None:
+        return
+    if last.execution is not None and last.stuck is None:
+        return  # it was done, though not well
+    if held is not None:
+        up = quantity(held.height, "m")
+        yield f"the hand holds the {held.name}, {up} up; say “put it down”"
+    yield from _moved_things(trace, held)
+
+
+def _moved_things(trace: Trace, held: Held | None) -> Iterator[str]:
+    """Sentences on what stands elsewhere than before."""
+    last = trace.time > trace.time[-1] - _LAST
+    for name, poses in trace.seen.items():
+        if held is not None and name == held.name:
+            continue
+        moved = float(np.linalg.norm(trace.seen_displacement(name)))
+        if moved > _MOVED:
+            x, y = poses[last, 4:6].mean(axis=0).tolist()
+            yield (
+                f"the {name} is at {place_text(x, y)} now, {quantity(moved, 'm')} from where it "
+                "was; “undo that” brings it back"
+            )
+
+
+# --- frame execution ------------------------------------------------------------------------------
+
 
 MOST_LOOKS_ON = 3
 """Looks of a second after a frame by which verdicts that are too near to tell are made surer."""
@@ -300,7 +452,7 @@ class FrameRun:
         if len(self.ahead) == 1 or (begun and not (isinstance(made, Plan) and made.task == "lift")):
             return made
         # One frame does without it.
-        from nlcontrol.session.foresight.foreseen_steps import plan_with_foresight
+        from nlcontrol.session.foresight import plan_with_foresight
 
         stop = self.supervisor.stop
         found = plan_with_foresight(self.controller, made, state, self.ahead, stop, self.kept)
@@ -463,3 +615,68 @@ FAILURES: frozenset[EndReason] = frozenset(
     {"no_touch", "unreachable", "guard", "too_close", "turned_off", "speed"}
 )
 """Ends of a push after which another contact is tried, where there is one."""
+
+
+# --- proposals ------------------------------------------------------------------------------------
+#
+# Proposals: plans of sentences, not yet done; to be approved, then carried out as they are.
+
+
+@dataclass(frozen=True)
+class Approval:
+    """The first plan of a command, which is carried out as it is.
+
+    Attributes:
+        frame: place in the command of the frame that it is for, from 0; only questions stand
+            before it.
+        made: the plan.
+    """
+
+    frame: int
+    made: Plan | Reached
+
+
+@dataclass(frozen=True)
+class Intention:
+    """The task of a sentence, as it is meant after those before it.
+
+    Attributes:
+        command: with each remark replaced by the frames that it means.
+        notes: on how a remark was taken.
+        joins: whether its objects join those of the sentence before ("and the mug too").
+        corrects: whether its object takes the place of one that was not meant.
+        exchange: the command before its objects were resolved, if things change places.
+        undone: what was pushed, if that is undone.
+        back: the way back then.
+    """
+
+    command: Command
+    notes: tuple[str, ...] = ()
+    joins: bool = False
+    corrects: bool = False
+    exchange: Command | None = None
+    undone: tuple[PastPush, ...] = ()
+    back: WayBack | None = None
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """A sentence that was planned.
+
+    Attributes:
+        number: of it in its conversation, from 0.
+        result: of the sentence so far.
+        intention: what it is to do, its objects resolved; None if nothing is to be carried out.
+    """
+
+    number: int
+    result: Result
+    intention: Intention | None
+
+    @property
+    def approval(self) -> Approval | None:
+        """The plan that is carried out first; None if a touch decides what comes next."""
+        frame = self.result.steps[-1].frame
+        if self.result.frames[frame].action == "explore":
+            return None
+        return Approval(frame, self.result.plan or Reached())

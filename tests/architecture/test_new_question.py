@@ -65,9 +65,9 @@ EDITS = [
     ("nlcontrol/service/session.py", "import secrets\n", "import math\nimport secrets\n"),
     (
         "nlcontrol/service/session.py",
-        "from nlcontrol.service.session_protocol import PlanningSession",
+        "from nlcontrol.service.methods import PlanningSession",
         "from nlcontrol.service.methods import Spread\n"
-        "from nlcontrol.service.session_protocol import PlanningSession",
+        "from nlcontrol.service.methods import PlanningSession",
     ),
 ]
 

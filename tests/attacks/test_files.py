@@ -25,9 +25,14 @@ from nlcontrol import Controller, Conversation
 from nlcontrol.errors import CODES, FAMILIES, exception_info
 from nlcontrol.json_document import SCHEMA_VERSION
 from nlcontrol.outcome_maps.face_experiment import Record
-from nlcontrol.service.bundles.bundle_rerun import RerunReport, report_lines, rerun
-from nlcontrol.service.bundles.run_bundle import RunBundle, read_bundle
-from nlcontrol.service.bundles.run_request import run_request
+from nlcontrol.service.bundle import (
+    RerunReport,
+    RunBundle,
+    read_bundle,
+    report_lines,
+    rerun,
+    run_request,
+)
 from objectmodels import ModelError, ObjectModel, Registry
 from objectmodels.descriptions.description_import import import_description
 from objectmodels.descriptions.description_reading import Format, description_texts

@@ -13,7 +13,7 @@ from nlcontrol.errors import error
 from nlcontrol.interruption import SIGNALS, Terminated
 
 if TYPE_CHECKING:
-    from nlcontrol.service.session_protocol import PlanningSession
+    from nlcontrol.service.methods import PlanningSession
 
 
 @click.command("mcp")

@@ -24,8 +24,7 @@ def command(bundle: Path, as_json: bool) -> int:
 
     BUNDLE is a file of `say --bundle` or of the service.
     """
-    from nlcontrol.service.bundles.bundle_rerun import report_lines, rerun
-    from nlcontrol.service.bundles.run_bundle import read_bundle
+    from nlcontrol.service.bundle import read_bundle, report_lines, rerun
 
     found = read_bundle(bundle)
     with Narrator() as narrate:

@@ -280,7 +280,7 @@ def _writer(
 
         return partial(save_explanation, result)
     if what == "bundle":
-        from nlcontrol.service.bundles.run_bundle import bundle_run
+        from nlcontrol.service.bundle import bundle_run
         from nlcontrol.service.documents import NumberedEvent
 
         events = [NumberedEvent(number=n, event=event) for n, event in enumerate(told, start=1)]

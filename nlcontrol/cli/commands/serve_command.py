@@ -15,7 +15,7 @@ from nlcontrol.errors import error, known_errors_raised
 from nlcontrol.interruption import SIGNALS
 
 if TYPE_CHECKING:
-    from nlcontrol.service.http.http_settings import HttpSettings
+    from nlcontrol.service.http.service_access import HttpSettings
     from nlcontrol.service.service_settings import ServiceSettings
 
 TOKEN_VARIABLE = "NLCONTROL_TOKEN"
@@ -94,9 +94,9 @@ def command(
     _require_packages()
     from pydantic import ValidationError
 
-    from nlcontrol.service.http.http_settings import HttpSettings
+    from nlcontrol.service.http.service_access import HttpSettings
     from nlcontrol.service.service_settings import ServiceSettings
-    from nlcontrol.service.store.store_folder import default_folder
+    from nlcontrol.service.store.run_store import default_folder
 
     given = {
         "workers": workers,
@@ -121,9 +121,8 @@ def command(
 
 
 def _serve(settings: ServiceSettings, http: HttpSettings, *, opens: bool) -> int:
-    from nlcontrol.service.http.guard.browser_login import BrowserLogin
-    from nlcontrol.service.http.json_logs import log_as_json
-    from nlcontrol.service.http.web_server import listening_socket, serve, url_of
+    from nlcontrol.service.http.guard.request_guard import BrowserLogin
+    from nlcontrol.service.http.web_server import listening_socket, log_as_json, serve, url_of
     from nlcontrol.service.planning_service import PlanningService
 
     _require_token(http)
@@ -181,7 +180,7 @@ def _require_token(http: HttpSettings) -> None:
     Raises:
         ControlError: `bad_token`.
     """
-    from nlcontrol.service.http.http_settings import LOOPBACK
+    from nlcontrol.service.http.service_access import LOOPBACK
 
     if http.token is None and http.host not in LOOPBACK:
         raise error(

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from fastapi import Request
     from starlette.types import Receive, Scope, Send
 
-    from nlcontrol.service.http.http_settings import HttpSettings
+    from nlcontrol.service.http.service_access import HttpSettings
     from nlcontrol.service.planning_service import PlanningService
 
 STREAM_CONTENT = {

@@ -20,8 +20,8 @@ from nlcontrol.service.http.problem_documents import answer_problems
 from nlcontrol.service.http.question_routes import add_questions_alone
 
 if TYPE_CHECKING:
-    from nlcontrol.service.http.guard.browser_login import BrowserLogin
-    from nlcontrol.service.http.http_settings import HttpSettings
+    from nlcontrol.service.http.guard.request_guard import BrowserLogin
+    from nlcontrol.service.http.service_access import HttpSettings
     from nlcontrol.service.planning_service import PlanningService
 
 _PLANNING = APIRouter(prefix="/v1", tags=["planning"], responses=PROBLEMS)

@@ -7,6 +7,7 @@ from starlette.responses import Response
 
 from nlcontrol.service.documents import (
     RunInfo,
+    SceneGeometry,
     SessionInfo,
 )
 from nlcontrol.service.http.event_streams import STREAM_CONTENT, stream_poses
@@ -28,7 +29,6 @@ from nlcontrol.service.http.service_access import (
     require_bounded_sentence,
     waited,
 )
-from nlcontrol.service.live_documents import SceneGeometry
 
 ROUTER = APIRouter(prefix="/v1/sessions", tags=["sessions"], responses=PROBLEMS)
 

@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import asyncio
+import json
+import logging
 import socket
+import sys
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from ipaddress import ip_address
@@ -17,9 +21,10 @@ from nlcontrol.service.http.http_connection import connection_class
 from nlcontrol.service.http.service_app import service_app
 
 if TYPE_CHECKING:
-    from nlcontrol.service.http.guard.browser_login import BrowserLogin
-    from nlcontrol.service.http.http_settings import HttpSettings
+    from nlcontrol.service.http.guard.request_guard import BrowserLogin
+    from nlcontrol.service.http.service_access import HttpSettings
     from nlcontrol.service.planning_service import PlanningService
+
 
 _BACKLOG = 128
 _HEADER_BYTES = 32 * 1024
@@ -116,3 +121,43 @@ def serve(
         timeout_graceful_shutdown=_LAST_ANSWERS,
     )
     asyncio.run(_Server(config, service.close).serve([listening]))
+
+
+# --- json logs ------------------------------------------------------------------------------------
+#
+# Logs of the service: one JSON object a line on standard error.
+
+
+_LONGEST = 2000  # of a text in the log [characters]
+
+
+class JsonFormatter(logging.Formatter):
+    """Formatter of records as JSON objects.
+
+    What a record bears as `fields` becomes keys of its own.
+    """
+
+    def format(self, record: logging.LogRecord) -> str:
+        """The record on one line."""
+        written = {
+            "time": time.strftime("%Y-%m-%dT%H:%M:%S", time.gmtime(record.created))
+            + f".{int(record.msecs):03d}Z",
+            "level": record.levelname.lower(),
+            "logger": record.name,
+            "message": record.getMessage()[:_LONGEST],
+            **getattr(record, "fields", {}),
+        }
+        if record.exc_info:
+            written["traceback"] = self.formatException(record.exc_info)[-_LONGEST:]
+        return json.dumps(written, ensure_ascii=False)
+
+
+def log_as_json(level: int = logging.INFO) -> None:
+    """Sends what the service and its server log to standard error."""
+    handler = logging.StreamHandler(sys.stderr)
+    handler.setFormatter(JsonFormatter())
+    for name in ("nlcontrol", "uvicorn.error"):
+        logger = logging.getLogger(name)
+        logger.handlers = [handler]
+        logger.setLevel(level)
+        logger.propagate = False

@@ -11,21 +11,304 @@ the last one, and never one that is queued or running.
 
 from __future__ import annotations
 
+import errno
+import fcntl
+import os
+import shutil
 import sqlite3
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from threading import RLock
-from typing import Any, NoReturn
+from types import MappingProxyType
+from typing import Any, Literal, NoReturn
 
-from nlcontrol.errors import ErrorInfo, error
+from nlcontrol.errors import ControlError, ErrorInfo, error
+from nlcontrol.installed_versions import installed_versions, platform_name
+from nlcontrol.service.bundle import RunRequest, write_bundle
 from nlcontrol.service.documents import NumberedEvent, RunInfo, RunPage, SessionSpec
-from nlcontrol.service.store.store_folder import FileKind, StoreFolder
-from nlcontrol.service.store.store_schema import file_error, open_database, store_error
 from nlcontrol.session.events import Event
 from objectmodels.errors import ModelError
-from objectmodels.files.yaml_documents import replace_file
+from objectmodels.files.yaml_documents import PREFIX, error_of_system, replace_file
+
+# --- store folder ---------------------------------------------------------------------------------
+#
+# Folder of a store: its database, a lock, and a folder of files for each run.
+#
+# Nothing that a caller says becomes a part of a path: the folder of a run is named by its number
+# in the database. One process at a time has a store open; the lock ends with the process.
+
+
+STORE_VARIABLE = "NLCONTROL_STORE"
+"""Environment variable that names the folder of the store."""
+
+FileKind = Literal["trace", "replay", "recording", "request", "bundle"]
+
+FILE_NAMES: Mapping[FileKind, str] = MappingProxyType(
+    {
+        "trace": "trace.npz",
+        "replay": "replay.html",
+        "recording": "recording.json.gz",
+        "request": "request.json",
+        "bundle": "bundle.zip",
+    }
+)
+
+
+def default_folder() -> Path:
+    """The user's own store, unless the environment names another one."""
+    named = os.environ.get(STORE_VARIABLE)
+    if named:
+        return Path(named)
+    state = os.environ.get("LOCALAPPDATA" if os.name == "nt" else "XDG_STATE_HOME")
+    home = Path(state) if state else Path.home() / ".local" / "state"
+    return home / "nlcontrol" / "service"
+
+
+class StoreFolder:
+    """The folder of a store, locked until it is closed; it is made if need be.
+
+    Args:
+        path: of it.
+
+    Raises:
+        ControlError: `store_in_use`.
+        ModelError: `cannot_write`.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.database = path / "runs.sqlite"
+        self._runs = path / "runs"
+        try:
+            path.mkdir(parents=True, exist_ok=True, mode=0o700)  # what people said is theirs
+            self._runs.mkdir(exist_ok=True)
+            self._lock = (path / "lock").open("a")
+        except OSError as raised:
+            raise error_of_system("cannot_write", "cannot be written to", path, raised) from raised
+        try:
+            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as raised:
+            self._lock.close()
+            raise error(
+                "store_in_use",
+                f"another process has the store {path} open",
+                suggestions=("end that one first", "give another folder with --store"),
+            ) from raised
+
+    def close(self) -> None:
+        """Lets go of the lock."""
+        self._lock.close()
+
+    def file(self, number: int, kind: FileKind) -> Path:
+        """Place of a file of a run, there or not."""
+        return self._runs / str(number) / FILE_NAMES[kind]
+
+    def file_bytes(self, number: int) -> int:
+        """Size of all files of a run [bytes]."""
+        return sum(file.stat().st_size for file in (self._runs / str(number)).glob("*"))
+
+    def remove_files(self, number: int) -> None:
+        """Removes the files of a run."""
+        shutil.rmtree(self._runs / str(number), ignore_errors=True)
+
+    def clean(self, numbers: Collection[int]) -> None:
+        """Removes what belongs to no run, and temporary files that nobody writes any more.
+
+        Args:
+            numbers: of the runs that there are.
+        """
+        names = {str(number) for number in numbers}
+        for folder in self._runs.iterdir():
+            if folder.name not in names:
+                shutil.rmtree(folder, ignore_errors=True)
+        for left in self._runs.glob(f"*/{PREFIX}*"):
+            left.unlink(missing_ok=True)
+
+
+# --- store schema ---------------------------------------------------------------------------------
+#
+# Tables of a store, and how those of an earlier version become those of this one.
+#
+# `user_version` of the database is the number of steps of `MIGRATIONS` that it has taken. A step
+# is never changed once it has been released: what is to be different is a further step.
+
+
+MIGRATIONS: tuple[tuple[str, ...], ...] = (
+    (
+        """CREATE TABLE sessions (
+            session_id TEXT PRIMARY KEY,
+            opened_at REAL NOT NULL,        -- seconds since 1970, UTC
+            spec TEXT NOT NULL              -- JSON of a SessionSpec
+        )""",
+        """CREATE TABLE runs (
+            number INTEGER PRIMARY KEY AUTOINCREMENT,   -- in the order of asking; never used twice
+            run_id TEXT NOT NULL UNIQUE,
+            session_id TEXT NOT NULL,
+            state TEXT NOT NULL,            -- as in the document
+            ended_at REAL,                  -- as in the document
+            bytes INTEGER NOT NULL DEFAULT 0,           -- of it, its events and its files
+            document TEXT NOT NULL          -- JSON of a RunInfo
+        )""",
+        "CREATE INDEX runs_by_session ON runs (session_id, number)",
+        "CREATE INDEX runs_by_end ON runs (ended_at)",
+        """CREATE TABLE events (
+            run INTEGER NOT NULL REFERENCES runs ON DELETE CASCADE,
+            number INTEGER NOT NULL,        -- in its run, from 1
+            event TEXT NOT NULL,            -- JSON of an Event
+            PRIMARY KEY (run, number)
+        )""",
+        """CREATE TABLE idempotency_keys (
+            session_id TEXT NOT NULL,
+            key BLOB NOT NULL,
+            request BLOB NOT NULL,          -- digest of what was asked for under this key
+            run INTEGER NOT NULL REFERENCES runs ON DELETE CASCADE,
+            PRIMARY KEY (session_id, key)
+        )""",
+        "CREATE INDEX keys_by_run ON idempotency_keys (run)",
+    ),
+)
+"""Steps from an empty database to the tables of this version."""
+
+
+def open_database(path: Path) -> sqlite3.Connection:
+    """A connection to the database of a store, with the tables of this version.
+
+    The write-ahead log lets a process be killed at any moment: what was committed is there at the
+    next opening, what was not has left nothing. Commits do not wait for the disk (NORMAL), so a
+    power cut may take the last of them, but never damages the rest; where a caller was promised
+    something, `RunStore` waits.
+
+    Raises:
+        ControlError: `bad_store`.
+    """
+    with ExitStack() as resources:
+        try:
+            connection = sqlite3.connect(path, isolation_level=None, check_same_thread=False)
+            connection.text_factory = _read_text
+            resources.callback(connection.close)
+            connection.execute("PRAGMA journal_mode = WAL")
+            connection.execute("PRAGMA synchronous = NORMAL")
+            connection.execute("PRAGMA foreign_keys = ON")
+            _require_sound(connection)
+            _migrate(connection)
+            _require_tables(connection)
+        except sqlite3.Error as raised:
+            raise store_error(path, "cannot be opened", raised) from raised
+        except ValueError as raised:
+            raise _bad_store(path, str(raised)) from raised
+        resources.pop_all()
+    return connection
+
+
+def store_error(path: Path, what: str, raised: sqlite3.Error) -> ControlError:
+    """The error of a database that does not do what is asked, by the cause that SQLite names.
+
+    Args:
+        path: of the database.
+        what: did not go.
+        raised: by SQLite.
+    """
+    cause = getattr(raised, "sqlite_errorcode", None)
+    cause = None if cause is None else cause & 0xFF  # without what extends it
+    message = f"the store {path} {what}: {raised}"
+    for causes, code, hint in _CURES:
+        if cause in causes:
+            return error(code, message, suggestions=(hint,))
+    return _bad_store(path, f"{what}: {raised}")
+
+
+_DISK = "see whether its disk is full, is damaged, or has gone"
+
+_CURES: tuple[tuple[frozenset[int], str, str], ...] = (
+    (
+        frozenset({sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED}),
+        "store_locked",
+        "end the program that has its file runs.sqlite open",
+    ),
+    (frozenset({sqlite3.SQLITE_FULL}), "store_full", "free some space on its disk"),
+    (
+        frozenset({sqlite3.SQLITE_READONLY, sqlite3.SQLITE_PERM, sqlite3.SQLITE_CANTOPEN}),
+        "store_not_writable",
+        "let this user write to its folder, or give another one with --store",
+    ),
+    (frozenset({sqlite3.SQLITE_IOERR}), "store_not_writable", _DISK),
+)
+"""What SQLite tells, the code of it, and what to do."""
+
+
+def file_error(path: Path, raised: ModelError) -> ControlError:
+    """The error of a file of a store that cannot be written, by the cause that the system names.
+
+    Args:
+        path: of the store.
+        raised: as the file was written.
+    """
+    cause = getattr(raised.__cause__, "errno", None)
+    full = cause in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+    code = "store_full" if full else "store_not_writable"
+    hint = next(hint for _, known, hint in _CURES if known == code)
+    return error(code, f"the store {path} cannot be written: {raised}", suggestions=(hint,))
+
+
+def unwritable(message: str) -> ControlError:
+    """The error of a file of the store that another process could not write."""
+    return error("store_not_writable", f"the store: {message}", suggestions=(_DISK,))
+
+
+def _read_text(content: bytes) -> str:
+    """Text of a cell; bytes that are none cost that cell, which is then no document."""
+    return content.decode("utf-8", "replace")
+
+
+def _require_sound(connection: sqlite3.Connection) -> None:
+    (told,) = connection.execute("PRAGMA quick_check(1)").fetchone()
+    if told != "ok":
+        raise ValueError(f"is damaged: {told}")
+
+
+def _require_tables(connection: sqlite3.Connection) -> None:
+    """Looks for the tables that the steps have made."""
+    there = {name for (name,) in connection.execute("SELECT name FROM sqlite_master")}
+    said = (statement.split() for step in MIGRATIONS for statement in step)
+    missing = sorted({words[2] for words in said if words[:2] == ["CREATE", "TABLE"]} - there)
+    if missing:
+        raise ValueError(f"is damaged: its table {missing[0]} is gone")
+
+
+def _migrate(connection: sqlite3.Connection) -> None:
+    """Takes the steps that a database has not taken yet, all or none.
+
+    Raises:
+        ValueError: it is of a later version.
+    """
+    (version,) = connection.execute("PRAGMA user_version").fetchone()
+    if version > len(MIGRATIONS):
+        raise ValueError(f"is of version {version}; this program knows {len(MIGRATIONS)}")
+    if version == len(MIGRATIONS):
+        return
+    connection.execute("BEGIN IMMEDIATE")
+    try:
+        for step in MIGRATIONS[version:]:
+            for statement in step:
+                connection.execute(statement)
+        connection.execute(f"PRAGMA user_version = {len(MIGRATIONS)}")
+    except BaseException:
+        connection.execute("ROLLBACK")
+        raise
+    connection.execute("COMMIT")
+
+
+def _bad_store(path: Path, message: str) -> ControlError:
+    damaged = "move the folder away: a new store is begun in its place"
+    earlier = "take the version of nlcontrol that wrote it"
+    hints = ("give another folder with --store", earlier if "version" in message else damaged)
+    return error("bad_store", f"the store {path} {message}", suggestions=hints)
+
+
+# --- run store ------------------------------------------------------------------------------------
+
 
 KEEP_BYTES = 2_000_000_000
 """Bytes of ended runs that are kept, if nothing else is said."""
@@ -424,3 +707,63 @@ def _number_of_cursor(cursor: str | None) -> int:
             suggestions=("take the `cursor` of the page before as it is",),
         )
     return int(cursor)
+
+
+# --- stored bundle --------------------------------------------------------------------------------
+#
+# The bundle of a run in a store, made when somebody first asks for it.
+
+
+def bundle_file(store: RunStore, run_id: str) -> Path:
+    """The bundle of a run that has ended, in whichever way; it is kept beside the other files.
+
+    Raises:
+        ControlError: `unknown_run`, `run_under_way`, `no_file`; what the store does not take.
+    """
+    info = store.run(run_id)
+    if info.state in ("queued", "running"):
+        raise error(
+            "run_under_way",
+            f"the run {run_id} has not ended",
+            suggestions=("ask for its bundle when it has",),
+        )
+    if store.file(run_id, "bundle") is None:
+        request = _request(store, info)
+        with store.write_file(run_id, "bundle") as path:
+            write_bundle(
+                path,
+                request,
+                info.result,
+                events=store.events(run_id),
+                trace=store.file(run_id, "trace"),
+                replay=store.file(run_id, "replay"),
+            )
+    found = store.file(run_id, "bundle")
+    if found is None:
+        raise error(
+            "no_file",
+            f"the bundle of the run {run_id} has gone as it was written",
+            suggestions=("ask again",),
+        )
+    return found
+
+
+def _request(store: RunStore, info: RunInfo) -> RunRequest:
+    """The request of a run; without a recipe if there is none that can be read."""
+    path = store.file(info.run_id, "request")
+    why_not = f"it was not carried out to its end: {info.state}"
+    if path is not None:
+        try:
+            return RunRequest.model_validate_json(path.read_bytes())
+        except ValueError:
+            why_not = "its request in the store is damaged"
+    spec = store.session_spec(info.session_id)
+    return RunRequest(
+        text=info.text,
+        scene="" if spec is None else spec.scene,
+        seed=0 if spec is None else spec.seed,
+        versions=installed_versions(),
+        platform=platform_name(),
+        recipe=None,
+        why_not=why_not,
+    )

@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 from nlcontrol.errors import ControlError, error
 from nlcontrol.service.documents import SessionInfo
-from nlcontrol.service.offered_plans import LIFE
-from nlcontrol.service.workers.bell import Bell
-from nlcontrol.service.workers.worker_process import daemon_timer, time_limit_error
+from nlcontrol.service.offers import LIFE
+from nlcontrol.service.workers.worker_process import Bell, daemon_timer, time_limit_error
 
 if TYPE_CHECKING:
     from nlcontrol.service.documents import SessionSpec

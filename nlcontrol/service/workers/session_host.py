@@ -11,29 +11,329 @@ import os
 import sys
 import threading
 from collections import OrderedDict
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cache, cached_property, partial
 from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
-from nlcontrol.errors import ErrorInfo, error, exception_info
-from nlcontrol.json_document import DocumentPart
-from nlcontrol.results.result import Result
-from nlcontrol.service.documents import SessionSpec, TableSpec
+from pydantic import BaseModel
+
+from nlcontrol.errors import NOT_UNDERSTOOD, ControlError, ErrorInfo, error, exception_info
+from nlcontrol.json_document import Document, DocumentPart, document_text
+from nlcontrol.reports.replay_story import replay_story
+from nlcontrol.reports.word_explanation import reading_explanation
+from nlcontrol.results.result import Result, result_with
+from nlcontrol.service.documents import (
+    Offer,
+    PoseFrame,
+    SceneGeometry,
+    SessionSpec,
+    StatedObject,
+    TableSpec,
+    Understanding,
+)
+from nlcontrol.service.methods import QUESTIONS
 from nlcontrol.service.session import Session
-from nlcontrol.service.workers.pose_stream import PoseStream
-from nlcontrol.service.workers.replay_files import write_view
-from nlcontrol.service.workers.session_answers import ASKED, session_answer
+from nlcontrol.session.corrected_sentences import error_with_corrections
+from nlcontrol.session.frame_documents import text_of
 from objectmodels import Registry
+from objectmodels.geometry.rotations import quaternion
+from sim.simulated_executor import SimulatedExecutor
+from sim.traces.trace import Trace
+from sim.truth.scene_file import load_scene
+from sim.views.viewer_recording import save_recording, save_replay
 
 if TYPE_CHECKING:
-    from nlcontrol.service.session_runs import SessionRun
-    from nlcontrol.service.workers.worker_host import Tell
+    from nlcontrol.service.methods import PlanningSession
+    from nlcontrol.service.session import SessionRun
+    from nlcontrol.service.workers.worker_process import Tell
+    from nlcontrol.session.controller import Controller
     from nlcontrol.session.events import Event
     from nlcontrol.session.executor import Executor, Motion
-    from sim.traces.trace import Trace
+    from nlcontrol.session.frame_documents import Frames
+    from sim.worlds.ports import Sample
+
+
+# --- pose stream ----------------------------------------------------------------------------------
+#
+# Inside the process of a session: poses for viewers while somebody looks, and nothing otherwise.
+#
+# Of a simulated world these are what its observer sees. The world leaves a sample of itself after
+# every control step; a thread of its own takes the newest one now and then, so that nothing is
+# asked of the world, and what happens in it does not depend on who looks; it only takes no less
+# than real time then. Of another robot it is what is believed since the last look.
+
+
+RATE = 30.0
+"""Frames per second of the robot's time, at most."""
+
+_LOOK_EVERY = 0.008  # a simulation may run several times faster than the clock [s]
+
+
+class View(Protocol):
+    """A view of a robot and its table."""
+
+    @property
+    def time(self) -> float:
+        """Time of what there is to see [s]."""
+
+    def geometry(self) -> SceneGeometry:
+        """All that is drawn."""
+
+    def frame(self) -> PoseFrame:
+        """Places of all bodies now."""
+
+    def keep_real_time(self, wanted: bool) -> None:
+        """Lets nothing happen faster than it would on a real table, or ends that."""
+
+
+class ObservedWorld:
+    """A simulated world as its observer sees it.
+
+    Args:
+        executor: in whose world things happen.
+    """
+
+    def __init__(self, executor: SimulatedExecutor) -> None:
+        from sim.views.viewer_recording import SceneBodies
+
+        self._executor = executor
+        # A viewer's own world shows how things are before anything moves: the executor's is built
+        # then, and no sooner because somebody looks.
+        world = executor.world if executor.is_built else copy_of(executor).world
+        self._first, self._joint_names = world.sample, world.robot.joint_names
+        self._bodies = SceneBodies(world.scene)
+
+    def _sample(self) -> Sample:
+        return self._executor.world.sample if self._executor.is_built else self._first
+
+    @property
+    def time(self) -> float:
+        """Time of the newest sample [s]."""
+        return self._sample().time
+
+    def geometry(self) -> SceneGeometry:
+        """All that is drawn."""
+        return SceneGeometry(source="observer", **self._bodies.document())
+
+    def frame(self) -> PoseFrame:
+        """Places of all bodies in the newest sample."""
+        sample = self._sample()
+        poses = self._bodies.poses(sample, self._joint_names)
+        return PoseFrame(time=sample.time, source="observer", poses=poses)
+
+    def keep_real_time(self, wanted: bool) -> None:
+        """Lets the simulation run no faster than the clock, or ends that."""
+        if self._executor.is_built:
+            self._executor.world.clock.runs = wanted
+
+
+class BelievedTable:
+    """The table of a robot that is not simulated, as it was seen last: a box for each object.
+
+    Args:
+        controller: of the robot.
+    """
+
+    def __init__(self, controller: Controller) -> None:
+        self._controller = controller
+
+    @property
+    def time(self) -> float:
+        """Time of the robot [s]."""
+        return self._controller.executor.time
+
+    def geometry(self) -> SceneGeometry:
+        """Each object in the shape of its model."""
+        from sim.views.viewer_recording import believed_scene
+
+        name, models = self._controller.cell.name, self._controller.models
+        return SceneGeometry(source="belief", **believed_scene(name, models))
+
+    def frame(self) -> PoseFrame:
+        """Places of the objects as they are believed."""
+        state = self._controller.last_look.state
+        objects = {} if state is None else state.objects
+        poses = {
+            name: (*quaternion(seen.pose.R_WB).tolist(), *seen.pose.p_WB.tolist())
+            for name, seen in objects.items()
+        }
+        return PoseFrame(time=self.time, source="belief", poses=poses)
+
+    def keep_real_time(self, wanted: bool) -> None:
+        """Changes nothing: another robot has a time of its own."""
+
+
+def copy_of(executor: SimulatedExecutor) -> SimulatedExecutor:
+    """An executor of the same scene and seed, in whose world nothing was done yet."""
+    return SimulatedExecutor(executor.scene, seed=executor.seed)
+
+
+class PoseStream:
+    """Frames of a session, told while they are wanted.
+
+    Args:
+        session: whose robot is looked at.
+        tell: tells a frame, as JSON.
+    """
+
+    def __init__(self, session: Session, tell: Callable[[bytes], None]) -> None:
+        self._session, self._tell = session, tell
+        self._unwanted = threading.Event()
+        self._unwanted.set()
+        self._lock = threading.Lock()
+        self._seen: tuple[Executor, View] | None = None
+
+    def geometry(self) -> SceneGeometry:
+        """All that is drawn of the session."""
+        return self._view().geometry()
+
+    def tell_frames(self, wanted: bool) -> None:
+        """Begins to tell frames, or ends it."""
+        if not wanted:
+            self._unwanted.set()
+        elif self._unwanted.is_set():
+            self._unwanted = threading.Event()
+            threading.Thread(target=self._tell_until, args=(self._unwanted,), daemon=True).start()
+
+    def _view(self) -> View:
+        """The view of the robot, which is another one after a reset."""
+        with self._lock:
+            controller = self._session.controller
+            executor = controller.executor
+            if self._seen is None or self._seen[0] is not executor:
+                if isinstance(executor, SimulatedExecutor):
+                    self._seen = executor, ObservedWorld(executor)
+                else:
+                    self._seen = executor, BelievedTable(controller)
+            return self._seen[1]
+
+    def _tell_until(self, unwanted: threading.Event) -> None:
+        shown, due = None, -math.inf
+        while not unwanted.wait(_LOOK_EVERY):
+            view = self._view()
+            view.keep_real_time(True)
+            if view is not shown:
+                shown, due = view, -math.inf
+            if view.time >= due:
+                frame = view.frame()
+                due = max(due + 1.0 / RATE, frame.time + 0.5 / RATE)
+                self._tell(frame.model_dump_json().encode())
+        if shown is not None:
+            shown.keep_real_time(False)
+
+
+# --- replay files ---------------------------------------------------------------------------------
+#
+# Replays and recordings of runs, which a worker writes: they take the engine.
+
+
+def write_view(kind: str, trace: str, scene: str, path: str, result: str | None) -> None:
+    """Writes the replay of a trace, or its recording.
+
+    Args:
+        kind: `replay` or `recording`.
+        trace: path of its file.
+        scene: name of it.
+        path: of the file that is written.
+        result: of the run as JSON, or None.
+    """
+    shown, story = Trace.load(Path(trace)), None
+    if result is not None:
+        known = Result.model_validate_json(result)
+        story = replay_story(result_with(known, trace=shown))
+    save = save_replay if kind == "replay" else save_recording
+    save(shown, load_scene(scene), Path(path), story=story)
+
+
+# --- session answers ------------------------------------------------------------------------------
+#
+# Answers of a planning session as JSON documents.
+
+
+ASKED = frozenset(question.name for question in QUESTIONS)
+"""Methods that any caller may call: nothing moves."""
+
+METHODS = ASKED | {"reset"}
+"""Those of one's own session."""
+
+
+def session_answer(
+    session: PlanningSession, method: str, arguments: Mapping[str, Any], *, ends: bool = False
+) -> bytes:
+    """The answer of a session to one of `METHODS`, as JSON.
+
+    Args:
+        session: that is asked.
+        method: of it.
+        arguments: of the method, as JSON has them; with `explain` the result says which words
+            became which parameters.
+        ends: the session ends with this answer, so that a plan id would be good for nothing.
+
+    Raises:
+        ControlError: what the session raises.
+    """
+    if method not in METHODS:
+        raise ValueError(f"{method} is no method of a session")
+    if method == "ask":
+        arguments = {**arguments, "motion": "never"}  # what moves waits for its turn, as a run
+    stated = arguments.get("objects") if method == "look" else None
+    if stated is not None:
+        objects = tuple(StatedObject.model_validate(item) for item in stated)
+        arguments = {**arguments, "objects": objects}
+    if method == "parse":
+        return _understanding(session, arguments["said"]).model_dump_json().encode()
+    explains = arguments.get("explain", False)
+    rest = {key: value for key, value in arguments.items() if key != "explain"}
+    answer: BaseModel | None = getattr(session, method)(**rest)
+    if answer is None:
+        return b"{}"
+    if isinstance(answer, Offer):
+        offered = {"plan_id": None, "expires_in": None} if ends else {}
+        answer = answer.model_copy(
+            update={**offered, "result": _explained(answer.result) if explains else answer.result}
+        )
+    elif isinstance(answer, Result) and explains:
+        answer = _explained(answer)
+    if isinstance(answer, Document):
+        return answer.model_dump_json().encode()
+    return document_text(answer.model_dump(mode="json"), None).encode()
+
+
+def _understanding(session: PlanningSession, said: str | Frames) -> Understanding:
+    """The reading of a sentence; that it is not understood is one too.
+
+    Raises:
+        ControlError: anything else went wrong.
+    """
+    text = text_of(said)
+    try:
+        read = session.parse(said)
+    except ControlError as raised:
+        if raised.info.status.exit != NOT_UNDERSTOOD:
+            raise
+        info = error_with_corrections(raised.info, text, session.parse)
+        return Understanding(ok=False, text=text, error=info)
+    return Understanding(
+        ok=True,
+        text=read.text,
+        frames=read.frames,
+        paraphrase=read.paraphrase,
+        asides=read.asides,
+        left_out=read.left_out,
+        explanation=reading_explanation(read),
+    )
+
+
+def _explained(result: Result) -> Result:
+    """The result with the way of its words to parameters."""
+    return result_with(result, explanation=result.explanation_rows())
+
+
+# --- session host ---------------------------------------------------------------------------------
+
 
 NICE = 5
 """Niceness of the thread that simulates: plans come first, and other work does not starve a run."""

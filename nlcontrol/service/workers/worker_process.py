@@ -7,6 +7,7 @@ Elsewhere, where that is not safe, each is a fresh process that warms up by itse
 
 from __future__ import annotations
 
+import asyncio
 import atexit
 import itertools
 import logging
@@ -23,11 +24,150 @@ from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from threading import Timer
-from typing import Any
+from typing import Any, NamedTuple, Protocol
 
-from nlcontrol.errors import ControlError, ErrorInfo, error
-from nlcontrol.service.workers.worker_host import Host, Tell, run_host
-from nlcontrol.service.workers.worker_messages import Answer, Call, Ready, Told
+from nlcontrol.errors import ControlError, ErrorInfo, error, exception_info
+from nlcontrol.parallel_tasks import end_with_parent
+
+# --- worker messages ------------------------------------------------------------------------------
+#
+# Messages between the service and its worker processes: plain data, answers as JSON in bytes.
+
+
+class Call(NamedTuple):
+    """A method to be called in the worker.
+
+    Attributes:
+        number: of the call, which its answer bears.
+        method: name of it.
+        arguments: by name, as JSON has them.
+    """
+
+    number: int
+    method: str
+    arguments: Mapping[str, Any]
+
+
+class Ready(NamedTuple):
+    """The worker has loaded what it needs."""
+
+
+class Answer(NamedTuple):
+    """Answer to a call.
+
+    Attributes:
+        number: of the call.
+        content: a JSON document, or the `ErrorInfo` of what was raised.
+        ok: nothing was raised.
+    """
+
+    number: int
+    content: bytes
+    ok: bool
+
+
+class Told(NamedTuple):
+    """Something that the worker tells without being asked.
+
+    Attributes:
+        topic: one of its host's.
+        content: as JSON.
+    """
+
+    topic: str
+    content: bytes
+
+
+# --- worker host ----------------------------------------------------------------------------------
+#
+# Inside a worker process: calls are read from the pipe and answered, each in a thread of its own.
+#
+# The process ends when its pipe closes or its parent is gone, whatever it is doing.
+
+
+Tell = Callable[[str, bytes], None]
+"""Tells the parent something, by topic."""
+
+
+class Host(Protocol):
+    """Object that answers the calls of a worker, several at a time.
+
+    Attributes:
+        urgent: methods that wait for nothing, and that are done in the order of all calls.
+    """
+
+    urgent: frozenset[str]
+
+    def answer(self, method: str, arguments: Mapping[str, Any]) -> bytes:
+        """The answer to a call, as JSON.
+
+        Args:
+            method: that is called.
+            arguments: of it.
+
+        Raises:
+            Exception: anything; the caller gets it as `ErrorInfo`.
+        """
+
+
+def run_host(
+    connection: Connection[Any, Any],
+    make_host: Callable[[Tell], Host],
+    environment: Mapping[str, str],
+) -> None:
+    """Answers calls until the pipe closes, and ends this process.
+
+    Args:
+        connection: this process's end of the pipe.
+        make_host: makes the host, given a way to tell the parent something by itself.
+        environment: of the parent; what this process was forked from may have begun in another.
+    """
+    os.environ.clear()
+    os.environ.update(environment)
+    end_with_parent()
+    try:
+        _Worker(connection, make_host).answer_calls()
+    except (EOFError, OSError):
+        os._exit(0)
+
+
+class _Worker:
+    """The pipe, the host and the calls that are being answered."""
+
+    def __init__(self, connection: Connection[Any, Any], make_host: Callable[[Tell], Host]) -> None:
+        self._connection = connection
+        self._writing = threading.Lock()
+        self._host = make_host(lambda topic, content: self._send(Told(topic, content)))
+        self._send(Ready())
+
+    def answer_calls(self) -> None:
+        """Reads calls for ever; raises what closes the pipe."""
+        while True:
+            call: Call = self._connection.recv()
+            # What is urgent is done here; its answer may have to wait until others are written.
+            done = self._answer(call) if call.method in self._host.urgent else None
+            threading.Thread(target=self._send_answer, args=(call, done), daemon=True).start()
+
+    def _send_answer(self, call: Call, done: Answer | None) -> None:
+        self._send(done or self._answer(call))
+
+    def _answer(self, call: Call) -> Answer:
+        try:
+            return Answer(call.number, self._host.answer(call.method, call.arguments), ok=True)
+        except Exception as raised:
+            info = exception_info(raised).model_dump_json().encode()
+            return Answer(call.number, info, ok=False)
+
+    def _send(self, message: Ready | Answer | Told) -> None:
+        try:
+            with self._writing:
+                self._connection.send(message)
+        except OSError:
+            os._exit(0)  # nobody listens any more
+
+
+# --- worker process -------------------------------------------------------------------------------
+
 
 LOGGER = logging.getLogger("nlcontrol.service")
 
@@ -267,3 +407,41 @@ def _surroundings() -> Iterator[None]:
                     del os.environ[name]
                 else:
                     os.environ[name] = value
+
+
+# --- bell -----------------------------------------------------------------------------------------
+#
+# Bell that wakes tasks of event loops, rung from any thread.
+
+
+class Bell:
+    """Those who listen, and a way to wake them all."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._listeners: dict[asyncio.Event, asyncio.AbstractEventLoop] = {}
+
+    @property
+    def listeners(self) -> int:
+        """Number of those who listen."""
+        return len(self._listeners)
+
+    def ring(self) -> None:
+        """Wakes all that listen."""
+        with self._lock:
+            listeners = dict(self._listeners)
+        for heard, loop in listeners.items():
+            with suppress(RuntimeError):  # its loop is closed, so that nobody waits there
+                loop.call_soon_threadsafe(heard.set)
+
+    @contextmanager
+    def heard(self) -> Iterator[asyncio.Event]:
+        """Context of one who listens, in a task; the event is set by every ring."""
+        heard = asyncio.Event()
+        with self._lock:
+            self._listeners[heard] = asyncio.get_running_loop()
+        try:
+            yield heard
+        finally:
+            with self._lock:
+                del self._listeners[heard]

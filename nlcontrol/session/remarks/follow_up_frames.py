@@ -17,22 +17,20 @@ from grammar.words.lexicon_plugins import installed_lexicon
 from nlcontrol.errors import error, whole_span
 from nlcontrol.references.object_names import name_words
 from nlcontrol.references.reference_resolution import parts_within
-from nlcontrol.session.remarks.merged_frames import (
+from nlcontrol.session.remarks.remark_aims import (
     FAR_FIELDS,
     Rename,
     are_alike,
     by_name,
-    merge_frames,
-    stated_fields,
-    without_fields,
-    without_spans,
-)
-from nlcontrol.session.remarks.remark_aims import (
     followed_frames,
     frames_about,
     frames_said,
+    merge_frames,
     nothing_before,
     says_something,
+    stated_fields,
+    without_fields,
+    without_spans,
 )
 from nlcontrol.session.remarks.undo_frames import reversed_goal
 

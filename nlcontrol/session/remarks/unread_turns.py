@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from nlcontrol.session.remarks import remark_aims as aims
-from nlcontrol.session.remarks import spoken_objects as spoken
+from nlcontrol.session.remarks import remark_aims as spoken
 
 if TYPE_CHECKING:
     from grammar.frames.command import Command

@@ -10,8 +10,7 @@ from pathlib import Path
 import pytest
 
 from nlcontrol.errors import ControlError
-from nlcontrol.service.documents import SessionSpec
-from nlcontrol.service.live_documents import PoseFrame
+from nlcontrol.service.documents import PoseFrame, SessionSpec
 from nlcontrol.service.planning_service import PlanningService
 from tests.fakes.counted_executor import FOLDER_VARIABLE, first_poses, motions_in, write_poses
 from tests.patience import PATIENCE, wait_until

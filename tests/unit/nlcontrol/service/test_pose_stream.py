@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from nlcontrol import Session
-from nlcontrol.service.workers.pose_stream import PoseStream
+from nlcontrol.service.workers.session_host import PoseStream
 from sim.simulated_executor import simulation
 from tests.patience import wait_until
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from nlcontrol import Controller
-from nlcontrol.service.workers.replay_files import write_view
+from nlcontrol.service.workers.session_host import write_view
 from sim import load_scene
 from tests.fakes.pushed_trace import pushed_trace
 

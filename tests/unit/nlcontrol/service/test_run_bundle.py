@@ -14,18 +14,19 @@ import numpy as np
 import pytest
 
 from nlcontrol import ControlError, Controller, Conversation
-from nlcontrol.service.bundles.bundle_rerun import report_lines, rerun
-from nlcontrol.service.bundles.run_bundle import bundle_run, read_bundle
-from nlcontrol.service.bundles.run_comparison import (
+from nlcontrol.service.bundle import (
+    bundle_run,
+    read_bundle,
+    report_lines,
+    rerun,
     result_differences,
+    run_request,
     trace_differences,
     version_differences,
 )
-from nlcontrol.service.bundles.run_request import run_request
 from nlcontrol.service.documents import RunInfo, SessionSpec
 from nlcontrol.service.session import Session
-from nlcontrol.service.store.run_store import RunStore
-from nlcontrol.service.store.stored_bundle import bundle_file
+from nlcontrol.service.store.run_store import RunStore, bundle_file
 from nlcontrol.session import recipe as recipes
 from objectmodels.files import yaml_documents
 from sim.traces.trace import ContactEvent, Trace
@@ -210,7 +211,7 @@ def test_what_is_no_bundle_is_refused(
 ) -> None:
     small = yaml_documents.LIMITS["bundle_part"]._replace(most=2_000_000)
     monkeypatch.setattr(
-        "nlcontrol.service.bundles.run_bundle.LIMITS",
+        "nlcontrol.service.bundle.LIMITS",
         {**yaml_documents.LIMITS, "bundle_part": small},
     )
     path = tmp_path / "b.zip"

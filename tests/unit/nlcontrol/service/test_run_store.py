@@ -12,7 +12,7 @@ import pytest
 from nlcontrol import ControlError
 from nlcontrol.results.result import Result
 from nlcontrol.service.documents import NumberedEvent, RunInfo, SessionSpec
-from nlcontrol.service.store import store_schema
+from nlcontrol.service.store import run_store
 from nlcontrol.service.store.run_store import RunStore
 from nlcontrol.session.events import Event
 from objectmodels.files.yaml_documents import PREFIX
@@ -207,7 +207,7 @@ def test_a_store_of_version_1_opens(
 ) -> None:
     _write_version_1(tmp_path)
     later = tuple((step,) for step in steps)
-    monkeypatch.setattr(store_schema, "MIGRATIONS", (*store_schema.MIGRATIONS, *later))
+    monkeypatch.setattr(run_store, "MIGRATIONS", (*run_store.MIGRATIONS, *later))
     store = RunStore(tmp_path)
     assert store.run("old").text == "push it"
     assert store.events("old")[0].event.kind == "ended"
@@ -216,7 +216,7 @@ def test_a_store_of_version_1_opens(
     store.close()
     with sqlite3.connect(tmp_path / "runs.sqlite") as database:
         (version,) = database.execute("PRAGMA user_version").fetchone()
-    assert version == len(store_schema.MIGRATIONS)
+    assert version == len(run_store.MIGRATIONS)
 
 
 def test_a_migration_that_fails_leaves_the_version_before(
@@ -225,7 +225,7 @@ def test_a_migration_that_fails_leaves_the_version_before(
     _write_version_1(tmp_path)
     broken = ("ALTER TABLE runs ADD COLUMN more TEXT", "ALTER TABLE nothing ADD COLUMN more TEXT")
     with monkeypatch.context() as patch:
-        patch.setattr(store_schema, "MIGRATIONS", (*store_schema.MIGRATIONS, broken))
+        patch.setattr(run_store, "MIGRATIONS", (*run_store.MIGRATIONS, broken))
         with pytest.raises(ControlError) as raised:
             RunStore(tmp_path)
         assert raised.value.code == "bad_store"

@@ -12,8 +12,7 @@ import numpy as np
 import pytest
 
 from nlcontrol.errors import ControlError
-from nlcontrol.service.documents import RunInfo, SessionSpec
-from nlcontrol.service.live_documents import PoseFrame
+from nlcontrol.service.documents import PoseFrame, RunInfo, SessionSpec
 from nlcontrol.service.planning_service import PlanningService
 from sim.traces.trace import Trace
 from tests.patience import PATIENCE, wait_until

@@ -14,9 +14,9 @@ import pytest
 from nlcontrol import ControlError, Controller, Event, Session
 from nlcontrol.errors import ErrorInfo
 from nlcontrol.results.result import Result
-from nlcontrol.service import offered_plans
-from nlcontrol.service.offered_plans import LIFE
-from nlcontrol.service.session_protocol import PlanningSession
+from nlcontrol.service import offers
+from nlcontrol.service.methods import PlanningSession
+from nlcontrol.service.offers import LIFE
 from planner.types.plan import Plan
 from sim.exploration.trial_extraction import Recording
 from sim.traces.trace import Trace
@@ -153,7 +153,7 @@ def test_a_plan_expires(session: Session, clock: Clock, monkeypatch: pytest.Monk
     dropped = planned(session, AWAY)
     session.stop()
     assert error_of(lambda: session.execute(dropped)).code == "expired_plan"
-    monkeypatch.setattr(offered_plans, "MOST_OFFERED", 2)
+    monkeypatch.setattr(offers, "MOST_OFFERED", 2)
     oldest = planned(session, AWAY)
     kept = [planned(session, AWAY) for _ in range(2)]
     assert error_of(lambda: session.execute(oldest)).code == "expired_plan"

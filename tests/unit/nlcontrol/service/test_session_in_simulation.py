@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from nlcontrol import ControlError, Controller, Session
+from nlcontrol.service.bundle import rebuild_controller
 from nlcontrol.session.recipe import Recipe
-from nlcontrol.session.recipe_rebuilding import rebuild_controller
 
 AWAY = "push the mug 2 cm away"
 

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from nlcontrol import ControlError, Controller, Session
 from nlcontrol.service.documents import SessionSpec, StatedObject, TableView
-from nlcontrol.service.workers.session_answers import session_answer
+from nlcontrol.service.workers.session_host import session_answer
 from planner.types.world_state import PlanarPose
 from sim.stated_table import StatedTable
 

@@ -14,13 +14,11 @@ from typing import Any, cast
 import pytest
 
 from nlcontrol.errors import ControlError, ErrorInfo, error
-from nlcontrol.service import run_files
+from nlcontrol.service import planning_service
 from nlcontrol.service.documents import RunInfo, SessionSpec
-from nlcontrol.service.run_files import RunFiles
+from nlcontrol.service.planning_service import RunFiles
 from nlcontrol.service.service_settings import ServiceSettings
-from nlcontrol.service.store.run_store import RunStore
-from nlcontrol.service.store.store_schema import store_error
-from nlcontrol.service.store.stored_bundle import bundle_file
+from nlcontrol.service.store.run_store import RunStore, bundle_file, store_error
 from nlcontrol.service.workers import live_runs
 from nlcontrol.service.workers.live_runs import LiveRuns
 from nlcontrol.service.workers.live_session import LiveSession
@@ -188,7 +186,7 @@ def test_a_damaged_trace_costs_its_replay_and_not_the_bundle(
     store.add_session("s", SessionSpec())
     with store.write_file("first", "trace") as path:
         path.write_bytes(b"no trace")
-    monkeypatch.setattr(run_files, "WorkerProcess", ReplayProcess)
+    monkeypatch.setattr(planning_service, "WorkerProcess", ReplayProcess)
     files = RunFiles(store, time_limit=PATIENCE)
     with pytest.raises(ControlError) as raised:
         files.replay("first")

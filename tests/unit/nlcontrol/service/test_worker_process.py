@@ -15,8 +15,7 @@ import pytest
 
 from nlcontrol.errors import ControlError
 from nlcontrol.service.workers.session_host import warm_up
-from nlcontrol.service.workers.worker_host import Tell
-from nlcontrol.service.workers.worker_process import MOST_UNSENT, WorkerProcess
+from nlcontrol.service.workers.worker_process import MOST_UNSENT, Tell, WorkerProcess
 from tests.patience import PATIENCE, wait_until
 from tests.unit.nlcontrol.service.processes import parent
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from nlcontrol import Controller, Conversation
-from nlcontrol.session.remarks.spoken_objects import asks
+from nlcontrol.session.remarks.remark_aims import asks
 
 
 @pytest.mark.parametrize(

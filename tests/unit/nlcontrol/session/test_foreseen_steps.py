@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from nlcontrol import Controller
-from nlcontrol.session.foresight import foreseen_steps, step_search
-from nlcontrol.session.foresight.foreseen_steps import lasting_lift
+from nlcontrol.session import foresight
+from nlcontrol.session.foresight import lasting_lift
 from planner.types.defaults import CLEARED, DEFAULTS
 from planner.types.plan import Plan, PlanningResult
 from sim.simulated_executor import simulation
@@ -56,7 +56,7 @@ def test_a_lift_for_what_comes_after_it_is_looked_for_once(
         asked.append(args)
         return lasting_lift(*args)
 
-    for module in (foreseen_steps, step_search):
+    for module in (foresight, foresight):
         monkeypatch.setattr(module, "lasting_lift", noted)
     # Nothing may be moved, so every round of the search for other steps begins alike.
     controller = Controller("kitchen", defaults=replace(DEFAULTS, clear=CLEARED.index("no")))

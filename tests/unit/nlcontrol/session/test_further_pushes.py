@@ -7,7 +7,7 @@ import math
 import pytest
 
 from nlcontrol import Controller
-from nlcontrol.session.foresight.further_pushes import LEFT_SO, Corrections
+from nlcontrol.session.foresight import LEFT_SO, Corrections
 from planner.types.actions import Aim
 from planner.types.defaults import DEFAULTS
 from planner.types.world_state import PlanarPose

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 
-from nlcontrol.session.foresight.kept_denials import RecallingRobot
+from nlcontrol.session.foresight import RecallingRobot
 from objectmodels import Registry
 from planner.types.actions import Push
 from planner.types.robot import NoRobot, ReachAnswer, ReachEffort

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from nlcontrol.session.foresight.onward_plans import onward_plan
+from nlcontrol.session.foresight import onward_plan
 from planner.planning import plan
 from planner.types.plan import Plan, PlanningResult
 from planner.types.refusal import Refusal

@@ -7,8 +7,8 @@ from threading import Thread
 import pytest
 
 from nlcontrol import ControlError, Controller, Conversation
+from nlcontrol.service.bundle import rebuild_controller
 from nlcontrol.session.recipe import Deed, Recipe
-from nlcontrol.session.recipe_rebuilding import rebuild_controller
 from objectmodels import Registry
 from objectmodels.registry.model_registry import model_document, model_from_document
 from sim.supervision import StopToken

@@ -10,8 +10,7 @@ import pytest
 from grammar import parse
 from grammar.frames import command as g
 from nlcontrol import Controller
-from nlcontrol.session.foresight.kept_plans import KeptPlans
-from nlcontrol.session.foresight.step_search import StepSearch, Ways
+from nlcontrol.session.foresight import KeptPlans, StepSearch, Ways
 from planner import planning
 from planner.clearing import may_be_grasped_anew, setting_down_frame
 from planner.problem.predicted_states import state_after

@@ -11,7 +11,7 @@ import yaml
 import grammar
 from grammar.frames import command as g
 from nlcontrol import Controller, Conversation
-from nlcontrol.session.remarks.merged_frames import by_name, without_spans
+from nlcontrol.session.remarks.remark_aims import by_name, without_spans
 
 COMMANDS = Path(__file__).parents[3] / "data" / "commands"
 

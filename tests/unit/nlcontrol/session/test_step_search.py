@@ -9,11 +9,11 @@ import pytest
 
 from nlcontrol import Controller
 from nlcontrol.session.events import Supervisor
-from nlcontrol.session.foresight.kept_plans import KeptPlans
-from nlcontrol.session.foresight.step_search import (
+from nlcontrol.session.foresight import (
     MOST_SHARE,
     MOST_WORKS,
     MOST_WORKS_GIVEN_UP,
+    KeptPlans,
     ways_around,
 )
 from planner import planning

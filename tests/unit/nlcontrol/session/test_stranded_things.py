@@ -10,7 +10,7 @@ import pytest
 
 from nlcontrol import Controller
 from nlcontrol.results.result import Result
-from nlcontrol.session.foresight.stranded_things import fallen_things, stranded_things
+from nlcontrol.session.foresight import fallen_things, stranded_things
 from planner.types.refusal import Refusal
 from planner.types.world_state import WorldState
 from sim.supervision import StopToken

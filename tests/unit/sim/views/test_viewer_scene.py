@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nlcontrol.service.live_documents import SceneGeometry
+from nlcontrol.service.documents import SceneGeometry
 from objectmodels import Registry
 from objectmodels.geometry.rotations import from_quaternion
 from sim import load_scene

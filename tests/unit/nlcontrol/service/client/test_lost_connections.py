@@ -13,9 +13,9 @@ import pytest
 
 from grammar.parser import default_parser
 from nlcontrol import Client, ControlError
-from nlcontrol.service.client import remote_run, service_connection
+from nlcontrol.service.client import remote_session
 from nlcontrol.service.documents import NumberedEvent
-from nlcontrol.service.session_protocol import PlanningSession, Run
+from nlcontrol.service.methods import PlanningSession, Run
 from nlcontrol.session.events import Event
 from tests.patience import PATIENCE
 
@@ -37,8 +37,8 @@ Answer = Callable[[httpx.Request], httpx.Response]
 
 @pytest.fixture(autouse=True)
 def _no_waiting(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(service_connection, "PAUSES", (0.0, 0.0, 0.0))
-    monkeypatch.setattr(remote_run, "PAUSES", (0.0, 0.0, 0.0))
+    monkeypatch.setattr(remote_session, "PAUSES", (0.0, 0.0, 0.0))
+    monkeypatch.setattr(remote_session, "PAUSES", (0.0, 0.0, 0.0))
 
 
 class Wire(httpx.BaseTransport):

@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from nlcontrol import Client, ControlError
+from nlcontrol.service.methods import PlanningSession
 from nlcontrol.service.session import Session
-from nlcontrol.service.session_protocol import PlanningSession
 from tests.fakes.counted_executor import motions_in
 from tests.patience import PATIENCE
 from tests.service_process import ServerProcess, serving_counted_robot

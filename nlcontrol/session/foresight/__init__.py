@@ -1,1 +1,0 @@
-"""Steps of a command in an order, with others between them, by which all can be done."""
