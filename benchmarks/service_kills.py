@@ -30,7 +30,7 @@ from typing import Any
 
 import httpx
 
-from nlcontrol.service.store.run_store import RunStore
+from nlcontrol.service.run_store import RunStore
 from objectmodels.files.yaml_documents import PREFIX
 from sim import Trace
 from tests.unit.nlcontrol.service.processes import descendants, parent

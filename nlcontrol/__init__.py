@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from nlcontrol.errors import ControlError, ErrorInfo
     from nlcontrol.questions.answer import Answer
     from nlcontrol.results.result import Result
-    from nlcontrol.service.client.remote_session import Client
+    from nlcontrol.service.remote_session import Client
     from nlcontrol.service.session import Session
     from nlcontrol.session.controller import Controller
     from nlcontrol.session.conversation import Conversation
@@ -63,7 +63,7 @@ _HOMES = {
     "BatchRow": "nlcontrol.batches.rows",
     "BoxModel": "objectmodels",
     "Check": "nlcontrol.checks.verdicts",
-    "Client": "nlcontrol.service.client.remote_session",
+    "Client": "nlcontrol.service.remote_session",
     "Command": "grammar",
     "ControlError": "nlcontrol.errors",
     "Controller": "nlcontrol.session.controller",

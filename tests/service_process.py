@@ -12,8 +12,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from nlcontrol.service.run_store import STORE_VARIABLE
 from nlcontrol.service.service_settings import ServiceSettings
-from nlcontrol.service.store.run_store import STORE_VARIABLE
 from tests.documented_server import FAULTS_VARIABLE
 from tests.fakes.counted_executor import FOLDER_VARIABLE, first_poses, write_poses
 from tests.patience import PATIENCE

@@ -223,7 +223,7 @@ class Result(Document):
         return f"<Result {self.status}{code}: “{shorten(self.text, 100, placeholder=' …')}”{told}>"
 
     def _repr_html_(self) -> str:
-        from nlcontrol.reports.notebook_view import result_html
+        from nlcontrol.reports.result_report import result_html
 
         return result_html(self)
 

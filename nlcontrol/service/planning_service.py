@@ -19,8 +19,8 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Literal, NoReturn, Self
 
 from nlcontrol.errors import ControlError, error
+from nlcontrol.service.run_store import RunStore, bundle_file, unwritable
 from nlcontrol.service.service_settings import ServiceSettings
-from nlcontrol.service.store.run_store import RunStore, bundle_file, unwritable
 from nlcontrol.service.workers.live_runs import LiveRuns
 from nlcontrol.service.workers.live_session import LiveSession
 from nlcontrol.service.workers.session_host import SessionHost

@@ -10,7 +10,7 @@ from typing import Any
 
 import httpx
 
-from nlcontrol.service.store.run_store import STORE_VARIABLE
+from nlcontrol.service.run_store import STORE_VARIABLE
 from tests.browser.open_page import OpenPage
 from tests.patience import PATIENCE
 from tests.service_process import serving

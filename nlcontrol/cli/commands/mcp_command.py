@@ -55,7 +55,7 @@ def command(
             from nlcontrol.service.session import Session
 
             return Session(scene, seed=seed, defaults=dict(settings), approval="plan")
-        from nlcontrol.service.client.remote_session import Client
+        from nlcontrol.service.remote_session import Client
 
         token = None if token_file is None else token_file.read_text("utf-8").strip()
         return Client(url, scene, seed=seed, defaults=dict(settings), approval="plan", token=token)

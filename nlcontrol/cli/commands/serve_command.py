@@ -95,8 +95,8 @@ def command(
     from pydantic import ValidationError
 
     from nlcontrol.service.http.service_access import HttpSettings
+    from nlcontrol.service.run_store import default_folder
     from nlcontrol.service.service_settings import ServiceSettings
-    from nlcontrol.service.store.run_store import default_folder
 
     given = {
         "workers": workers,
@@ -121,7 +121,7 @@ def command(
 
 
 def _serve(settings: ServiceSettings, http: HttpSettings, *, opens: bool) -> int:
-    from nlcontrol.service.http.guard.request_guard import BrowserLogin
+    from nlcontrol.service.http.request_guard import BrowserLogin
     from nlcontrol.service.http.web_server import listening_socket, log_as_json, serve, url_of
     from nlcontrol.service.planning_service import PlanningService
 

@@ -21,7 +21,7 @@ from nlcontrol.session.events import Event
 
 if TYPE_CHECKING:
     from nlcontrol.service.documents import RunState
-    from nlcontrol.service.store.run_store import RunStore
+    from nlcontrol.service.run_store import RunStore
     from nlcontrol.service.workers.live_session import LiveSession
 
 

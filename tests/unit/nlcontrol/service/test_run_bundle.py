@@ -25,8 +25,8 @@ from nlcontrol.service.bundle import (
     version_differences,
 )
 from nlcontrol.service.documents import RunInfo, SessionSpec
+from nlcontrol.service.run_store import RunStore, bundle_file
 from nlcontrol.service.session import Session
-from nlcontrol.service.store.run_store import RunStore, bundle_file
 from nlcontrol.session import recipe as recipes
 from objectmodels.files import yaml_documents
 from sim.traces.trace import ContactEvent, Trace

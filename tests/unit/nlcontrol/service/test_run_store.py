@@ -11,9 +11,9 @@ import pytest
 
 from nlcontrol import ControlError
 from nlcontrol.results.result import Result
+from nlcontrol.service import run_store
 from nlcontrol.service.documents import NumberedEvent, RunInfo, SessionSpec
-from nlcontrol.service.store import run_store
-from nlcontrol.service.store.run_store import RunStore
+from nlcontrol.service.run_store import RunStore
 from nlcontrol.session.events import Event
 from objectmodels.files.yaml_documents import PREFIX
 

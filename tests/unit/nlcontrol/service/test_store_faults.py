@@ -17,8 +17,8 @@ from nlcontrol.errors import ControlError, ErrorInfo, error
 from nlcontrol.service import planning_service
 from nlcontrol.service.documents import RunInfo, SessionSpec
 from nlcontrol.service.planning_service import RunFiles
+from nlcontrol.service.run_store import RunStore, bundle_file, store_error
 from nlcontrol.service.service_settings import ServiceSettings
-from nlcontrol.service.store.run_store import RunStore, bundle_file, store_error
 from nlcontrol.service.workers import live_runs
 from nlcontrol.service.workers.live_runs import LiveRuns
 from nlcontrol.service.workers.live_session import LiveSession

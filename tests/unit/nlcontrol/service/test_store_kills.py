@@ -16,7 +16,7 @@ import pytest
 
 from nlcontrol.results.result import Result
 from nlcontrol.service.documents import NumberedEvent, RunInfo
-from nlcontrol.service.store.run_store import RunStore
+from nlcontrol.service.run_store import RunStore
 from nlcontrol.session.events import Event
 from objectmodels.files.yaml_documents import PREFIX
 
@@ -52,7 +52,7 @@ def _write_runs(folder: Path, told: Path, life: int) -> None:
 def test_every_run_that_had_ended_is_there(tmp_path: Path) -> None:
     rng = np.random.default_rng(0)
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(["nlcontrol.service.store.run_store"])
+    context.set_forkserver_preload(["nlcontrol.service.run_store"])
     folder, told = tmp_path / "store", tmp_path / "told"
     told.touch()
     cut = 0

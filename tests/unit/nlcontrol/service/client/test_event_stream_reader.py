@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from nlcontrol.service.client.remote_session import StreamedEvent, streamed_events
+from nlcontrol.service.remote_session import StreamedEvent, streamed_events
 
 STREAM = (
     b"\xef\xbb\xbf: heartbeat\r\n\r\n"

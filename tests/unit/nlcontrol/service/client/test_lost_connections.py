@@ -13,7 +13,7 @@ import pytest
 
 from grammar.parser import default_parser
 from nlcontrol import Client, ControlError
-from nlcontrol.service.client import remote_session
+from nlcontrol.service import remote_session
 from nlcontrol.service.documents import NumberedEvent
 from nlcontrol.service.methods import PlanningSession, Run
 from nlcontrol.session.events import Event

@@ -11,7 +11,7 @@ from functools import partial
 import httpx
 import pytest
 
-from nlcontrol.service.http.guard.request_guard import BrowserLogin
+from nlcontrol.service.http.request_guard import BrowserLogin
 from tests.patience import PATIENCE, wait_until
 from tests.service_process import serving
 

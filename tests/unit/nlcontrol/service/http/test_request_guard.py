@@ -12,8 +12,8 @@ import pytest
 from starlette.types import Receive, Scope, Send
 
 from nlcontrol.errors import ErrorInfo
-from nlcontrol.service.http.guard.request_guard import SECURITY_HEADERS, RequestGuard
 from nlcontrol.service.http.problem_documents import Problem
+from nlcontrol.service.http.request_guard import SECURITY_HEADERS, RequestGuard
 from nlcontrol.service.http.service_access import HttpSettings
 from tests.patience import PATIENCE
 from tests.service_process import ServerProcess
