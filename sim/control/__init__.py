@@ -1,1 +1,1 @@
-"""TraceRecorder and free motion."""
+"""Control of arm and hand: laws, guards, sensing, and the execution of plans."""
