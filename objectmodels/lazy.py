@@ -1,4 +1,7 @@
-"""Public names of a package that are loaded on first use, so that one room loads no other."""
+"""What is made on first use: public names of a package, and values that are kept.
+
+Public names of a package that are loaded on first use, so that one room loads no other.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Result of a row, one line of a file of results."""
+"""Rows of a batch, and their results.
+
+Result of a row, one line of a file of results.
+"""
 
 from __future__ import annotations
 

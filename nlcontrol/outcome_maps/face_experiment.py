@@ -1,4 +1,6 @@
-"""An experiment all over a face beside its prediction: do the classes agree, and the forces?
+"""An experiment all over a face: its record, its runs, and the prediction beside it.
+
+An experiment all over a face beside its prediction: do the classes agree, and the forces?
 
 The prediction is what the robot believes; the experiment is how the simulated world really is, and
 what moved there was judged by its observer. Classes are compared where the prediction is decided:

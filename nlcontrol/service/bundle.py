@@ -1,4 +1,6 @@
-"""Two runs of the same request beside each other: what came out otherwise, by how much, from when.
+"""Bundles: a run with all that it takes to repeat it, and how a repetition compares.
+
+Two runs of the same request beside each other: what came out otherwise, by how much, from when.
 
 Numbers are the same if they are so to the last digit.
 """

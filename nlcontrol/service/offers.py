@@ -1,4 +1,6 @@
-"""Beliefs about a table: as a document, as a digest, and compared with what was before.
+"""Offers: plans that wait to be approved, and the beliefs for which they hold.
+
+Beliefs about a table: as a document, as a digest, and compared with what was before.
 
 A plan holds for the poses, the models and the held object that it was made from. All objects
 count, not the moved one alone, since another may stand in its way by now.

@@ -1,4 +1,6 @@
-"""Steps by which a command can be done that cannot be done as it stands.
+"""Foresight: plan after plan over predicted states, before anything moves.
+
+Steps by which a command can be done that cannot be done as it stands.
 
 Objects that are named together ("both", "all") are moved in any order, and what stands in the way
 is moved aside before. What the hand does not get to is brought to where it does; what it holds and

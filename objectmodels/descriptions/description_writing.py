@@ -1,4 +1,7 @@
-"""SDF, the model files of Gazebo and others; Drake reads its stiffnesses by their own tags."""
+"""A model written for other simulators: MJCF, SDF and URDF.
+
+SDF, the model files of Gazebo and others; Drake reads its stiffnesses by their own tags.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Arrays of vectors: products in the table plane, checks of what callers hand in, tuples.
+"""Rotations and vectors as arrays.
+
+Arrays of vectors: products in the table plane, checks of what callers hand in, tuples.
 
 Vectors in the table plane hold x and y in their last axis, those in space z, too.
 """

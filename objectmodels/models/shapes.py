@@ -1,4 +1,6 @@
-"""A convex hull: any solid with flat faces, which may stand on any of them.
+"""Shapes of object models: boxes and cylinders that stand upright, and convex hulls.
+
+A convex hull: any solid with flat faces, which may stand on any of them.
 
 Model: the solid is the convex hull of its vertices. The face on the table (vertices at z = 0) is
 the base; faces that look sideways are where a finger may push, slanted ones too.

@@ -1,4 +1,6 @@
-"""Motions of the hand about something that it holds, and back.
+"""Control of a hand that holds something, or flips a lid.
+
+Motions of the hand about something that it holds, and back.
 
 Arm and hand are joint impedances; what is commanded is where their springs rest. The finger springs
 are wound up by Jᵀf/k to exert a force f: the squeeze, and what bears the weight, so that the object

@@ -1,4 +1,6 @@
-"""Ends of a push before its stroke: the limits of the sentence, and the event it waits for.
+"""Guards: what ends a motion, by what is felt and seen.
+
+Ends of a push before its stroke: the limits of the sentence, and the event it waits for.
 
 Model: between late and noisy camera frames the pushed object goes with the fingertips; how it lies
 to them and how it is turned are filtered. Other objects stand where they were seen at first. A

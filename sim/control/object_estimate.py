@@ -1,4 +1,6 @@
-"""Estimate of the turn of an object while one fingertip pushes it around.
+"""Estimates of objects: where they are, how they turn, what the fingertips tell of them.
+
+Estimate of the turn of an object while one fingertip pushes it around.
 
 Model: the fingertip sticks to the object and moves in a direction that is fixed in B, so the object
 turns at a constant rate κ per travel s of the contact (see `objectmodels.mechanics.push_motion`);

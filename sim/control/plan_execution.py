@@ -1,4 +1,6 @@
-"""One plan of the whole hand: take hold, lift, carry, pour, set down, let go.
+"""Execution of a plan: of pushes, of a hand that holds something, of lids.
+
+One plan of the whole hand: take hold, lift, carry, pour, set down, let go.
 
 Arm and hand are joint impedances throughout. The fingers close until both sides feel the object;
 then their springs are wound up until they feel the squeeze. Guards know what the robot feels and

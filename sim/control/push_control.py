@@ -1,4 +1,6 @@
-"""Keeping an object on its line while one fingertip pushes it.
+"""Control of a push: its force, its line, its turn, its tilt.
+
+Keeping an object on its line while one fingertip pushes it.
 
 Model: quasi-static sliding with an ellipsoidal limit surface of friction radius c̄ about a centre
 of friction. The fingertip, a sphere of radius r that does not turn, rolls on the face without

@@ -1,4 +1,6 @@
-"""Obstacles of a hand that holds something, and of what it holds; no arm is looked at.
+"""Clearance of hand and arm: on the approach, while pushing, while holding, on the way there.
+
+Obstacles of a hand that holds something, and of what it holds; no arm is looked at.
 
 What happens while it holds the object does not depend on how the open hand gets on and off, so that
 it is looked at once for all ways to withdraw.

@@ -1,4 +1,6 @@
-"""Arm poses along the path of a push, for many hands at once.
+"""Inverse kinematics of the arm: its redundancy, and the search along a path.
+
+Arm poses along the path of a push, for many hands at once.
 
 Model: all solutions of the arm over a ring of redundancy angles (of the elbow), first at both ends
 of the stroke, which sorts out most, then along the whole way for the best. They are ranked by the

@@ -1,4 +1,6 @@
-"""The search for a stance: a hand, an arm pose for every point of its way, and a way to get there.
+"""Searches for motions of arm and hand: of a push, of a grasp, of the flip of a lid.
+
+The search for a stance: a hand, an arm pose for every point of its way, and a way to get there.
 
 Model: the palm keeps its orientation to the push's frame, which turns where the object is to be
 turned. Hands are taken best first, a few at a time. What costs least sorts out first: a hand too

@@ -1,4 +1,6 @@
-"""Grasps of something of a width: four fingertips on two parallel sides.
+"""The hand with four fingers: its postures for pushing, grasping, pressing and flipping.
+
+Grasps of something of a width: four fingertips on two parallel sides.
 
 Model: no finger is spread, so that each moves in its own plane across the palm. The fingertips
 touch at one height along the straight fingers, thumb against the other three, and close along a

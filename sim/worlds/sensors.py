@@ -1,4 +1,6 @@
-"""Noise of the joints' sensors: what they show of what is true, by steps, bias and gain.
+"""Noise of the sensors: of the camera's poses and of the joints.
+
+Noise of the joints' sensors: what they show of what is true, by steps, bias and gain.
 
 Model: a sensor shows round(((1 + gain error) x + bias + noise) / resolution) · resolution. The
 noise is white and drawn for every sample, the bias is constant for each joint of a world. The true

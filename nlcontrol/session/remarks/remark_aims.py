@@ -1,4 +1,6 @@
-"""Which frames a remark is about: those asked last or those done, one of them or all.
+"""Aims of remarks: the frames and objects that they are about, and what is made of them.
+
+Which frames a remark is about: those asked last or those done, one of them or all.
 
 "Slowly" is about all that was said; "6 cm" too, if the same was said of each object; where several
 went different ways, it is asked back.

@@ -1,4 +1,6 @@
-"""Liquid in the containers of a scene: it moves their masses, runs out, is caught or is spilled.
+"""Contents in the simulated world: lids on their hinges and threads, liquids.
+
+Liquid in the containers of a scene: it moves their masses, runs out, is caught or is spilled.
 
 Model: at rest at every instant (`objectmodels.models.object_parts`), with the flow and the stream
 of `objectmodels.containers.pour_dynamics`; between control steps both stay as they are. A stream is

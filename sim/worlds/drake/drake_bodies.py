@@ -1,4 +1,6 @@
-"""Lids as bodies of the simulated world.
+"""Bodies of the simulated world: contacts, lids, what stands on what, the table's edge.
+
+Lids as bodies of the simulated world.
 
 Model: each lid is a body L on a joint with Coulomb friction (an actuator of hardly any stiffness,
 strong damping and the friction as its largest effort; Drake ignores the friction of joints):
