@@ -72,10 +72,6 @@ class NumberWords:
         words = "|".join(phrase for phrase in said if " " not in phrase)
         return re.compile(rf"(?:{phrases}|{cardinal}{point}|{words})(?= |$)")
 
-    def is_number(self, words: str) -> bool:
-        """Check for a number, in words or in digits."""
-        return bool(self.pattern.fullmatch(words) or DIGITS.fullmatch(words))
-
     def decimal_of(self, words: str) -> Decimal:
         """The number that words mean, or digits that stand for them."""
         if words in self.phrases:

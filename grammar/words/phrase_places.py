@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 
 from grammar.words.lexicon import NAME_TERMINALS, Lexicon
 
@@ -94,15 +94,6 @@ class Phrases:
                 break
             end = _word_end(text, end + 1)
         return found[::-1]
-
-    def longest_in(self, text: str) -> Iterator[tuple[int, str, tuple[str, ...]]]:
-        """Yield the longest phrases of a text and its unknown words: start, words, terminals."""
-        end = 0
-        while word := WORD.search(text, end):
-            found = self.phrases_at(text, word.start())
-            phrase, kinds = found[0] if found else (word[0], ())
-            yield word.start(), phrase, kinds
-            end = word.start() + len(phrase)
 
     def has_terminal_at(self, kind: str, text: str, start: int) -> bool:
         """Check for a phrase of a terminal that stands here."""

@@ -191,11 +191,6 @@ class Result(Document):
         """Exit code of the command line."""
         return self.error.status.exit if self.error else OK
 
-    @property
-    def http_status(self) -> int:
-        """Status of the HTTP answer."""
-        return self.error.status.http if self.error else 200
-
     def to_json(self, indent: int | None = 2) -> str:
         """The result as one JSON document, in SI units; `nlcontrol schema` describes it."""
         return document_text(self.model_dump(mode="json"), indent)

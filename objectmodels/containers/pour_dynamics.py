@@ -91,11 +91,6 @@ def landing_distance(head: ArrayLike, tilt: ArrayLike, fall: ArrayLike) -> Array
 # -- out of the vessel -------------------------------------------------------------------------
 
 
-def volume_out(vessel: Vessel, volume: ArrayLike, tilt: ArrayLike, heading: ArrayLike) -> Array:
-    """Volume that has run out in the end of a vessel that is kept at a tilt [m³]."""
-    return np.maximum(np.asarray(volume, float) - vessel.brim(tilt, heading), 0.0)
-
-
 def tilt_for(vessel: Vessel, volume: ArrayLike, out: ArrayLike, heading: ArrayLike) -> Array:
     """Least tilt towards a heading [rad] at which `out` of a volume [m³] runs out in the end [rad].
 
