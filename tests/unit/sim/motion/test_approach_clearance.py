@@ -15,7 +15,7 @@ from sim.motion.collision_scene import Obstacle
 from sim.robots.four_finger_hand import FourFingerHand
 from sim.robots.hand import PostureSet
 from sim.robots.lwr_arm import LwrKinematics
-from tests.unit.sim.collision.test_collision_scene import TEA
+from tests.unit.sim.motion.test_collision_scene import TEA
 
 HAND = FourFingerHand(wrist=float(np.linalg.norm(LwrKinematics.p_FW)))
 HANDS = HAND.pushing_postures(1, 0.0)

@@ -10,7 +10,7 @@ from sim.motion.clearance import TransitClearance
 from sim.motion.collision_scene import CollisionScene
 from sim.robots.hand import Mount
 from sim.robots.robots import ARM, HAND
-from tests.unit.sim.collision.test_collision_scene import TEA
+from tests.unit.sim.motion.test_collision_scene import TEA
 
 MOUNT = Mount.from_cell(load_scene("kitchen").cell.robot, ARM, HAND)
 AT = {"pushed": (0.5, 0.1), "near": (0.6, -0.2), "far": (0.3, 0.5)}

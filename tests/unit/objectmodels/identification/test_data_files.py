@@ -16,7 +16,7 @@ from objectmodels.identification import Trial
 from objectmodels.identification.touch_log import ANGLE_SD, COLUMNS, FORCE_SHARE, read_data
 from tests.sizes import examples
 
-EXAMPLES = Path(__file__).parents[5] / "examples"
+EXAMPLES = Path(__file__).parents[4] / "examples"
 MODEL = Registry.built_in().get("ice tea box")
 HEADER = "moved,x_m,y_m,z_m,fx_n,fy_n,fz_n"
 SLIDE, TOPPLE = "slide,-0.045,0,0.04,3.5,0,0", "topple,-0.045,0,0.21,2.1,0,0"
