@@ -20,9 +20,15 @@ from nlcontrol.results.result import Result
 from planner.types.defaults import settings
 
 _ANSWERS = (
-    Result, Command, PushPrediction, DragPrediction, FitReport, ExplorationReport, RowResult,
+    Result,
+    Command,
+    PushPrediction,
+    DragPrediction,
+    FitReport,
+    ExplorationReport,
+    RowResult,
     BatchSummary,
-)  # fmt: skip
+)
 _SCHEMA = "https://json-schema.org/draft/2020-12/schema"
 
 

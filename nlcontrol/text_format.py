@@ -122,9 +122,12 @@ def _quoted_words(text: str, spans: Sequence[tuple[int, int]]) -> str:
 def error_lines(error: ErrorInfo, text: str | None = None) -> Iterator[str]:
     """An error: its message, the words it is about, and what would be possible."""
     titles = {
-        "clause_not_held": "Not held", "not_finished": "Not finished",
-        "clause_unknown": "Undecided", "unsupported": "Unsupported", "internal": "Internal",
-    }  # fmt: skip
+        "clause_not_held": "Not held",
+        "not_finished": "Not finished",
+        "clause_unknown": "Undecided",
+        "unsupported": "Unsupported",
+        "internal": "Internal",
+    }
     refused = error.code in REFUSALS
     title = titles.get(error.code, "Refused" if refused else "Error")
     path = f"{error.path}: " if error.path else ""

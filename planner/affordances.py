@@ -122,8 +122,10 @@ def _push_affordances(
         none = False, None, None, None, False, "impossible", message
         yield from (Affordance("slide", way, None, *none) for way in HEADINGS)
         return
-    straight = {way: outcome_map(target.model, face, spacing=SPACING, turning=False)
-                for way, (_, face) in faces.items()}  # fmt: skip
+    straight = {
+        way: outcome_map(target.model, face, spacing=SPACING, turning=False)
+        for way, (_, face) in faces.items()
+    }
     for outcome in ("slide", "topple", "tilt"):
         for way, chart in straight.items():
             slides = outcome == "slide"
@@ -214,9 +216,15 @@ def _best_turning_face(
 
 
 def _push_affordance(
-    outcome: str, way: str, face: str | None, on_it: Shown | None,
-    target: SeenObject, state: WorldState, robot: Robot, defaults: Defaults,
-) -> Affordance:  # fmt: skip
+    outcome: str,
+    way: str,
+    face: str | None,
+    on_it: Shown | None,
+    target: SeenObject,
+    state: WorldState,
+    robot: Robot,
+    defaults: Defaults,
+) -> Affordance:
     """Affordance of one way: what the object allows, and what the robot can do."""
     if on_it is None:
         verb = {"slide": "slides", "turn": "turns"}.get(outcome, "topples")

@@ -27,9 +27,15 @@ from planner.types.refusal import NoPlanError, Refusal
 from planner.types.world_state import ObstacleMark, SeenObject, WorldState
 
 _WAYS: tuple[tuple[g.Direction, ...], ...] = (
-    ("left",), ("right",), ("away",), ("toward",),
-    ("away", "left"), ("away", "right"), ("toward", "left"), ("toward", "right"),
-)  # fmt: skip
+    ("left",),
+    ("right",),
+    ("away",),
+    ("toward",),
+    ("away", "left"),
+    ("away", "right"),
+    ("toward", "left"),
+    ("toward", "right"),
+)
 _STEPS = (0.04, 0.06, 0.08, 0.10, 0.12, 0.15, 0.20, 0.25, 0.30, 0.40)  # ways that are tried [m]
 _HAND = 0.05  # room that a hand has beside what was cleared [m]
 _BESIDE = 0.02  # a clearance, and what pushes miss by [m]

@@ -41,9 +41,17 @@ if TYPE_CHECKING:
 
 
 PartName = Literal[
-    "push controller", "hand controller", "controller", "question", "remark", "object model",
-    "wanted outcome", "constraint", "left open", "filler",
-]  # fmt: skip
+    "push controller",
+    "hand controller",
+    "controller",
+    "question",
+    "remark",
+    "object model",
+    "wanted outcome",
+    "constraint",
+    "left open",
+    "filler",
+]
 
 
 class Row(BaseModel):
@@ -120,9 +128,15 @@ def row(clause: Clause, text: str, value: Value, **more: Any) -> Row:
     """The row of a clause of the sentence `text` and a value of it, with `more` fields."""
     spans = clause.spans if value.said else ()
     return Row(
-        words=quotation(text, spans), field=clause.field, spans=spans, part=clause.part,
-        parameter=value.parameter, value=value.value, default=value.default, **more,
-    )  # fmt: skip
+        words=quotation(text, spans),
+        field=clause.field,
+        spans=spans,
+        part=clause.part,
+        parameter=value.parameter,
+        value=value.value,
+        default=value.default,
+        **more,
+    )
 
 
 def plan_rows(
@@ -166,9 +180,15 @@ def quotation(text: str, spans: g.Spans) -> str:
 
 
 _UNITS = {
-    "distance": "m", "clearance": "m", "height": "m", "x": "m", "y": "m", "angle": "rad",
-    "heading": "rad", "volume": "m³",
-}  # fmt: skip
+    "distance": "m",
+    "clearance": "m",
+    "height": "m",
+    "x": "m",
+    "y": "m",
+    "angle": "rad",
+    "heading": "rad",
+    "volume": "m³",
+}
 """Units of fields; the class of a constraint knows that of its `value`."""
 
 

@@ -30,10 +30,22 @@ if TYPE_CHECKING:
 
 _OF_PUSHES = frozenset(
     {
-        "contact", "effector", "hard", "gentle", "fast", "slow", "force", "min_force", "max_force",
-        "speed", "min_speed", "max_speed", "duration", "max_duration",
+        "contact",
+        "effector",
+        "hard",
+        "gentle",
+        "fast",
+        "slow",
+        "force",
+        "min_force",
+        "max_force",
+        "speed",
+        "min_speed",
+        "max_speed",
+        "duration",
+        "max_duration",
     }
-)  # fmt: skip
+)
 """Constraints on pushes, which say nothing where no push is needed."""
 
 

@@ -174,9 +174,16 @@ def pour_check(goal: g.Pour, e: Evidence) -> Iterator[Check]:
     into, d = goal.into.id or goal.into.text, e.defaults
     before, last, first = e.contents(e.name, 0), e.contents(into, -1), e.contents(into, 0)
     received = None if last is None or first is None else last - first
-    if goal.fill is None and goal.volume is None and goal.amount is None and goal.fraction in (
-        None, 1.0,
-    ):  # fmt: skip
+    if (
+        goal.fill is None
+        and goal.volume is None
+        and goal.amount is None
+        and goal.fraction
+        in (
+            None,
+            1.0,
+        )
+    ):
         least = d.pour_least * (before or 0.0)
         yield compare(goal, "at_least", f"arrived in the {into}", least, received, 0.0, "m³")
     else:

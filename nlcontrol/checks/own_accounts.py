@@ -103,9 +103,11 @@ def own_accounts(frame: Frame, trace: Trace, known: Knowledge) -> OwnAccounts | 
     name = frame.object.id if frame.object and frame.object.id else trace.pushed
     rng = source(trace.seed, RandomStream.OWN_VERDICT)
     sheet = CameraSheet(
-        vision.position_noise_m, np.radians(vision.angle_noise_deg),
-        vision.position_bias_m, np.radians(vision.angle_bias_deg),
-    )  # fmt: skip
+        vision.position_noise_m,
+        np.radians(vision.angle_noise_deg),
+        vision.position_bias_m,
+        np.radians(vision.angle_bias_deg),
+    )
     stretches = _stretches(trace, name, models.get(name))
     tracks: dict[str, PoseTrack] = {}
     for each in models:

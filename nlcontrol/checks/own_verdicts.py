@@ -118,10 +118,13 @@ def _untold(check: Check, observed: Observed | None = None) -> Check:
     """A clause of which the robot perceived too little."""
     return check.model_copy(
         update={
-            "measured": NOT_PERCEIVED, "verdict": "unknown", "ok": False, "why": "not_perceived",
+            "measured": NOT_PERCEIVED,
+            "verdict": "unknown",
+            "ok": False,
+            "why": "not_perceived",
             "observed": observed,
         }
-    )  # fmt: skip
+    )
 
 
 def _verdict(mean: Check, drawn: Sequence[Check | None]) -> Check:

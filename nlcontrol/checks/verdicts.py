@@ -173,10 +173,18 @@ def _untold(
 ) -> Check:
     """The verdict on what nothing was recorded of."""
     return Check(
-        clause=clause.kind, spans=clause.spans, quantity=quantity, relation=relation,
-        expected=expected, measured=NOT_PERCEIVED, tolerance=tolerance, unit=unit,
-        verdict="unknown", ok=False, why="not_perceived",
-    )  # fmt: skip
+        clause=clause.kind,
+        spans=clause.spans,
+        quantity=quantity,
+        relation=relation,
+        expected=expected,
+        measured=NOT_PERCEIVED,
+        tolerance=tolerance,
+        unit=unit,
+        verdict="unknown",
+        ok=False,
+        why="not_perceived",
+    )
 
 
 def object_name(clause: Clause, quantity: str, expected: str, measured: str | None) -> Check:
@@ -198,9 +206,14 @@ def object_name(clause: Clause, quantity: str, expected: str, measured: str | No
 def place_check(clause: Clause, measure: Measure) -> Check:
     """A verdict on a place."""
     return compare(
-        clause, measure.relation, measure.quantity,
-        measure.expected, measure.measured, measure.tolerance, "m",
-    )  # fmt: skip
+        clause,
+        measure.relation,
+        measure.quantity,
+        measure.expected,
+        measure.measured,
+        measure.tolerance,
+        "m",
+    )
 
 
 # --- evidence -------------------------------------------------------------------------------------

@@ -169,7 +169,7 @@ def explore(
 
     explorer = Explorer(
         name, executor, lambda: executor.look(models), learn=learn, progress=progress
-    )  # fmt: skip
+    )
     kinds = kinds_for(parameters)
     _require_reach(explorer, kinds)
     asked = {}

@@ -114,9 +114,14 @@ def _from_turn(made: Plan, target: SeenObject, trace: Trace) -> tuple[ObjectMode
     pushing = trace.phase == "push"
     force = float(np.mean(trace.push_force()[pushing]))
     return after, Lesson(
-        object=target.name, moved="slide", force=force, surprise=abs(shown - believed) / sd,
-        contradicts=False, why=None, changes=parameter_changes(model, after),
-    )  # fmt: skip
+        object=target.name,
+        moved="slide",
+        force=force,
+        surprise=abs(shown - believed) / sd,
+        contradicts=False,
+        why=None,
+        changes=parameter_changes(model, after),
+    )
 
 
 def apply_lesson(model: ObjectModel, trial: Trial) -> Update:
@@ -319,10 +324,14 @@ def lesson_from_failure(
     else:
         return None
     return found.model, Lesson(
-        object=made.object, moved="slip" if not by_lid else "none", force=load,
-        surprise=found.surprise, contradicts=True, why=why,
+        object=made.object,
+        moved="slip" if not by_lid else "none",
+        force=load,
+        surprise=found.surprise,
+        contradicts=True,
+        why=why,
         changes=_changes(model, found.model),
-    )  # fmt: skip
+    )
 
 
 def _pulled(model: ObjectModel, trace: Trace) -> bool:

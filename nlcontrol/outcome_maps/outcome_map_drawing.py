@@ -110,10 +110,15 @@ def save_comparison(experiments: Sequence[Comparison], path: Path, *, shaded: bo
         axes.set_xlabel("along the face [mm]")
     row[0].set_ylabel("height above the table [mm]")
     _explain(
-        figure, row[-1], chart, shaded=shaded, largest=largest,
+        figure,
+        row[-1],
+        chart,
+        shaded=shaded,
+        largest=largest,
         crossed=any(_has_crosses(spots) for spots in panels.values()),
-        left_out=any(found.left_out for found in experiments), above=_agreements(experiments),
-    )  # fmt: skip
+        left_out=any(found.left_out for found in experiments),
+        above=_agreements(experiments),
+    )
     figure.suptitle(
         f"{first.object}, {first.face} face, seen from outside", fontsize=12, fontweight="bold"
     )
@@ -162,10 +167,14 @@ def _draw_flat(axes: Axes, face: Face, spots: _Spots, largest: float) -> None:
         i = spots.outcome == name
         if i.any():
             axes.scatter(
-                1e3 * spots.lateral[i], 1e3 * spots.height[i], s=area[i], c=colour,
-                alpha=spots.opacity[i], linewidths=1.0 if name == "none" else 0.0,
+                1e3 * spots.lateral[i],
+                1e3 * spots.height[i],
+                s=area[i],
+                c=colour,
+                alpha=spots.opacity[i],
+                linewidths=1.0 if name == "none" else 0.0,
                 marker=MARKERS[name],
-            )  # fmt: skip
+            )
     axes.set_aspect("equal")
     half = 1e3 * face.width / 2
     axes.set_xlim(-half, half)
@@ -173,13 +182,26 @@ def _draw_flat(axes: Axes, face: Face, spots: _Spots, largest: float) -> None:
 
 
 def _explain(
-    figure: Figure, axes: Axes, chart: OutcomeMap, *, shaded: bool, largest: float, crossed: bool,
-    left_out: bool = False, above: str = "",
-) -> None:  # fmt: skip
+    figure: Figure,
+    axes: Axes,
+    chart: OutcomeMap,
+    *,
+    shaded: bool,
+    largest: float,
+    crossed: bool,
+    left_out: bool = False,
+    above: str = "",
+) -> None:
     """The legend below the picture, with circles to read areas by, and what is told above it."""
     handles = [
         axes.scatter(
-            [], [], s=60.0, c=COLOURS[name], alpha=0.85, linewidths=0.0, label=label,
+            [],
+            [],
+            s=60.0,
+            c=COLOURS[name],
+            alpha=0.85,
+            linewidths=0.0,
+            label=label,
             marker=MARKERS[name],
         )
         for name, label in (
@@ -187,12 +209,18 @@ def _explain(
             ("topple", "topples"),
             ("undecided", _undecided_label(chart)),
         )
-    ]  # fmt: skip
+    ]
     handles += [
-        axes.scatter([], [], s=_LARGEST * share, c="none", edgecolors="#555555",
-                     label=f"needs {share * largest:.2g} N")
+        axes.scatter(
+            [],
+            [],
+            s=_LARGEST * share,
+            c="none",
+            edgecolors="#555555",
+            label=f"needs {share * largest:.2g} N",
+        )
         for share in (1.0, 0.5)
-    ]  # fmt: skip
+    ]
     if crossed:
         handles.append(
             axes.scatter([], [], s=_CROSS, c=COLOURS["none"], marker="x", label="nothing moves it")
@@ -206,9 +234,14 @@ def _explain(
             axes.scatter([], [], s=0.0, label=f"paler: less probable ({chart.likelihood.method})")
         )
     figure.legend(
-        handles=handles, loc="outside lower center", ncols=2, fontsize=8, frameon=False,
-        title=above, title_fontsize=10,
-    )  # fmt: skip
+        handles=handles,
+        loc="outside lower center",
+        ncols=2,
+        fontsize=8,
+        frameon=False,
+        title=above,
+        title_fontsize=10,
+    )
 
 
 def _draw_solid(figure: Figure, chart: OutcomeMap, shaded: bool) -> None:
@@ -236,9 +269,16 @@ def _draw_solid(figure: Figure, chart: OutcomeMap, shaded: bool) -> None:
         if i.any():
             label = _undecided_label(chart) if name == "undecided" else f"{name}s"
             axes.scatter(
-                x[i], y[i], z[i], c=COLOURS[name], alpha=opacity[i], s=14, linewidths=0.0,
-                marker=MARKERS[name], label=label,
-            )  # fmt: skip
+                x[i],
+                y[i],
+                z[i],
+                c=COLOURS[name],
+                alpha=opacity[i],
+                s=14,
+                linewidths=0.0,
+                marker=MARKERS[name],
+                label=label,
+            )
     axes.set_xlabel("along the face [mm]")
     axes.set_ylabel("height [mm]")
     axes.set_zlabel("force [N]")

@@ -30,9 +30,17 @@ def map_document(chart: OutcomeMap, face: str) -> dict[str, Any]:
     """The map as plain data, SI units; what never happens is null."""
     likely = chart.likelihood
     rows = zip(
-        chart.lateral, chart.height, chart.points.tolist(), chart.outcome, chart.force,
-        chart.slide, chart.topple, likely.slide, likely.topple, strict=True,
-    )  # fmt: skip
+        chart.lateral,
+        chart.height,
+        chart.points.tolist(),
+        chart.outcome,
+        chart.force,
+        chart.slide,
+        chart.topple,
+        likely.slide,
+        likely.topple,
+        strict=True,
+    )
     return {
         "object": chart.model.name,
         "face": face,

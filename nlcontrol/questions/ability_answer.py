@@ -65,9 +65,12 @@ def abilities_answer(state: WorldState, robot: Robot, defaults: Defaults) -> Ans
             f"happen. Before me I have {names}."
         ),
         suggestions=("ask “what can you do with the box?” of a thing",),
-        numbers={"objects": float(len(state.objects)), "can": float(len(can)),
-                 "asked": float(len(found))},
-    )  # fmt: skip
+        numbers={
+            "objects": float(len(state.objects)),
+            "can": float(len(can)),
+            "asked": float(len(found)),
+        },
+    )
 
 
 def _is_found(

@@ -188,9 +188,14 @@ _TOLD: dict[str, Callable[[SeenObject], Told]] = {
 # --- scene answers --------------------------------------------------------------------------------
 
 
-_MORE = {"mass": ("heavier", "kg"), "height": ("taller", "m"), "width": ("wider", "m"),
-         "size": ("bigger", "m³"), "friction": ("rougher", ""),
-         "position": ("farther away", "m")}  # fmt: skip
+_MORE = {
+    "mass": ("heavier", "kg"),
+    "height": ("taller", "m"),
+    "width": ("wider", "m"),
+    "size": ("bigger", "m³"),
+    "friction": ("rougher", ""),
+    "position": ("farther away", "m"),
+}
 """Property → who has more of it, and its unit."""
 
 

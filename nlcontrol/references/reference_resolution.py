@@ -242,8 +242,11 @@ class Context:
 NOTHING_SAID = Context()
 
 _WAYS: Mapping[Direction, tuple[float, float]] = {
-    "away": (1.0, 0.0), "toward": (-1.0, 0.0), "left": (0.0, 1.0), "right": (0.0, -1.0),
-}  # fmt: skip
+    "away": (1.0, 0.0),
+    "toward": (-1.0, 0.0),
+    "left": (0.0, 1.0),
+    "right": (0.0, -1.0),
+}
 """Directions along x and y of W."""
 
 _THIS = re.compile(r"\b(?:this|that|the same) $", re.IGNORECASE)

@@ -47,10 +47,17 @@ GENERIC = frozenset({"", "one", "object", "thing", "item"})
 """Nouns that fit every object."""
 
 RANKED: dict[Quality, tuple[str, int]] = {
-    "heavy": ("mass", 1), "light": ("mass", 2), "tall": ("height", 1), "short": ("height", 2),
-    "wide": ("width", 1), "narrow": ("width", 2), "big": ("size", 1), "small": ("size", 2),
-    "rough": ("friction", 1), "slippery": ("friction", 2),
-}  # fmt: skip
+    "heavy": ("mass", 1),
+    "light": ("mass", 2),
+    "tall": ("height", 1),
+    "short": ("height", 2),
+    "wide": ("width", 1),
+    "narrow": ("width", 2),
+    "big": ("size", 1),
+    "small": ("size", 2),
+    "rough": ("friction", 1),
+    "slippery": ("friction", 2),
+}
 """Quality → the property that it compares, and the place of who has it among two."""
 
 _FAMILIES: tuple[tuple[Quality, ...], ...] = (

@@ -162,9 +162,16 @@ def plan_figure(result: Result, state: WorldState) -> Figure:
     entries = dict(zip(labels, handles, strict=True))
     told = "\n".join(fill(line.strip(), _WRAP) for line in list(plan_lines(step.plan))[:2])
     figure.legend(
-        entries.values(), entries.keys(), fontsize=8, loc="outside lower left", ncols=6,
-        frameon=False, title=told, title_fontsize=8, alignment="left",
-    )  # fmt: skip
+        entries.values(),
+        entries.keys(),
+        fontsize=8,
+        loc="outside lower left",
+        ncols=6,
+        frameon=False,
+        title=told,
+        title_fontsize=8,
+        alignment="left",
+    )
     figure.suptitle("\n".join(wrap(f"“{result.text}”", 90)), fontsize=12, fontweight="bold")
     return figure
 
@@ -191,9 +198,16 @@ def _draw_table(axes: Axes, step: Step, plan: Plan, state: WorldState) -> None:
     if marks:
         x, y, _ = np.transpose(marks)
         axes.plot(
-            y, x, "o", color=PURPLE, markeredgecolor="white", markersize=7, zorder=5,
-            label="contact", linestyle="none",
-        )  # fmt: skip
+            y,
+            x,
+            "o",
+            color=PURPLE,
+            markeredgecolor="white",
+            markersize=7,
+            zorder=5,
+            label="contact",
+            linestyle="none",
+        )
     _frame(axes, np.concatenate(drawn), state)
 
 
@@ -210,14 +224,26 @@ def _draw_object(axes: Axes, seen: SeenObject, *, moved: bool) -> None:
     corners = footprint(seen)
     notes = [word for word in ("fragile", "fixed") if getattr(seen, word)]
     axes.fill(
-        corners[:, 1], corners[:, 0], facecolor=f"{colour}22", edgecolor=colour, linewidth=width,
-        hatch="//" if seen.fragile else None, zorder=2,
-    )  # fmt: skip
+        corners[:, 1],
+        corners[:, 0],
+        facecolor=f"{colour}22",
+        edgecolor=colour,
+        linewidth=width,
+        hatch="//" if seen.fragile else None,
+        zorder=2,
+    )
     x, y = corners.mean(axis=0)
     axes.text(
-        y, x, "\n".join((fill(seen.name, 9), *notes)), color=colour, fontsize=7, ha="center",
-        va="center", zorder=6, fontweight="bold" if moved else "normal",
-    )  # fmt: skip
+        y,
+        x,
+        "\n".join((fill(seen.name, 9), *notes)),
+        color=colour,
+        fontsize=7,
+        ha="center",
+        va="center",
+        zorder=6,
+        fontweight="bold" if moved else "normal",
+    )
 
 
 def _draw_way(axes: Axes, plan: Plan, target: SeenObject, state: WorldState) -> Array:
@@ -245,9 +271,12 @@ def _draw_way(axes: Axes, plan: Plan, target: SeenObject, state: WorldState) -> 
 
 def _arrow(axes: Axes, start: Array, end: Array, label: str, **style: Any) -> None:
     axes.annotate(
-        "", (end[1], end[0]), (start[1], start[0]), zorder=4,
+        "",
+        (end[1], end[0]),
+        (start[1], start[0]),
+        zorder=4,
         arrowprops={"arrowstyle": "-|>", "shrinkA": 0.0, "shrinkB": 0.0, **style},
-    )  # fmt: skip
+    )
     axes.plot([], [], label=label, **style)
 
 
@@ -261,9 +290,13 @@ def _frame(axes: Axes, points: Array, state: WorldState) -> None:
     """Axes, the table's edges and a legend around all that is drawn, shape (k, 2) [m]."""
     table = state.table
     edges = np.array(
-        [[table.x_min, table.y_min], [table.x_max, table.y_min], [table.x_max, table.y_max],
-         [table.x_min, table.y_max]]
-    )  # fmt: skip
+        [
+            [table.x_min, table.y_min],
+            [table.x_max, table.y_min],
+            [table.x_max, table.y_max],
+            [table.x_min, table.y_max],
+        ]
+    )
     (x_min, y_min), (x_max, y_max) = points.min(axis=0) - _MARGIN, points.max(axis=0) + _MARGIN
     if x_min < table.x_min or x_max > table.x_max or y_min < table.y_min or y_max > table.y_max:
         _outline(axes, edges, "edge of the table", color=DARK, linewidth=1.6)
@@ -306,15 +339,22 @@ def _draw_face(axes: Axes, push: PushAction, seen: SeenObject) -> None:
     face = max(face_names(seen.model).values(), key=lambda each: np.dot(each.normal, normal))
     half = face.width / 2
     axes.fill(
-        [-half, half, half, -half], [face.bottom, face.bottom, face.top, face.top],
-        facecolor=f"{BLUE}22", edgecolor=BLUE, linewidth=1.4,
-    )  # fmt: skip
+        [-half, half, half, -half],
+        [face.bottom, face.bottom, face.top, face.top],
+        facecolor=f"{BLUE}22",
+        edgecolor=BLUE,
+        linewidth=1.4,
+    )
     aside = float((np.array(push.p_BC) - face.centre) @ face.tangent)
     for side in (-0.5, 0.5) if push.fingers == 2 else (0.0,):
         axes.plot(
-            aside + side * push.spread, push.p_BC[2], "o", color=PURPLE, markersize=8,
+            aside + side * push.spread,
+            push.p_BC[2],
+            "o",
+            color=PURPLE,
+            markersize=8,
             markeredgecolor="white",
-        )  # fmt: skip
+        )
     found = push.prediction
     other = "slides below" if push.ends_on == "toppled" else "topples above"
     for height, style, words in (
@@ -388,9 +428,10 @@ class Sheet:
                 lines.append("")
             while not self._fits(rest, width, size, bold):
                 most = next(
-                    n for n in range(len(rest) - 1, 0, -1)
+                    n
+                    for n in range(len(rest) - 1, 0, -1)
                     if n == 1 or self._fits(rest[:n], width, size, bold)
-                )  # fmt: skip
+                )
                 lines[-1:] = [rest[:most], ""]
                 rest = rest[most:]
             lines[-1] = f"{lines[-1]} {rest}".strip()
@@ -404,7 +445,7 @@ class Sheet:
         # Names in a sentence may hold the signs that mark formulae.
         self._axes.text(
             x, y, text, fontsize=size, color=colour, va="center_baseline", parse_math=False, **style
-        )  # fmt: skip
+        )
 
     def box(
         self, x: float, y: float, width: float, height: float, colour: str, fill: str, **style: Any
@@ -414,10 +455,16 @@ class Sheet:
 
         self._axes.add_patch(
             FancyBboxPatch(
-                (x, y), width, height, boxstyle="round,pad=0,rounding_size=0.07",
-                edgecolor=colour, facecolor=fill, linewidth=1.3, **style,
+                (x, y),
+                width,
+                height,
+                boxstyle="round,pad=0,rounding_size=0.07",
+                edgecolor=colour,
+                facecolor=fill,
+                linewidth=1.3,
+                **style,
             )
-        )  # fmt: skip
+        )
 
     def tie(
         self, start: tuple[float, float], end: tuple[float, float], colour: str, **style: Any
@@ -478,9 +525,15 @@ def save_curves(touches: Sequence[Touched], name: str, path: Path) -> None:
         times = f"{len(here)} touches" if len(here) > 1 else "1 touch"
         axes.set_title(f"{kind}, {times}", fontsize=10, fontweight="bold", loc="left", pad=18)
         axes.annotate(
-            TELLS[kind], (0.0, 1.0), (0.0, 4.0), xycoords="axes fraction", fontsize=8,
-            textcoords="offset points", va="bottom", color="#444444",
-        )  # fmt: skip
+            TELLS[kind],
+            (0.0, 1.0),
+            (0.0, 4.0),
+            xycoords="axes fraction",
+            fontsize=8,
+            textcoords="offset points",
+            va="bottom",
+            color="#444444",
+        )
     sides = dict.fromkeys(touched.experiment.push.face for touched in drawn)
     handles = [axes.plot([], [], color=_COLOURS[side], label=f"at the {side}")[0] for side in sides]
     if "rub" in kinds:
@@ -503,9 +556,15 @@ def _draw(axes: Axes, touches: Sequence[Touched]) -> None:
             axes.plot(*_running(found.time, force), style, color=colour, alpha=_MEAN, linewidth=1.0)
         if found.onset is not None and found.onset.moved and not rubs:
             axes.plot(
-                found.onset.time, found.onset.force, "o", color="black", ms=4.5, mec="white",
-                mew=0.6, zorder=3,
-            )  # fmt: skip
+                found.onset.time,
+                found.onset.force,
+                "o",
+                color="black",
+                ms=4.5,
+                mec="white",
+                mew=0.6,
+                zorder=3,
+            )
     axes.set_xlabel("time since the touch [s]", fontsize=8)
     axes.set_ylabel("force [N]", fontsize=8)
     axes.tick_params(labelsize=8)

@@ -270,9 +270,14 @@ def _filler(result: Result | g.Command, rows: list[Row]) -> Iterator[Row]:
             dict.fromkeys(quotation(result.text, (span,)).casefold() for span in spans)
         )
         yield Row(
-            words=told, field=NO_MEANING, parameter="", value="", spans=spans,
-            frame=len(result.frames) - 1, part="filler",
-        )  # fmt: skip
+            words=told,
+            field=NO_MEANING,
+            parameter="",
+            value="",
+            spans=spans,
+            frame=len(result.frames) - 1,
+            part="filler",
+        )
 
 
 def part_at(rows: Sequence[Row], start: int, end: int) -> PartName | Literal["problem"]:
@@ -392,14 +397,25 @@ def _add(drawn: Table, group: Group) -> None:
 _BLUE, _ORANGE, _GREEN, _PURPLE = "#0064A0", "#C04E00", "#00805C", "#A8477F"
 _GREY, _DARK, _RED = "#7A7A7A", "#222222", "#C1121F"
 _COLOURS: dict[PartName | Literal["problem"], str] = {
-    "push controller": _BLUE, "controller": _BLUE, "question": _BLUE, "remark": _BLUE,
-    "object model": _ORANGE, "wanted outcome": _GREEN, "constraint": _PURPLE,
-    "left open": _GREY, "filler": _GREY, "problem": _RED,
-}  # fmt: skip
+    "push controller": _BLUE,
+    "controller": _BLUE,
+    "question": _BLUE,
+    "remark": _BLUE,
+    "object model": _ORANGE,
+    "wanted outcome": _GREEN,
+    "constraint": _PURPLE,
+    "left open": _GREY,
+    "filler": _GREY,
+    "problem": _RED,
+}
 _TINTS = {
-    _BLUE: "#E8F2F9", _ORANGE: "#FCEEE4", _GREEN: "#E6F4EF", _PURPLE: "#F8ECF3",
-    _GREY: "#F4F4F4", _RED: "#FDECEC",
-}  # fmt: skip
+    _BLUE: "#E8F2F9",
+    _ORANGE: "#FCEEE4",
+    _GREEN: "#E6F4EF",
+    _PURPLE: "#F8ECF3",
+    _GREY: "#F4F4F4",
+    _RED: "#FDECEC",
+}
 
 _WIDTH = 12.0
 _EDGE = 0.35
@@ -545,9 +561,14 @@ def _parameter(
     style = {"linestyle": (0, (4, 3))} if open_ else {}
     letters = _RED if row.problem else _GREY if open_ else _DARK
     sheet.box(
-        _PARAMETER.x, top, _PARAMETER.width, cell.height, colour,
-        _TINTS[_RED] if row.problem else "white", **style,
-    )  # fmt: skip
+        _PARAMETER.x,
+        top,
+        _PARAMETER.width,
+        cell.height,
+        colour,
+        _TINTS[_RED] if row.problem else "white",
+        **style,
+    )
     x = _PARAMETER.x + _PAD
     _lines(sheet, cell.name, x, top + _PAD, _BODY, letters)
     weight = "bold" if cell.name else "normal"

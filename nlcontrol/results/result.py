@@ -29,9 +29,16 @@ if TYPE_CHECKING:
 
 
 ResultStatus = Literal[
-    "done", "planned", "answered", "failed", "undecided", "refused", "not_understood",
-    "unsupported", "cancelled",
-]  # fmt: skip
+    "done",
+    "planned",
+    "answered",
+    "failed",
+    "undecided",
+    "refused",
+    "not_understood",
+    "unsupported",
+    "cancelled",
+]
 
 
 class Execution(DocumentPart):

@@ -105,9 +105,12 @@ class RunFiles:
             try:
                 with self._store.write_file(run_id, kind) as path:
                     process.call(
-                        kind, trace=str(trace), scene=session.scene, path=str(path),
+                        kind,
+                        trace=str(trace),
+                        scene=session.scene,
+                        path=str(path),
                         result=run.result and run.result.model_dump_json(),
-                    ).result(self._time_limit)  # fmt: skip
+                    ).result(self._time_limit)
             except ControlError as raised:
                 if raised.code in _OF_DAMAGE:
                     return _refuse(run_id, f"its trace is damaged: {raised.info.message}")

@@ -675,9 +675,15 @@ def _run_info(row: tuple[int, str, str, float | None, str, int]) -> RunInfo:
         info = RunInfo.model_validate_json(document)
     except ValueError:
         info = RunInfo(
-            run_id=str(run_id), session_id=str(session_id), kind="unknown", state="unreadable",
-            text="", asked_at=0.0, ended_at=ended_at or 0.0, error=_UNREADABLE,
-        )  # fmt: skip
+            run_id=str(run_id),
+            session_id=str(session_id),
+            kind="unknown",
+            state="unreadable",
+            text="",
+            asked_at=0.0,
+            ended_at=ended_at or 0.0,
+            error=_UNREADABLE,
+        )
     return info.model_copy(update={"events": events})
 
 

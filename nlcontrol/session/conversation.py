@@ -225,9 +225,12 @@ class Conversation:
         force_rate: float,
     ) -> Supervisor:
         return Supervisor(
-            progress, stop, on_event=on_event, force_rate=force_rate,
+            progress,
+            stop,
+            on_event=on_event,
+            force_rate=force_rate,
             clock=lambda: self.controller.executor.time,
-        )  # fmt: skip
+        )
 
     def _supervised(self, deed: Deed, supervisor: Supervisor, do: Callable[[], Result]) -> Result:
         """The result of something that is done, which is noted."""

@@ -439,9 +439,13 @@ class FrameRun:
         if (basis := self.step.basis) and (fallen := basis.fall(self.frame, state)):
             return state, fallen
         plan = partial(
-            self.controller.plan, self.frame, state, failed=self.failed,
-            notify=self._notify, stop=self.supervisor.stop,
-        )  # fmt: skip
+            self.controller.plan,
+            self.frame,
+            state,
+            failed=self.failed,
+            notify=self._notify,
+            stop=self.supervisor.stop,
+        )
         first = previous is None and not self.failed
         onward = partial(onward_plan, plan, self.frame, state, previous)
         return state, self.kept.plan(self.frame, state, plan) if first else onward()

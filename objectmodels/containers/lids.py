@@ -322,9 +322,13 @@ def flip(
 
 
 def _flip_thresholds(
-    model: ObjectModel, lid: FlipLid, hinge: Hinge, angles: Array, push: tuple[Array, Array],
+    model: ObjectModel,
+    lid: FlipLid,
+    hinge: Hinge,
+    angles: Array,
+    push: tuple[Array, Array],
     of: Sample,
-) -> tuple[Array, Array]:  # fmt: skip
+) -> tuple[Array, Array]:
     """Forces at which k bodies slide and topple under a lid's n angles, (k, n) each [N].
 
     The fingertip's points and directions are (n, 3); of what its friction bears along the lid it

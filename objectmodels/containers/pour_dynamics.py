@@ -155,8 +155,9 @@ class Pour:
     def landing_distances(self, fall: ArrayLike) -> Array:
         """Distance ahead of the lip at which each part lands, shape (..., m) [m]."""
         # A part has the head and the tilt at the start of its step.
-        head, tilt = (np.concatenate([x[..., :1], x[..., :-1]], axis=-1) for x in
-                      (self.head, self.tilt))  # fmt: skip
+        head, tilt = (
+            np.concatenate([x[..., :1], x[..., :-1]], axis=-1) for x in (self.head, self.tilt)
+        )
         return landing_distance(head, tilt, np.asarray(fall, float)[..., None])
 
 

@@ -191,8 +191,14 @@ def _turn(yaw: float) -> Array:
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
 """Lengths of the units that a mesh may be in [m]."""
 
-AXES = {"+x": (1, 0, 0), "-x": (-1, 0, 0), "+y": (0, 1, 0), "-y": (0, -1, 0), "+z": (0, 0, 1),
-        "-z": (0, 0, -1)}  # fmt: skip
+AXES = {
+    "+x": (1, 0, 0),
+    "-x": (-1, 0, 0),
+    "+y": (0, 1, 0),
+    "-y": (0, -1, 0),
+    "+z": (0, 0, 1),
+    "-z": (0, 0, -1),
+}
 """Directions in the mesh that may be upwards."""
 
 FORMATS = ("stl", "obj", "ply", "off", "glb", "3mf")

@@ -92,9 +92,14 @@ def _normal_deviates(ranks: Array) -> Array:
 
 
 def least_probability(
-    model: PushedBody, p: Array, normal: Array, outcome: Literal["slide", "topple"], *,
-    aside: bool = True, topples_at: float = 1.0,
-) -> float:  # fmt: skip
+    model: PushedBody,
+    p: Array,
+    normal: Array,
+    outcome: Literal["slide", "topple"],
+    *,
+    aside: bool = True,
+    topples_at: float = 1.0,
+) -> float:
     """Probability of an outcome at onset, whatever the finger transmits at a contact.
 
     The direction of a ring around the friction cone counts that is the worst one for the nominal
@@ -123,9 +128,15 @@ def least_probability(
 
 
 def _probabilities(
-    model: PushedBody, p: Array, u: Array, draw: Draws, *,
-    topples_at: float = 1.0, force: float | None = None, weights: Array | float = 1.0,
-) -> tuple[Array, Array]:  # fmt: skip
+    model: PushedBody,
+    p: Array,
+    u: Array,
+    draw: Draws,
+    *,
+    topples_at: float = 1.0,
+    force: float | None = None,
+    weights: Array | float = 1.0,
+) -> tuple[Array, Array]:
     """Probabilities of sliding and of toppling first for n pushes, averaged over k draws, (n,).
 
     Contacts and directions are (n, 1, 3), or (n, k, 3) if they differ from draw to draw; draws
@@ -138,9 +149,13 @@ def _probabilities(
 
 
 def _critical_frictions(
-    model: PushedBody, p: Array, u: Array, draw: Draws,
-    topples_at: float, force: float | None = None,
-) -> tuple[NDArray[np.bool_], Array]:  # fmt: skip
+    model: PushedBody,
+    p: Array,
+    u: Array,
+    draw: Draws,
+    topples_at: float,
+    force: float | None = None,
+) -> tuple[NDArray[np.bool_], Array]:
     """Pushes that topple what does not slide before, and frictions below which that slides, (n, k).
 
     The arguments are those of `_probabilities`.

@@ -532,9 +532,12 @@ class SlideSearch:
         return q, dq
 
     def friction_excess(
-        self, r: Array, i: Index, precise: NDArray[np.bool_] | bool = False,
+        self,
+        r: Array,
+        i: Index,
+        precise: NDArray[np.bool_] | bool = False,
         near: Limit | None = None,
-    ) -> _Look:  # fmt: skip
+    ) -> _Look:
         """The friction at load ratios: the sign of the excess, and itself where it is small.
 
         Limits of looks near by spare steps. Where `precise`, the excess is found however large.

@@ -187,9 +187,14 @@ class LoadedPoints:
     def chosen_strokes(self, i: NDArray[np.intp]) -> LoadedPoints:
         """The law of some of the strokes."""
         return LoadedPoints(
-            self.com[i], self.finger_friction[i], self.springs, self.scale[i], self.lever[i],
-            self.loads[:, i], self.places[:, i],
-        )  # fmt: skip
+            self.com[i],
+            self.finger_friction[i],
+            self.springs,
+            self.scale[i],
+            self.lever[i],
+            self.loads[:, i],
+            self.places[:, i],
+        )
 
 
 # --- top drag -------------------------------------------------------------------------------------
@@ -251,12 +256,15 @@ def top_drag(
     n = len(p)
     nominal = draw_parameters(model, np.zeros((1, 5)))
     pressed = _Pressed.of_draws(
-        model, p, d, force,
+        model,
+        p,
+        d,
+        force,
         com=np.tile(nominal.com[:, :2], (n, 1)),
         weight=np.full(n, model.weight),
         finger_friction=np.full(n, model.finger_friction),
         radius=np.full(n, model.friction_radius),
-    )  # fmt: skip
+    )
     led, turn, tip_ratio = pressed.led_force(model.friction)
     return TopDrag(led, pressed.grip, turn, pressed.critical_friction(), tip_ratio)
 
@@ -273,21 +281,27 @@ def drag_probability(
     draw = draw_parameters(model, normal_nodes(DRAWS, mass=True))
     n, k = len(p), len(draw.com)
     pressed = _Pressed.of_draws(
-        model, np.repeat(p, k, axis=0), np.repeat(d, k, axis=0), np.repeat(force, k),
+        model,
+        np.repeat(p, k, axis=0),
+        np.repeat(d, k, axis=0),
+        np.repeat(force, k),
         com=np.tile(draw.com[:, :2], (n, 1)),
         weight=np.tile(draw.weight, n),
         finger_friction=np.tile(draw.finger_friction, n),
         radius=np.tile(draw.friction_radius, n),
-    )  # fmt: skip
+    )
     critical = pressed.critical_friction().reshape(n, k)
     below = friction_below(model, critical, draw.friction, draw.friction_sd)
     return np.asarray(np.where(critical > 0.0, below, 0.0).mean(axis=1))
 
 
 def press_range(
-    model: PushedBody, point: ArrayLike, direction: ArrayLike, most: float,
+    model: PushedBody,
+    point: ArrayLike,
+    direction: ArrayLike,
+    most: float,
     probability: float | None = None,
-) -> tuple[float, float] | None:  # fmt: skip
+) -> tuple[float, float] | None:
     """The least and the largest force with which a fingertip drags an object [N].
 
     Args:
@@ -382,9 +396,17 @@ class _Pressed:
 
     @classmethod
     def of_draws(
-        cls, model: PushedBody, p: Array, d: Array, press: Array, *,
-        com: Array, weight: Array, finger_friction: Array, radius: Array,
-    ) -> _Pressed:  # fmt: skip
+        cls,
+        model: PushedBody,
+        p: Array,
+        d: Array,
+        press: Array,
+        *,
+        com: Array,
+        weight: Array,
+        finger_friction: Array,
+        radius: Array,
+    ) -> _Pressed:
         """Of n objects that differ in what is not known of them."""
         springs: Springs = springs_of(model)
         whole = weight + press
@@ -396,9 +418,12 @@ class _Pressed:
         reach = (1.0 - _SHORT) * hull.topple_force(*way)
         inside = middle + np.minimum(1.0, reach)[:, None] * (c - middle)
         law = LoadedPoints.of_draws(
-            springs, com=inside, finger_friction=finger_friction, radius=radius,
+            springs,
+            com=inside,
+            finger_friction=finger_friction,
+            radius=radius,
             lever=p[:, 2] / whole,
-        )  # fmt: skip
+        )
         grip = finger_friction * press
         beyond = model.base.topple_force(*way) < 1.0
         return cls(model.base, law, c, p[:, :2] - inside, d[:, :2], whole, grip, hull, beyond)

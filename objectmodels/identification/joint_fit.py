@@ -169,9 +169,14 @@ _Tried = tuple[float, Solution, Balance]
 
 
 def best_support(
-    model: ObjectModel, trials: Sequence[Trial], first: Solution, belief: Array, prior: bool,
-    exact: bool, supports: Sequence[Support] | None,
-) -> tuple[Solution, Balance, Array, list[str]]:  # fmt: skip
+    model: ObjectModel,
+    trials: Sequence[Trial],
+    first: Solution,
+    belief: Array,
+    prior: bool,
+    exact: bool,
+    supports: Sequence[Support] | None,
+) -> tuple[Solution, Balance, Array, list[str]]:
     """The solution of the support that predicts best, what doubt of it adds, what was compared."""
     coarse = Balance(model, trials)
     if not exact or not _has_turning_slide(coarse, first.values):
@@ -566,24 +571,31 @@ def _of_tilts(balance: Balance, notes: list[str]) -> dict[str, float]:
     n, tilt = balance.normals[i], t.tilt[i]
     lever, d = tilt_arms(balance.model.base, n, t.p[i], t.u[i], tilt)
     held, sd = t.size[i] * lever, t.size_sd[i] * np.abs(lever)
-    per = {"com_x": -n[:, 0] * np.cos(tilt), "com_y": -n[:, 1] * np.cos(tilt),
-           "com_z": -np.sin(tilt)}  # fmt: skip
+    per = {
+        "com_x": -n[:, 0] * np.cos(tilt),
+        "com_y": -n[:, 1] * np.cos(tilt),
+        "com_z": -np.sin(tilt),
+    }
     believed = dict(zip(("com_x", "com_y", "com_z"), balance.model.com, strict=True))
     opposite = (n @ n.T).min() < _OPPOSITE
     sought = [
-        name for name in ("com_x", "com_y", "com_z")
+        name
+        for name in ("com_x", "com_y", "com_z")
         if np.abs(per[name]).max() > (0.0 if name == "com_z" else _ACROSS)
         and (opposite or name == "com_z")
-    ]  # fmt: skip
+    ]
     # What cannot be told from the weight is believed, the height first.
     while not _are_independent(_moment_columns(d * np.cos(tilt), per, sought, believed)):
         sought.pop()
     if not opposite:
-        notes.append("tilts of one side give only mass times distance: the believed centre of "
-                     "mass is used")  # fmt: skip
+        notes.append(
+            "tilts of one side give only mass times distance: the believed centre of mass is used"
+        )
     if tilt.any() and "com_z" not in sought:
-        notes.append("tilts to one angle do not give the height of the centre of mass: the "
-                     "believed one is used")  # fmt: skip
+        notes.append(
+            "tilts to one angle do not give the height of the centre of mass: the "
+            "believed one is used"
+        )
     A = _moment_columns(d * np.cos(tilt), per, sought, believed)
     x = np.linalg.lstsq(A / sd[:, None], held / sd, rcond=None)[0]
     if not x[0] > 0.0:

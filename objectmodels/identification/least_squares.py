@@ -172,9 +172,14 @@ def _prior_information(belief: Array, free: Mask) -> Array:
 
 
 def _weighted_step(
-    balance: Balance, at: Linear, free: Mask, rows: Mask, information: Array, offset: Array,
+    balance: Balance,
+    at: Linear,
+    free: Mask,
+    rows: Mask,
+    information: Array,
+    offset: Array,
     guess: tuple[float, float],
-) -> tuple[Array, _Variances]:  # fmt: skip
+) -> tuple[Array, _Variances]:
     """The step of linear least squares, the variances settled."""
     J, rest = at.jacobian[rows][:, free], (balance.observed - at.predicted)[rows]
     slides = balance.slides[rows]
@@ -270,9 +275,14 @@ def damped_step(
 
 
 def _solution_at(
-    balance: Balance, at: Linear, free: Mask, rows: Mask, belief: Array, information: Array,
+    balance: Balance,
+    at: Linear,
+    free: Mask,
+    rows: Mask,
+    belief: Array,
+    information: Array,
     state: _Variances,
-) -> Solution:  # fmt: skip
+) -> Solution:
     covariance, own = np.zeros((7, 7)), np.zeros((7, 7))
     kept = ~free
     J = at.jacobian[rows]
@@ -287,9 +297,18 @@ def _solution_at(
     covariance[np.ix_(kept, free)] = (shift @ given).T
     covariance[np.ix_(kept, kept)] = given
     return Solution(
-        at, free, rows, state.variance, state.spread, state.spread_freedom, state.noise,
-        state.noise_freedom, covariance, own, balance.slides,
-    )  # fmt: skip
+        at,
+        free,
+        rows,
+        state.variance,
+        state.spread,
+        state.spread_freedom,
+        state.noise,
+        state.noise_freedom,
+        covariance,
+        own,
+        balance.slides,
+    )
 
 
 # --- outlying trials ------------------------------------------------------------------------------

@@ -249,9 +249,22 @@ NORMAL = ("nx", "ny", "nz")
 SHIFT = ("dx_m", "dy_m")
 
 COLUMNS = (
-    "moved", *CONTACT, *FORCE, "force_n", *DIRECTION, "force_sd_n", "tilt_deg", "tilt_sd_deg",
-    "turn_deg", "turn_sd_deg", "travel_m", *SHIFT, *NORMAL, "repetition", "note",
-)  # fmt: skip
+    "moved",
+    *CONTACT,
+    *FORCE,
+    "force_n",
+    *DIRECTION,
+    "force_sd_n",
+    "tilt_deg",
+    "tilt_sd_deg",
+    "turn_deg",
+    "turn_sd_deg",
+    "travel_m",
+    *SHIFT,
+    *NORMAL,
+    "repetition",
+    "note",
+)
 """Columns that a table of touches may have."""
 
 _MOVED: tuple[Moved, ...] = ("slide", "topple", "slip")
@@ -262,9 +275,17 @@ _FINEST_ANGLE = 0.001  # and none of angles than this [°]
 _ROUNDED = 0.02  # a direction's length may be off by so much, then it is made one
 
 RECORDING_COLUMNS = (
-    "trial", "time_s", *FORCE, *CONTACT, "moved", "yaw_deg", "tilt_deg", *SHIFT,
-    "repetition", "note",
-)  # fmt: skip
+    "trial",
+    "time_s",
+    *FORCE,
+    *CONTACT,
+    "moved",
+    "yaw_deg",
+    "tilt_deg",
+    *SHIFT,
+    "repetition",
+    "note",
+)
 """Columns that a table of recordings may have."""
 
 _LONGEST_RECORDING = 1000.0  # a recording that is longer has its times in milliseconds [s]

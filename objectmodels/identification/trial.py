@@ -198,9 +198,16 @@ class Touches:
 
 
 def _require_sense(trial: Trial) -> None:
-    figures = (*trial.point, *trial.force, trial.force_sd, trial.tilt, trial.tilt_sd,
-               trial.turn_rate or 0.0, trial.turn_rate_sd or 0.0,
-               trial.drift or 0.0)  # fmt: skip
+    figures = (
+        *trial.point,
+        *trial.force,
+        trial.force_sd,
+        trial.tilt,
+        trial.tilt_sd,
+        trial.turn_rate or 0.0,
+        trial.turn_rate_sd or 0.0,
+        trial.drift or 0.0,
+    )
     wrong = None
     if not np.isfinite(figures).all():
         wrong = "has a figure that is no number"

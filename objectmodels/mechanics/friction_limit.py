@@ -84,9 +84,13 @@ class Limit:
     def chosen_pushes(self, i: NDArray[np.bool_] | NDArray[np.intp]) -> Limit:
         """The limits of some pushes."""
         return Limit(
-            self.ratio[i], self.across[i], self.turn[i],
-            self.along_i[:, i], self.across_i[:, i], self.residual[i],
-        )  # fmt: skip
+            self.ratio[i],
+            self.across[i],
+            self.turn[i],
+            self.along_i[:, i],
+            self.across_i[:, i],
+            self.residual[i],
+        )
 
     def slip_velocities(self, along: Array, left: Array) -> tuple[Array, Array]:
         """Slip velocities of the points, along and across the push, each (k, n)."""
@@ -95,9 +99,12 @@ class Limit:
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")  # points in the centre do not slip
 def friction_limit(
-    loads: Array, along: Array, left: Array,
-    compared: Array | None = None, near: Limit | None = None,
-) -> Limit:  # fmt: skip
+    loads: Array,
+    along: Array,
+    left: Array,
+    compared: Array | None = None,
+    near: Limit | None = None,
+) -> Limit:
     """The push that the loaded points resist.
 
     Args:
@@ -195,9 +202,14 @@ def _from_another(
 
 
 def _newton_limit(
-    loads: Array, along: Array, left: Array, compared: Array,
-    begin: Limit, smooth: float, steps: int,
-) -> Limit:  # fmt: skip
+    loads: Array,
+    along: Array,
+    left: Array,
+    compared: Array,
+    begin: Limit,
+    smooth: float,
+    steps: int,
+) -> Limit:
     """The limits by Newton steps from others, with friction smoothed at first below a slip."""
     # Lengths in units of the support's size keep the equations well scaled.
     unit = _spread(along, left)
@@ -265,9 +277,15 @@ class SlipEquations(NamedTuple):
 
 
 def slip_equations(
-    loads: Array, along: Array, left: Array, across: Array, turn: Array,
-    d_x: Array, d_y: Array, smooth: float,
-) -> SlipEquations:  # fmt: skip
+    loads: Array,
+    along: Array,
+    left: Array,
+    across: Array,
+    turn: Array,
+    d_x: Array,
+    d_y: Array,
+    smooth: float,
+) -> SlipEquations:
     """The equations for β and ω, (n,), and friction at the points, (k, n), together."""
     v_x, v_y = 1.0 - turn * left, across + turn * along
     slowness = 1.0 / np.sqrt(v_x * v_x + v_y * v_y + smooth * smooth)
@@ -281,9 +299,15 @@ def slip_equations(
 
 
 def _newton_step(
-    loads: Array, along: Array, left: Array, across: Array, turn: Array,
-    d_x: Array, d_y: Array, smooth: float,
-) -> tuple[Array, Array, Array, Array]:  # fmt: skip
+    loads: Array,
+    along: Array,
+    left: Array,
+    across: Array,
+    turn: Array,
+    d_x: Array,
+    d_y: Array,
+    smooth: float,
+) -> tuple[Array, Array, Array, Array]:
     """One Newton step on slip and friction together."""
     equations = slip_equations(loads, along, left, across, turn, d_x, d_y, smooth)
     more_across, more_turn = equations.motion_against(*equations.gradient)
@@ -302,8 +326,11 @@ def certified_limit(
     off_across = np.abs(total(loads * d_y))
     off_turn = np.abs(total(loads * (along * d_y - left * d_x)))
     # What the forces lack in balance counts by the motion that it would feed.
-    residual = (np.abs(upper - lower) + off_across * (np.abs(across) + 1.0)
-                + off_turn * (np.abs(turn) + 1.0)) / upper  # fmt: skip
+    residual = (
+        np.abs(upper - lower)
+        + off_across * (np.abs(across) + 1.0)
+        + off_turn * (np.abs(turn) + 1.0)
+    ) / upper
     return Limit(upper, across, turn, d_x, d_y, residual), residual <= PRECISE
 
 

@@ -334,8 +334,12 @@ class _Pushes:
         """Some of the strokes."""
         return _Pushes(
             self.law.chosen_strokes(i),
-            self.p[i], -self.inward[i], self.d[i], self.face[i], self.tip_radius,
-        )  # fmt: skip
+            self.p[i],
+            -self.inward[i],
+            self.d[i],
+            self.face[i],
+            self.tip_radius,
+        )
 
 
 # --- turning push ---------------------------------------------------------------------------------

@@ -368,9 +368,16 @@ Way = tuple[NDArray[np.bool_], str, Array, Array]
 
 
 def _tipping_ways(
-    fx: Array, load: Array, torque: Array, inertia: Array,
-    m: float, mu: float, c_z: float, b: Array, sign: float = 1.0,
-) -> list[Way]:  # fmt: skip
+    fx: Array,
+    load: Array,
+    torque: Array,
+    inertia: Array,
+    m: float,
+    mu: float,
+    c_z: float,
+    b: Array,
+    sign: float = 1.0,
+) -> list[Way]:
     """Tipping about the edge ahead, which stays or slides either way.
 
     About an edge that stays I α = torque + c_z f_x − b load − m α (b² + c_z²).

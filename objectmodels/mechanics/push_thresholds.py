@@ -120,9 +120,13 @@ def slide_threshold(
 
 
 def quick_slide_force(
-    h2: Array, w: Array, a2: Array, friction: float | Array, weight: float,
+    h2: Array,
+    w: Array,
+    a2: Array,
+    friction: float | Array,
+    weight: float,
     steps: int = QUICK_STEPS,
-) -> Array:  # fmt: skip
+) -> Array:
     """`slide_threshold` for squares of |u_xy| and of arm/c̄; nan where it takes a closer look [N].
 
     All of one shape (...).

@@ -218,8 +218,14 @@ def _size(vectors: Array) -> float:
 # --- object model ---------------------------------------------------------------------------------
 
 
-_OF_ITS_BASE = ("friction_radius", "friction_radius_sd", "correlations", "container", "inside",
-                "lid")  # fmt: skip
+_OF_ITS_BASE = (
+    "friction_radius",
+    "friction_radius_sd",
+    "correlations",
+    "container",
+    "inside",
+    "lid",
+)
 
 
 class ObjectModel(Parameters, ABC):
@@ -375,15 +381,23 @@ class ObjectModel(Parameters, ABC):
 
     @overload
     def thresholds(
-        self, points: ArrayLike, directions: ArrayLike, *,
-        exact: Literal[True], friction: Friction = "static",
-    ) -> ExactThresholds: ...  # fmt: skip
+        self,
+        points: ArrayLike,
+        directions: ArrayLike,
+        *,
+        exact: Literal[True],
+        friction: Friction = "static",
+    ) -> ExactThresholds: ...
 
     @overload
     def thresholds(
-        self, points: ArrayLike, directions: ArrayLike, *,
-        exact: bool | Literal["border"] = False, friction: Friction = "static",
-    ) -> Thresholds: ...  # fmt: skip
+        self,
+        points: ArrayLike,
+        directions: ArrayLike,
+        *,
+        exact: bool | Literal["border"] = False,
+        friction: Friction = "static",
+    ) -> Thresholds: ...
 
     def thresholds(
         self,
@@ -423,9 +437,13 @@ class ObjectModel(Parameters, ABC):
         return compute(self, p, u, friction)
 
     def predict(
-        self, points: ArrayLike, forces: ArrayLike, *,
-        exact: bool = False, friction: Friction = "static",
-    ) -> Prediction:  # fmt: skip
+        self,
+        points: ArrayLike,
+        forces: ArrayLike,
+        *,
+        exact: bool = False,
+        friction: Friction = "static",
+    ) -> Prediction:
         """Outcomes of slow pushes with the given forces.
 
         Args:
@@ -464,9 +482,13 @@ class ObjectModel(Parameters, ABC):
         return cone_thresholds(self, p, n, sigmas, yaw)
 
     def likelihood(
-        self, points: ArrayLike, directions: ArrayLike, *,
-        force: float | None = None, exact: bool = True,
-    ) -> Likelihood:  # fmt: skip
+        self,
+        points: ArrayLike,
+        directions: ArrayLike,
+        *,
+        force: float | None = None,
+        exact: bool = True,
+    ) -> Likelihood:
         """Probability of each outcome under the parameters' uncertainty.
 
         Args:
@@ -526,9 +548,15 @@ class ObjectModel(Parameters, ABC):
         return sudden_push(self, *checked_contacts(self, points, forces))
 
     def stroke(
-        self, points: ArrayLike, normals: ArrayLike, direction: ArrayLike, travel: ArrayLike,
-        *, exact: bool = False, tip_radius: float = 0.0,
-    ) -> Stroke:  # fmt: skip
+        self,
+        points: ArrayLike,
+        normals: ArrayLike,
+        direction: ArrayLike,
+        travel: ArrayLike,
+        *,
+        exact: bool = False,
+        tip_radius: float = 0.0,
+    ) -> Stroke:
         """Motion by slow strokes of one finger each, or of two; see `push_motion`.
 
         Args:

@@ -27,15 +27,23 @@ class Predictor(Protocol):
     """Predictions for pushes of one object; see `ObjectModel` for arguments, units and frames."""
 
     def thresholds(
-        self, points: ArrayLike, directions: ArrayLike, *,
-        exact: bool | Literal["border"] = False, friction: Friction = "static",
-    ) -> Thresholds:  # fmt: skip
+        self,
+        points: ArrayLike,
+        directions: ArrayLike,
+        *,
+        exact: bool | Literal["border"] = False,
+        friction: Friction = "static",
+    ) -> Thresholds:
         """Forces at which slow pushes slide and topple it: contacts are confirmed by them."""
 
     def predict(
-        self, points: ArrayLike, forces: ArrayLike, *,
-        exact: bool = False, friction: Friction = "static",
-    ) -> Prediction:  # fmt: skip
+        self,
+        points: ArrayLike,
+        forces: ArrayLike,
+        *,
+        exact: bool = False,
+        friction: Friction = "static",
+    ) -> Prediction:
         """Outcomes of given forces: questions are answered by them."""
 
     def cone_thresholds(
@@ -44,9 +52,13 @@ class Predictor(Protocol):
         """Extremes over all that a fingertip transmits: contacts are searched by them."""
 
     def likelihood(
-        self, points: ArrayLike, directions: ArrayLike, *,
-        force: float | None = None, exact: bool = True,
-    ) -> Likelihood:  # fmt: skip
+        self,
+        points: ArrayLike,
+        directions: ArrayLike,
+        *,
+        force: float | None = None,
+        exact: bool = True,
+    ) -> Likelihood:
         """Probabilities of the outcomes: its own uncertainty, by which it is judged."""
 
     def is_slipping(
@@ -55,9 +67,15 @@ class Predictor(Protocol):
         """Return True where a finger slips along a face, shape (n,)."""
 
     def stroke(
-        self, points: ArrayLike, normals: ArrayLike, direction: ArrayLike, travel: ArrayLike,
-        *, exact: bool = False, tip_radius: float = 0.0,
-    ) -> Stroke:  # fmt: skip
+        self,
+        points: ArrayLike,
+        normals: ArrayLike,
+        direction: ArrayLike,
+        travel: ArrayLike,
+        *,
+        exact: bool = False,
+        tip_radius: float = 0.0,
+    ) -> Stroke:
         """Motion by strokes of one finger or two."""
 
     def angle_of_no_return(self, direction: ArrayLike, *, sigmas: float = 0.0) -> float:

@@ -298,9 +298,14 @@ def _opposite_sides(target: SeenObject) -> Iterator[_Sides]:
             axis = np.array(face.centre) - n / face.curvature
             half = 0.5 * face.width
             yield _Sides(
-                n, np.array(face.tangent), axis * _LEVEL, 2 / face.curvature, (face,),
-                (-half, half), (face.bottom, face.top),
-            )  # fmt: skip
+                n,
+                np.array(face.tangent),
+                axis * _LEVEL,
+                2 / face.curvature,
+                (face,),
+                (-half, half),
+                (face.bottom, face.top),
+            )
 
 
 def _pair_of_sides(one: Face, other: Face) -> _Sides | None:

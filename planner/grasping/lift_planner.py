@@ -117,8 +117,9 @@ def step_onto(problem: GraspProblem, there: SeenObject) -> SetOn:
     bodies = stacked_bodies(stack_with(there, problem.state.objects), name, PLACED)
     margin, stands = float(stack_margins(bodies).min()), standing_probability(bodies)
     if margin < 0.0:
-        raise no_plan("overhangs", {"margin": margin, "beyond": -margin}, object=name,
-                      other=lower.name)  # fmt: skip
+        raise no_plan(
+            "overhangs", {"margin": margin, "beyond": -margin}, object=name, other=lower.name
+        )
     asked = problem.effort.probability
     if stands < asked:
         numbers = {"margin": margin, "probability": stands, "asked_probability": asked}
@@ -377,8 +378,10 @@ def stand_up(problem: GraspProblem) -> Plan | Reached:
     def with_loads(loads: list[GraspLoad]) -> Plan:
         return _first_way(problem, rest, stable_grasps(problem, loads))
 
-    loads = ([load for each in group for load in _turned(each, rest, problem.target)]
-             for group in body_candidates(problem))  # fmt: skip
+    loads = (
+        [load for each in group for load in _turned(each, rest, problem.target)]
+        for group in body_candidates(problem)
+    )
     some = [group for group in loads if group]
     if not some:
         raise no_plan("hand_from_below", object=problem.target.name)

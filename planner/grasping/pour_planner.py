@@ -313,9 +313,13 @@ class _Pouring:
         running = UncertainPour.from_belief(vessel, container.contents, sd, **motion)
         ahead = float(running.nominal_pour.landing(d.pour_clearance)[0])
         catch = Catch(
-            along=ahead, across=0.0, fall=d.pour_clearance, radius=basin.opening.radius,
-            free=wanted.room, sd=d.pour_aim,
-        )  # fmt: skip
+            along=ahead,
+            across=0.0,
+            fall=d.pour_clearance,
+            radius=basin.opening.radius,
+            free=wanted.room,
+            sd=d.pour_aim,
+        )
         everything = running.caught_by(catch)
         poured = everything if wanted.all else _pour_stopped_at(everything, wanted.volume)
         return Motion(lean, angle, wait, ahead, poured, self._success_probability(poured))

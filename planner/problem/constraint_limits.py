@@ -284,9 +284,11 @@ def push_with_tilt(
     most = most_tilt(angle, defaults)
     stroke = model.topple_stroke(inward, push.p_BC[2], most) + _SLACK
     changes = {
-        "ends_on": "tilted", "tilt": angle, "stroke": stroke,
+        "ends_on": "tilted",
+        "tilt": angle,
+        "stroke": stroke,
         "limits": Limits(tilt=most),
-    }  # fmt: skip
+    }
     return push.model_copy(update=changes)
 
 

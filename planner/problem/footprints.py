@@ -289,11 +289,13 @@ def shortest_detour(
     steps = {
         heading: move
         for heading, move in (
-            (first, (1, 0)), (first + math.pi, (-1, 0)),
-            (second, (0, 1)), (second + math.pi, (0, -1)),
+            (first, (1, 0)),
+            (first + math.pi, (-1, 0)),
+            (second, (0, 1)),
+            (second + math.pi, (0, -1)),
         )
         if any(abs(math.remainder(heading - h, math.tau)) < 1e-6 for h in headings)
-    }  # fmt: skip
+    }
     plain = [line.tolist() for line in lines]
     return _cheapest_path(plain, free.tolist(), here, there, steps, turn_cost)
 

@@ -47,10 +47,12 @@ from planner.types.world_state import SeenObject, WorldState
 _BROAD = 0.98  # share of the widest face's width from which a face counts as as wide
 _QUARTER = math.pi / 2.0
 _ACROSS_EDGES = {
-    "left_edge": (_QUARTER, -_QUARTER), "right_edge": (_QUARTER, -_QUARTER),
-    "front_edge": (0.0, math.pi), "back_edge": (0.0, math.pi),
+    "left_edge": (_QUARTER, -_QUARTER),
+    "right_edge": (_QUARTER, -_QUARTER),
+    "front_edge": (0.0, math.pi),
+    "back_edge": (0.0, math.pi),
     "edge": (0.0, _QUARTER, math.pi, -_QUARTER),
-}  # fmt: skip
+}
 """Headings square to the edges of the table [rad]."""
 
 
@@ -68,8 +70,9 @@ def turns_to_orientation(goal: g.Rotate, own: SeenObject, state: WorldState) -> 
     looks = _headings_of_sides(own)
     if not looks:
         return (0.0,)
-    turns = [angle_between(asked, look) for asked in _asked_headings(goal, own, state)
-             for look in looks]  # fmt: skip
+    turns = [
+        angle_between(asked, look) for asked in _asked_headings(goal, own, state) for look in looks
+    ]
     return tuple(sorted(dict.fromkeys(round(turn, 9) for turn in turns), key=abs))
 
 

@@ -59,9 +59,9 @@ class Measure:
     def miss(self) -> float:
         """Distance from what it should be [m]; never negative."""
         excess = self.measured - self.expected
-        return {
-            "about": abs(excess), "at_most": max(excess, 0.0), "at_least": max(-excess, 0.0)
-        }[self.relation]  # fmt: skip
+        return {"about": abs(excess), "at_most": max(excess, 0.0), "at_least": max(-excess, 0.0)}[
+            self.relation
+        ]
 
     @property
     def ok(self) -> bool:
@@ -179,10 +179,11 @@ class Beyond(Region):
         """The gap to each."""
         here = footprint(own)
         return tuple(
-            Measure(f"gap to the {name}", "at_least", self.distance, gap(here, shape),
-                    self.tolerance)
+            Measure(
+                f"gap to the {name}", "at_least", self.distance, gap(here, shape), self.tolerance
+            )
             for name, shape in self.shapes
-        )  # fmt: skip
+        )
 
     def _room(self, corners: Array) -> float:
         return min(gap(corners, shape) for _, shape in self.shapes)
@@ -276,9 +277,11 @@ def most_overhang(
 def table_with_room(table: TableState, over: Sequence[Overhang], room: float) -> TableState:
     """The table with so much more room beyond edges as what hangs over them takes [m]."""
     borders = {
-        "away": ("x_max", 1.0), "toward": ("x_min", -1.0),
-        "left": ("y_max", 1.0), "right": ("y_min", -1.0),
-    }  # fmt: skip
+        "away": ("x_max", 1.0),
+        "toward": ("x_min", -1.0),
+        "left": ("y_max", 1.0),
+        "right": ("y_min", -1.0),
+    }
     moved = {}
     for one in over:
         border, sign = borders[one.side]
@@ -468,9 +471,11 @@ _EDGES: dict[str, tuple[tuple[str, ...], ...]] = {
 """
 
 OTHER_HALF = {
-    "left_half": "right_half", "right_half": "left_half",
-    "front_half": "back_half", "back_half": "front_half",
-}  # fmt: skip
+    "left_half": "right_half",
+    "right_half": "left_half",
+    "front_half": "back_half",
+    "back_half": "front_half",
+}
 """Halves of the table, and where what is cleared from them goes."""
 
 _DOT = 1e-3 * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])  # a point, nearly [m]
@@ -741,12 +746,15 @@ class AtEdge(Region):
             tuple(
                 Measure(
                     f"{what} the table's {edge_name(side)} edge",
-                    "about", sign * self.gap, sign * self._room(own, side), self.tolerance,
+                    "about",
+                    sign * self.gap,
+                    sign * self._room(own, side),
+                    self.tolerance,
                 )
                 for side in sides
             )
             for sides in self.choices
-        ]  # fmt: skip
+        ]
         return min(found, key=lambda gaps: sum(one.miss for one in gaps))
 
     def _room(self, own: SeenObject, side: str) -> float:

@@ -194,9 +194,13 @@ class PushStep:
     def from_goal(cls, goal: PushGoal) -> PushStep:
         """The one push that is all of a goal."""
         return cls(
-            goal.outcome, goal.heading, goal.distance, goal.tilt,
-            until=goal.until, meets=goal.meets,
-        )  # fmt: skip
+            goal.outcome,
+            goal.heading,
+            goal.distance,
+            goal.tilt,
+            until=goal.until,
+            meets=goal.meets,
+        )
 
 
 @dataclass(frozen=True)

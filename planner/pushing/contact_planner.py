@@ -180,9 +180,12 @@ def _place(contact: Contact) -> tuple[Vector3, Vector3]:
 # Kept, since models never change and the same contacts are asked for again and again.
 @functools.lru_cache(maxsize=1024)
 def _exact_probability(
-    model: ObjectModel, point: Vector3, normal: Vector3, outcome: Literal["slide", "topple"],
+    model: ObjectModel,
+    point: Vector3,
+    normal: Vector3,
+    outcome: Literal["slide", "topple"],
     turning: bool,
-) -> float:  # fmt: skip
+) -> float:
     """Probability of an outcome at a contact for the worst force in the finger's cone.
 
     What turns the object presses on it sideways.

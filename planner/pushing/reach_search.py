@@ -144,6 +144,8 @@ class ContactQueries:
 def _are_in_line(push: Push, other: Push) -> bool:
     """Return True if two pushes differ by their heights alone, as to the hand's room."""
     same = (push.fingers, push.spread, push.direction_W) == (
-        other.fingers, other.spread, other.direction_W,
-    )  # fmt: skip
+        other.fingers,
+        other.spread,
+        other.direction_W,
+    )
     return same and math.dist(push.p_BC[:2], other.p_BC[:2]) < _SAME_LINE

@@ -452,7 +452,16 @@ class PutOn(Value):
 
 
 Action = Annotated[
-    PushAction | GraspAction | LiftUp | Carry | TurnOver | PourOut | SetDown | SetOn | FlipOver
-    | TurnCap | PutOn,
+    PushAction
+    | GraspAction
+    | LiftUp
+    | Carry
+    | TurnOver
+    | PourOut
+    | SetDown
+    | SetOn
+    | FlipOver
+    | TurnCap
+    | PutOn,
     Field(discriminator="kind"),
-]  # fmt: skip
+]

@@ -82,8 +82,14 @@ class Plan(Value):
         )
 
     def _repr_html_(self) -> str:
-        header = ("step", "contact in B [mm]", "at most [N]", "travel [mm]", "sliding from [N]",
-                  "toppling from [N]")  # fmt: skip
+        header = (
+            "step",
+            "contact in B [mm]",
+            "at most [N]",
+            "travel [mm]",
+            "sliding from [N]",
+            "toppling from [N]",
+        )
         rows = [_step_texts(action) for action in self.actions]
         caption = f"{self.task} the {self.object}, probability {probability_text(self.probability)}"
         return html_table(caption, header, rows)
@@ -151,9 +157,24 @@ PlanningResult = Plan | Reached | Refusal
 
 
 StopKind = Literal[
-    "no_touch", "stroke", "toppled", "turned", "returned", "event", "force", "speed", "slid",
-    "tilted", "turned_off", "too_close", "lost", "duration", "no_grasp", "slipped", "nudged",
-]  # fmt: skip
+    "no_touch",
+    "stroke",
+    "toppled",
+    "turned",
+    "returned",
+    "event",
+    "force",
+    "speed",
+    "slid",
+    "tilted",
+    "turned_off",
+    "too_close",
+    "lost",
+    "duration",
+    "no_grasp",
+    "slipped",
+    "nudged",
+]
 
 
 class StopCondition(Value):

@@ -31,9 +31,19 @@ OPPOSITE: tuple[tuple[FaceName, FaceName], ...] = (("front", "back"), ("left", "
 
 
 SPIRAL: tuple[FaceName, ...] = (
-    "front", "left", "back", "back", "right", "right",
-    "front", "front", "front", "left", "left", "left",
-)  # fmt: skip
+    "front",
+    "left",
+    "back",
+    "back",
+    "right",
+    "right",
+    "front",
+    "front",
+    "front",
+    "left",
+    "left",
+    "left",
+)
 """Sides at which one slide after another pushes."""
 
 

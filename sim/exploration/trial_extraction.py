@@ -82,9 +82,21 @@ class Recording:
         """Of a touch that did not come about."""
         empty = np.empty((0, 3))
         return cls(
-            experiment, end, detail, None, np.empty(0), empty, empty, before, None, None,
-            tip_radius=0.0, force_sd=0.0, zero_sd=0.0, pose_sd=(0.0, 0.0),
-        )  # fmt: skip
+            experiment,
+            end,
+            detail,
+            None,
+            np.empty(0),
+            empty,
+            empty,
+            before,
+            None,
+            None,
+            tip_radius=0.0,
+            force_sd=0.0,
+            zero_sd=0.0,
+            pose_sd=(0.0, 0.0),
+        )
 
 
 UNDER_WAY = 0.0015

@@ -83,9 +83,17 @@ class Approach:
 
     @classmethod
     def to_object(
-        cls, pushed: Obstacle, points: Array, R_WD: Array, hand: Hand, fingers: int, spread: float,
-        *, fine: bool, pressing: bool = False,
-    ) -> Approach:  # fmt: skip
+        cls,
+        pushed: Obstacle,
+        points: Array,
+        R_WD: Array,
+        hand: Hand,
+        fingers: int,
+        spread: float,
+        *,
+        fine: bool,
+        pressing: bool = False,
+    ) -> Approach:
         """The approach along two points of T in W, shape (2, 3) [m], with D at R_WD."""
         return cls(
             hand=hand,

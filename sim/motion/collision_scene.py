@@ -96,8 +96,14 @@ class Obstacle:
         (x, y), (u, v) = low[:2], high[:2]
         made = self.at_origin(np.array([[x, y], [u, y], [u, v], [x, v]]), float(high[2]))
         middle = self.p_WB[:2] + self.R_WB[:2, :2] @ made.middle
-        return replace(made, name=self.name, clearance=self.clearance, R_WB=self.R_WB,
-                       p_WB=self.p_WB, middle=middle)  # fmt: skip
+        return replace(
+            made,
+            name=self.name,
+            clearance=self.clearance,
+            R_WB=self.R_WB,
+            p_WB=self.p_WB,
+            middle=middle,
+        )
 
     @classmethod
     def at_origin(cls, outline: Array, height: float, radius: float = 0.0) -> Obstacle:

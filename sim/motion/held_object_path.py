@@ -251,8 +251,12 @@ def grasp_frame(grasp: Grasp, R_WB: Array) -> tuple[Array, Array]:
 def withdrawal_vectors(grasp: Grasp, held: SeenObject) -> tuple[Array, ...]:
     """Ways of the open hand off what it holds, in W: back along its fingers, or straight up."""
     approach = np.array(grasp.approach_W)
-    corners = np.vstack([np.c_[held.model.outline, np.full(len(held.model.outline), z)]
-                         for z in (0.0, held.model.top)])  # fmt: skip
+    corners = np.vstack(
+        [
+            np.c_[held.model.outline, np.full(len(held.model.outline), z)]
+            for z in (0.0, held.model.top)
+        ]
+    )
     off = (corners - np.array(grasp.p_BG)) @ held.pose.R_WB.T
     back = -(BEYOND + float(np.max(off @ -approach))) * approach
     up = np.array([0.0, 0.0, BEYOND + held.model.top - grasp.p_BG[2] + _HALF_HAND])

@@ -476,9 +476,15 @@ class GraspMotionSearch:
                 hindered = hindered or what
                 continue
             way = GraspMotion(
-                self._mount, self._grip, self._hold.R_BP, self._hold.p_BP, self._legs,
-                float(elbow[k]), int(branch[k]), room=float(room[k]),
-            )  # fmt: skip
+                self._mount,
+                self._grip,
+                self._hold.R_BP,
+                self._hold.p_BP,
+                self._legs,
+                float(elbow[k]),
+                int(branch[k]),
+                room=float(room[k]),
+            )
             found = self._from_home(way, q[k])
             if found is not None:
                 return found
@@ -712,9 +718,15 @@ class PushMotionSearch:
         self._centre = 0.5 * np.array([table.x_min + table.x_max, table.y_min + table.y_max])
         self._scenery = scenery
         self._approach = Approach.to_object(
-            self._scenery.pushed, self._points[:2], self._R_WD[0], mount.hand,
-            push.fingers, push.spread, fine=effort.fine, pressing=push.press > 0.0,
-        )  # fmt: skip
+            self._scenery.pushed,
+            self._points[:2],
+            self._R_WD[0],
+            mount.hand,
+            push.fingers,
+            push.spread,
+            fine=effort.fine,
+            pressing=push.press > 0.0,
+        )
 
     @functools.cached_property
     def _pushed(self) -> list[Obstacle]:
@@ -834,9 +846,13 @@ class PushMotionSearch:
             together = min(4 * together, _MOST_AT_ONCE)
 
     def _note_stopping(
-        self, block: NDArray[np.intp], clear: NDArray[np.bool_], free: NDArray[np.bool_],
-        stopped_by: NDArray[np.intp], near: tuple[Obstacle, ...],
-    ) -> None:  # fmt: skip
+        self,
+        block: NDArray[np.intp],
+        clear: NDArray[np.bool_],
+        free: NDArray[np.bool_],
+        stopped_by: NDArray[np.intp],
+        near: tuple[Obstacle, ...],
+    ) -> None:
         """Takes note of what stops all hands of a block."""
         last = np.full(int(block[-1]) + 1, -1)
         np.maximum.at(last, block, stopped_by)

@@ -138,11 +138,18 @@ class PostureSet:
     def __getitem__(self, chosen: NDArray[np.bool_] | NDArray[np.intp] | slice) -> PostureSet:
         k = np.arange(len(self))[chosen]  # numpy takes rows faster than it sorts them out
         return PostureSet(
-            self.postures, self.spheres, self.which.take(k), self.R_DP.take(k, axis=0),
-            self.strength.take(k), self.palm.take(k, axis=0), self.lowest_points.take(k),
-            self.extents.take(k), self.circles.take(k, axis=0), self.fronts.take(k),
+            self.postures,
+            self.spheres,
+            self.which.take(k),
+            self.R_DP.take(k, axis=0),
+            self.strength.take(k),
+            self.palm.take(k, axis=0),
+            self.lowest_points.take(k),
+            self.extents.take(k),
+            self.circles.take(k, axis=0),
+            self.fronts.take(k),
             self.number.take(k),
-        )  # fmt: skip
+        )
 
     def posture_at(self, index: int) -> Posture:
         """Posture of one of them."""

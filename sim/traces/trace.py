@@ -147,12 +147,20 @@ UNITS = {
 """Units of what a trace holds; the rest has none."""
 
 _SAMPLED: Mapping[str, tuple[int, ...]] = {
-    "time": (), "phase": (), "force_limit": (),
-}  # fmt: skip
+    "time": (),
+    "phase": (),
+    "force_limit": (),
+}
 _BY_NAME: Mapping[str, tuple[int, ...]] = {
-    "poses": (7,), "seen": (7,), "tips": (3,), "felt": (3,),
-    "contents": (), "lids": (), "seen_lids": (), "lid_poses": (7,),
-}  # fmt: skip
+    "poses": (7,),
+    "seen": (7,),
+    "tips": (3,),
+    "felt": (3,),
+    "contents": (),
+    "lids": (),
+    "seen_lids": (),
+    "lid_poses": (7,),
+}
 _FRAMES: Mapping[str, int] = {"sightings": 8, "sighted_lids": 2, "sighted_levels": 2}
 _TEXTS = ("pushed", "end", "detail")
 

@@ -141,9 +141,12 @@ def _line(text: str, width: int, size: float) -> Image:
     room = (width - 2 * _LETTERS) / max(font.getlength(text), 1.0)
     line = Image.new("RGB", (width, round(1.7 * size)), "white")
     ImageDraw.Draw(line).text(
-        (_LETTERS, line.height / 2), text, "#222222", font.font_variant(size=size * min(room, 1.0)),
+        (_LETTERS, line.height / 2),
+        text,
+        "#222222",
+        font.font_variant(size=size * min(room, 1.0)),
         anchor="lm",
-    )  # fmt: skip
+    )
     return line
 
 
@@ -174,14 +177,20 @@ class _Camera:
         params.default_clear_color = np.array([0.93, 0.95, 0.97])
         params.lights = [
             LightParameter(
-                type="directional", frame="world", direction=[0.4, 0.6, -1.0], intensity=1.0,
+                type="directional",
+                frame="world",
+                direction=[0.4, 0.6, -1.0],
+                intensity=1.0,
                 color=Rgba(1.0, 1.0, 1.0),
             ),
             LightParameter(
-                type="directional", frame="world", direction=[0.6, -0.5, -0.4], intensity=0.5,
+                type="directional",
+                frame="world",
+                direction=[0.6, -0.5, -0.4],
+                intensity=0.5,
                 color=Rgba(1.0, 1.0, 1.0),
             ),
-        ]  # fmt: skip
+        ]
         model.scene_graph.AddRenderer("vtk", MakeRenderEngineVtk(params))
         core = RenderCameraCore(
             "vtk", CameraInfo(*_SIZE, np.radians(42.0)), ClippingRange(0.05, 10.0), RigidTransform()

@@ -135,9 +135,9 @@ def _stream(
     ahead, down = (float(v) for v in exit_velocity(head, tilt))
     t = np.linspace(0.0, float(fall_time(down, p_WL[2] - below)), _PIECES + 1)
     out = R_WB[:2, 2] / max(float(np.hypot(*R_WB[:2, 2])), 1e-9)
-    middles = p_WL + np.column_stack([
-        np.outer(ahead * t, out), -(down * t + 0.5 * GRAVITY * t * t)
-    ])  # fmt: skip
+    middles = p_WL + np.column_stack(
+        [np.outer(ahead * t, out), -(down * t + 0.5 * GRAVITY * t * t)]
+    )
     speeds = np.hypot(ahead, down + GRAVITY * t)
     radii = np.clip(np.sqrt(rate / (np.pi * speeds)), _THIN, _THICK)
     phi = 2.0 * np.pi * np.arange(_SIDES) / _SIDES
@@ -358,9 +358,12 @@ def _turned(model: CylinderModel) -> Shape:
     else:
         profile.append((0.0, model.top))
     return {
-        "name": "solid", "kind": "lathe", "pose": _HERE, "colour": _WHITE,
+        "name": "solid",
+        "kind": "lathe",
+        "pose": _HERE,
+        "colour": _WHITE,
         "profile": [(round(r, 5), round(z, 5)) for r, z in profile],
-    }  # fmt: skip
+    }
 
 
 def box_shapes(name: str, size: Sequence[float]) -> list[Shape]:
@@ -484,8 +487,14 @@ def _box(
 def _grid(scene: Scene) -> Shape:
     """Lines 10 cm apart, to see distances by."""
     x, y = scene.table.centre_m
-    return {"name": "grid", "kind": "grid", "size": scene.table.size_m, "cell": 0.1,
-            "pose": (*_UPRIGHT, x, y, _LIFTED), "colour": (0.16, 0.12, 0.08, 0.16)}  # fmt: skip
+    return {
+        "name": "grid",
+        "kind": "grid",
+        "size": scene.table.size_m,
+        "cell": 0.1,
+        "pose": (*_UPRIGHT, x, y, _LIFTED),
+        "colour": (0.16, 0.12, 0.08, 0.16),
+    }
 
 
 def _legs(scene: Scene) -> Iterator[Shape]:

@@ -327,14 +327,16 @@ def _liquid(
                 continue
             now[key] = len(forms)
             corners_of[len(forms)] = corners
-            forms.append({
-                "body": places[part.name] if part.of == "level" else -1,
-                "from": frame,
-                "to": frame,
-                "step": _LENGTH,
-                "corners": _base64(np.rint(corners / _LENGTH).astype("<i2")),
-                "faces": _base64(faces.astype("<u2")),
-            })  # fmt: skip
+            forms.append(
+                {
+                    "body": places[part.name] if part.of == "level" else -1,
+                    "from": frame,
+                    "to": frame,
+                    "step": _LENGTH,
+                    "corners": _base64(np.rint(corners / _LENGTH).astype("<i2")),
+                    "faces": _base64(faces.astype("<u2")),
+                }
+            )
     return forms
 
 
@@ -407,11 +409,13 @@ def _fingers(trace: Trace, at: list[int]) -> list[dict[str, Any]]:
     for name in trace.tips:
         force = np.where(touching[:, None], _averaged(trace, trace.felt[name]), 0.0)[at]
         pressing = _sizes(force) > _FELT
-        told.append({
-            "name": name,
-            "places": packed_series(trace.tips[name][at], _LENGTH),
-            "forces": packed_series(np.where(pressing[:, None], force, 0.0), _FORCE),
-        })  # fmt: skip
+        told.append(
+            {
+                "name": name,
+                "places": packed_series(trace.tips[name][at], _LENGTH),
+                "forces": packed_series(np.where(pressing[:, None], force, 0.0), _FORCE),
+            }
+        )
     return told
 
 
@@ -436,10 +440,20 @@ def _view(trace: Trace) -> dict[str, Any]:
 
 
 MODULES = (
-    "vendor/three.core.min.js", "vendor/three.module.min.js", "frame_track.js", "body_shapes.js",
-    "force_markers.js", "orbit_camera.js", "render_quality.js", "viewer.js", "player.js",
-    "force_chart.js", "timeline.js", "play_controls.js", "replay.js",
-)  # fmt: skip
+    "vendor/three.core.min.js",
+    "vendor/three.module.min.js",
+    "frame_track.js",
+    "body_shapes.js",
+    "force_markers.js",
+    "orbit_camera.js",
+    "render_quality.js",
+    "viewer.js",
+    "player.js",
+    "force_chart.js",
+    "timeline.js",
+    "play_controls.js",
+    "replay.js",
+)
 """Modules of the page; each stands after those that it imports."""
 
 
@@ -460,10 +474,12 @@ def save_replay(
 def replay_page(trace: Trace, scene: Scene, story: RunStory | None = None) -> str:
     """The replay as the text of an HTML document."""
     told = story or _bare_story(trace)
-    packed = _packed({
-        "modules": [(name.rpartition("/")[2], _page_file(name)) for name in MODULES],
-        "run": _replay_content(trace, scene, told),
-    })  # fmt: skip
+    packed = _packed(
+        {
+            "modules": [(name.rpartition("/")[2], _page_file(name)) for name in MODULES],
+            "run": _replay_content(trace, scene, told),
+        }
+    )
     loader = f"\n{_page_file('replay_loader.js')}"
     style = f"\n{_page_file('look.css')}{_page_file('replay.css')}"
     return Template(_page_file("replay.html")).substitute(

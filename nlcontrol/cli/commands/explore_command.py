@@ -42,9 +42,12 @@ if TYPE_CHECKING:
 @click.command("explore")
 @object_argument
 @click.option(
-    "--trials", default=10, show_default=True, type=click.IntRange(1, 1000),
+    "--trials",
+    default=10,
+    show_default=True,
+    type=click.IntRange(1, 1000),
     help="Repetitions of the experiments.",
-)  # fmt: skip
+)
 @click.option(
     "--parameters",
     type=ParameterNames(),
@@ -109,10 +112,16 @@ def command(
     with Narrator() as progress, stop_on_signal() as stop:
         try:
             found = explore(
-                controller.executor, controller.models, item.name,
-                parameters=parameters or UNCERTAIN, repetitions=trials, precision=precision,
-                guess=guess, progress=Monitor(progress, stop), told=partial(_print_touch, progress),
-            )  # fmt: skip
+                controller.executor,
+                controller.models,
+                item.name,
+                parameters=parameters or UNCERTAIN,
+                repetitions=trials,
+                precision=precision,
+                guess=guess,
+                progress=Monitor(progress, stop),
+                told=partial(_print_touch, progress),
+            )
         except ExplorationStopped as raised:
             found, stopped = _findings(raised)
     files = {}

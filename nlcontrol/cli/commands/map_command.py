@@ -158,9 +158,14 @@ def _require_good_endings(outputs: tuple[Path, ...]) -> None:
 
 
 def _answer_map(
-    chart: OutcomeMap, face: str, outputs: tuple[Path, ...], *,
-    solid: bool, shaded: bool, as_json: bool,
-) -> int:  # fmt: skip
+    chart: OutcomeMap,
+    face: str,
+    outputs: tuple[Path, ...],
+    *,
+    solid: bool,
+    shaded: bool,
+    as_json: bool,
+) -> int:
     from nlcontrol.outcome_maps import outcome_map_table as maps
     from nlcontrol.outcome_maps.outcome_map_drawing import save_map
 

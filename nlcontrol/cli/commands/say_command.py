@@ -57,9 +57,14 @@ _picture = click.option(
 
 def _sentence_options(command: Command) -> Command:
     for option in (
-        _picture, _explain, time_limit_option, put_option, world_options, detail_options,
+        _picture,
+        _explain,
+        time_limit_option,
+        put_option,
+        world_options,
+        detail_options,
         json_option,
-    ):  # fmt: skip
+    ):
         command = option(command)
     return _said_options(command)
 

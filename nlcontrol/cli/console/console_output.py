@@ -40,11 +40,10 @@ _STYLES: tuple[tuple[re.Pattern[str], dict[str, Any]], ...] = tuple(
         (r" *✓", {"fg": "green"}),
         (r" *✗", {"fg": "red"}),
         (r"Done: .*", {"fg": "green", "bold": True}),
-        (r"(Refused|Not held|Unsupported|Error|Internal)( \(\w+\))?:",
-         {"fg": "red", "bold": True}),
+        (r"(Refused|Not held|Unsupported|Error|Internal)( \(\w+\))?:", {"fg": "red", "bold": True}),
         (r"(I understood|Plan|Step \d+[^:]*|What (happened|\w+ taught)[^:]*):", {"bold": True}),
     )
-)  # fmt: skip
+)
 """Beginnings of lines that are shown in a style; the first that fits counts."""
 
 _LEAST = 20  # columns of a text, however narrow the terminal is

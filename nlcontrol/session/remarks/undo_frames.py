@@ -163,12 +163,17 @@ def _back(
 
 
 _OTHER_WAY: dict[g.Direction, g.Direction] = {
-    "away": "toward", "toward": "away", "left": "right", "right": "left",
-}  # fmt: skip
+    "away": "toward",
+    "toward": "away",
+    "left": "right",
+    "right": "left",
+}
 _OTHER_SIDE: dict[str, g.Relation] = {
-    "left_of": "right_of", "right_of": "left_of", "behind": "in_front_of",
+    "left_of": "right_of",
+    "right_of": "left_of",
+    "behind": "in_front_of",
     "in_front_of": "behind",
-}  # fmt: skip
+}
 
 
 def reversed_goal(goal: g.Goal) -> g.Goal:

@@ -523,11 +523,14 @@ def add_rims(plant: MultibodyPlant, table: Table) -> list[GeometryId]:
     ]
     return [
         plant.RegisterCollisionGeometry(
-            plant.world_body(), RigidTransform(np.array([*middle, -0.5 * thick])),
-            Box(*size, thick), f"rim_{k}", properties,
+            plant.world_body(),
+            RigidTransform(np.array([*middle, -0.5 * thick])),
+            Box(*size, thick),
+            f"rim_{k}",
+            properties,
         )
         for k, (middle, size) in enumerate(strips)
-    ]  # fmt: skip
+    ]
 
 
 def add_sole(plant: MultibodyPlant, truth: Truth, body: RigidBody) -> GeometryId:
