@@ -5,7 +5,8 @@
 
 Writes what `parse`, `plan` and `say` print with `--json`, exit codes included, and ends with 1 if
 an answer differs from the other file's, byte by byte. Sentences are drawn from the test set,
-understood and refused ones, half of them in the kitchen, the others in each scene by turns.
+understood and refused ones; what is planned and done names an object of its scene, half of it in the
+kitchen, the rest in each scene by turns.
 `python -m benchmarks.goals` keeps a digest of all traces of each case, which `--goals` compares in
 the same way:
 
@@ -29,6 +30,7 @@ from pydantic import BaseModel, ConfigDict
 from benchmarks.record import Kept, carried_out
 from benchmarks.sentences import refused, understood
 from nlcontrol.cli import run
+from sim.truth.scene_file import load_scene
 
 SCENES = ("kitchen", "breakfast", "counter", "pantry", "workbench")
 
@@ -57,14 +59,19 @@ class Answer(Kept[Question]):
 
 
 def questions(seed: int) -> list[Question]:
-    """As many as `COUNTS` has, each once."""
+    """As many as `COUNTS` has, but for what is drawn twice."""
     draw = random.Random(seed)
     texts = [*understood(), *refused()]
-    asked = dict[Question, None]()
-    for command, count in COUNTS.items():
-        for number, text in enumerate(draw.sample(texts, min(count, len(texts)))):
+    asked = dict.fromkeys(
+        Question(command="parse", scene=SCENES[0], text=text)
+        for text in draw.sample(texts, min(COUNTS["parse"], len(texts)))
+    )
+    names = {scene: [item.name for item in load_scene(scene).objects] for scene in SCENES}
+    for command in ("plan", "say"):
+        for number in range(COUNTS[command]):
             scene = SCENES[number // 2 % len(SCENES)] if number % 2 else SCENES[0]
-            asked[Question(command=command, scene=scene, text=text)] = None
+            fitting = [text for text in texts if any(name in text for name in names[scene])]
+            asked[Question(command=command, scene=scene, text=draw.choice(fitting))] = None
     return list(asked)
 
 
