@@ -5,10 +5,9 @@
 
 Writes what `parse`, `plan` and `say` print with `--json`, exit codes included, and ends with 1 if
 an answer differs from the other file's, byte by byte. Sentences are drawn from the test set,
-understood and refused ones; what is planned and done names an object of its scene, half of it in the
-kitchen, the rest in each scene by turns.
-`python -m benchmarks.goals` keeps a digest of all traces of each case, which `--goals` compares in
-the same way:
+understood and refused ones; what is planned and done names an object of its scene, half of it in
+the kitchen, the rest in each scene by turns. `python -m benchmarks.goals` keeps a digest of all
+traces of each case, which `--goals` compares in the same way:
 
     python -m benchmarks.goals --cases 200 --seed 0 --record goals_after.jsonl
     python -m benchmarks.sameness after.jsonl --goals goals_before.jsonl goals_after.jsonl
