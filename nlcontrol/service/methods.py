@@ -471,8 +471,9 @@ QUESTIONS: tuple[Question, ...] = tuple(
 #
 # A planning session and its runs, in this process or over a wire.
 #
-# `nlcontrol.service.session.Session` is one in this process, `nlcontrol.service.client.Client`
-# opens one at a server. A program that uses one can use the other.
+# `nlcontrol.service.session.Session` is one in this process, and
+# `nlcontrol.service.remote_session.Client` opens one at a server. A program that uses one
+# can use the other.
 
 
 class Run(Protocol):

@@ -122,7 +122,7 @@ class RunFiles:
         return self._store.file(run_id, kind) or _refuse(run_id, "it was deleted")
 
     def bundle(self, run_id: str) -> Path:
-        """All of a run in one zip file, made the first time; see `nlcontrol.service.bundles`.
+        """All of a run in one zip file, made the first time; see `nlcontrol.service.bundle`.
 
         Raises:
             ControlError: `unknown_run`, `run_under_way`.
