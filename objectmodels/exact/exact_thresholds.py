@@ -1,4 +1,6 @@
-"""Bounds of the exact tier over every way in which the support points may share the load.
+"""Thresholds of the exact tier: for springs, and for every way to share the load.
+
+Bounds of the exact tier over every way in which the support points may share the load.
 
 *Optimistic*: the largest push that some loads and friction forces at the points balance, all of
 them pressing and inside their friction cones: a second-order cone programme, solved for all pushes
@@ -256,7 +258,7 @@ def exact_near_the_border(model: PushedBody, p: Array, u: Array, friction: Frict
     return replace(t, slide=slide)
 
 
-# --- exact thresholds -----------------------------------------------------------------------------
+# --- load sharing bounds --------------------------------------------------------------------------
 
 
 BLOCK, TRIANGLES = 512, 20_000

@@ -184,7 +184,7 @@ class ForceController(TouchControl, ABC):
         )
 
 
-# --- push control ---------------------------------------------------------------------------------
+# --- lateral control ------------------------------------------------------------------------------
 
 
 _LATERAL_STEPS = 20  # of the remaining way in the least squares
