@@ -100,10 +100,7 @@ def command(
     from objectmodels.registry.model_registry import rename_model, save_model, store_model
     from sim.simulated_executor import simulation
 
-    if precision is not None and math.isnan(precision):
-        raise click.UsageError("--precision: nan is no number")
-    _require_file_ending(output, ".yaml", ".yml")
-    _require_file_ending(picture, ".png", ".svg", ".pdf")
+    _require_sense(precision, output, picture)
     controller = open_controller(scene, seed, settings, put=put)
     item = object_on_table(name, controller.cell, controller.models, controller.registry)
     if saved_as is not None:
@@ -126,10 +123,7 @@ def command(
             found, stopped = _findings(raised)
     files = {}
     if picture is not None:
-        from nlcontrol.reports.plan_drawing import save_curves
-
-        with replace_file(picture) as temporary:
-            save_curves(found.touches, item.name, temporary)
+        _save_curves(found, item.name, picture)
         files["picture"] = str(picture)
     model = found.model if not saved_as else rename_model(found.model, saved_as)
     if output is not None:
@@ -144,6 +138,20 @@ def command(
         report = report.model_copy(update={"saved": str(path), "instead_of": instead})
     code = print_answer(report.model_dump(mode="json"), report_lines(report), as_json=as_json)
     return code if stopped is None else SIGNALS.exit_code
+
+
+def _require_sense(precision: float | None, output: Path | None, picture: Path | None) -> None:
+    if precision is not None and math.isnan(precision):
+        raise click.UsageError("--precision: nan is no number")
+    _require_file_ending(output, ".yaml", ".yml")
+    _require_file_ending(picture, ".png", ".svg", ".pdf")
+
+
+def _save_curves(found: Exploration, name: str, picture: Path) -> None:
+    from nlcontrol.reports.plan_drawing import save_curves
+
+    with replace_file(picture) as temporary:
+        save_curves(found.touches, name, temporary)
 
 
 def _require_room(controller: Controller, name: str, saved_as: str) -> None:
