@@ -185,6 +185,9 @@ DEAF_TO = (signal.SIGINT, signal.SIGTERM)
 robot does is to be stopped by the service, in order."""
 
 
+EXITING = 5.0
+"""Time in which a process that was killed has surely ended [s]."""
+
 MOST_UNSENT = 64
 """Calls that wait to be written to one worker; one that does not read delays nobody else."""
 
@@ -270,6 +273,11 @@ class WorkerProcess:
                 with suppress(ProcessLookupError):
                     os.kill(self._pid, signal.SIGKILL)
 
+    def _end_at_exit(self) -> None:
+        """Ends the process before `multiprocessing` looks for those that are left."""
+        self.kill()
+        self.wait(EXITING)
+
     def wait(self, timeout: float | None = None) -> bool:
         """Waits [s] until the process has ended and that was told; returns True if so."""
         self._reader.join(timeout)
@@ -280,7 +288,7 @@ class WorkerProcess:
         with suppress(EOFError, OSError):  # what it is forked from has ended: as if it had itself
             with _surroundings():
                 self._process.start()
-            atexit.register(self.kill)  # it does not end by SIGTERM
+            atexit.register(self._end_at_exit)  # it does not end by SIGTERM
         with self._lock:
             self._pid = self._process.pid
         self._is_started.set()
@@ -296,7 +304,7 @@ class WorkerProcess:
         if self._pid is not None:
             self._process.join()
         self._process.close()  # its descriptors with it
-        atexit.unregister(self.kill)
+        atexit.unregister(self._end_at_exit)
         with self._lock:
             self._ended = True
             calls, self._calls = self._calls, {}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import signal
+import subprocess
 import sys
 from collections.abc import Mapping
 from functools import partial
@@ -108,3 +109,13 @@ def test_a_worker_that_does_not_read_holds_up_nobody_but_its_callers() -> None:
     lost = waiting[0].exception(PATIENCE)
     assert isinstance(lost, ControlError)
     assert lost.code == "worker_lost"
+
+
+def test_a_program_that_leaves_its_workers_ends_in_silence() -> None:
+    code = (
+        "from nlcontrol.service.workers.session_host import SessionHost\n"
+        "from nlcontrol.service.workers.worker_process import WorkerProcess\n"
+        "assert all(worker.pid for worker in [WorkerProcess(SessionHost) for _ in range(3)])\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
