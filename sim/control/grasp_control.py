@@ -9,15 +9,17 @@ does not sag in the hand. Every arm pose on the way is kept, since the way back 
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import chain, repeat
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from objectmodels.geometry.rotations import Array
+from objectmodels.safety_figure import SafetyFigure
 from planner.types.actions import FlipOver
 from planner.types.world_state import SeenObject
 from sim.control.free_motion import HAND_ACCELERATION, HAND_SPEED, move_joints
@@ -47,32 +49,41 @@ if TYPE_CHECKING:
 # centre.
 
 
-LEANS, MOVES = np.radians(2.5), 0.006
-"""Tilt [rad] and displacement [m] of the object at which a fingertip lets go of its lid, or more
-where the camera is noisy."""
-
-_ACCELERATION = 2.0  # of the commanded angle [rad/s²]
-_BRAKING = 3.0  # rate per remaining angle near the end [1/s]
-_SLOWEST = 0.15  # rate near the end, and until the lid is seen to move [rad/s]
-_CAUGHT = np.radians(4.0)  # a lid that is seen to have moved so far does move
-_BEYOND = np.radians(12.0)  # how far the finger goes on for a lid that lags behind
-_REACHED = np.radians(2.0)  # seen angle from the end that counts as the end
-_FOLLOWS = np.radians(15.0)  # how far a lid that follows is seen behind the finger
-_BAND = 0.2  # share of the force limit over which the speed falls to zero
-_FILTER = 0.04  # time constant of the felt force [s]
-_STUCK = 0.8  # time at the force limit after which it does not move [s]
-_WAIT = 0.6  # for the camera, once the finger is at its end [s]
-_PALM = 0.15  # way of the fingertip that a whole turn of the palm takes as long as [m]
-
-
 def force_limits_at(step: FlipOver, shares: Array | float) -> Array:
     """Felt forces at which a flip stops, at shares of its arc [N]."""
     limits = step.force_limits or (step.force_limit,)
     return np.asarray(np.interp(shares, np.linspace(0.0, 1.0, len(limits)), limits))
 
 
+@dataclass(frozen=True)
+class FlipTuning:
+    """Rates of a flip, and what shows that the lid follows."""
+
+    acceleration: float = 2.0  # of the commanded angle [rad/s²]
+    braking: float = 3.0  # rate per remaining angle near the end [1/s]
+    slowest: float = 0.15  # rate near the end, and until the lid is seen to move [rad/s]
+    caught: float = math.radians(4.0)  # a lid that is seen to have moved so far does move [rad]
+    # How far the finger goes on for a lid that lags behind [rad].
+    beyond: float = math.radians(12.0)
+    reached: float = math.radians(2.0)  # seen angle from the end that counts as the end [rad]
+    # How far a lid that follows is seen behind the finger [rad].
+    follows: float = math.radians(15.0)
+    band: float = 0.2  # share of the force limit over which the speed falls to zero
+    filter_time: SafetyFigure = 0.04  # time constant of the felt force [s]
+    stuck: SafetyFigure = 0.8  # time at the force limit after which it does not move [s]
+    wait: float = 0.6  # for the camera, once the finger is at its end [s]
+    # Way of the fingertip that a whole turn of the palm takes as long as [m].
+    palm_way: float = 0.15
+    # Tilt [rad] and displacement [m] of the object at which the fingertip lets go of its lid, or
+    # more where the camera is noisy.
+    leans: SafetyFigure = math.radians(2.5)
+    moves: SafetyFigure = 0.006
+
+
 class FlipControl:
     """One flip, from before the lid of an object that was seen until the hand is back there."""
+
+    tuning = FlipTuning()
 
     def __init__(
         self,
@@ -134,15 +145,15 @@ class FlipControl:
 
     def _along(self) -> tuple[EndReason, str]:
         """Follows the arc until the lid is seen where it should be, or something is wrong."""
-        last = self._step.end + self._sign * _BEYOND
+        last = self._step.end + self._sign * self.tuning.beyond
         rate, stuck, waited = 0.0, 0.0, 0.0
         while True:
             end = self._end_now(stuck, waited)
             if end is not None:
                 return end
             limit = self._recorder.force_limit = self._limit()
-            rate = min(self._largest_rate(), rate + _ACCELERATION * self._period)
-            room = float(np.clip((limit - self._felt) / (_BAND * limit), -1.0, 1.0))
+            rate = min(self._largest_rate(), rate + self.tuning.acceleration * self._period)
+            room = float(np.clip((limit - self._felt) / (self.tuning.band * limit), -1.0, 1.0))
             remaining = self._sign * (last - self._angle)
             advance = min(rate * room * self._period, remaining)
             self._to_angle(self._angle + self._sign * advance)
@@ -151,25 +162,27 @@ class FlipControl:
 
     def _largest_rate(self) -> float:
         """Largest rate now [rad/s]: slow until the lid moves, and as its end is near."""
-        if abs(self._view.lid - self._step.start) < _CAUGHT:
-            return min(_SLOWEST, self._rate)
-        near = _BRAKING * self._sign * (self._step.end - self._angle)
-        return min(self._rate, max(_SLOWEST, near))
+        tuning = self.tuning
+        if abs(self._view.lid - self._step.start) < tuning.caught:
+            return min(tuning.slowest, self._rate)
+        near = tuning.braking * self._sign * (self._step.end - self._angle)
+        return min(self._rate, max(tuning.slowest, near))
 
     def _end_now(self, stuck: float, waited: float) -> tuple[EndReason, str] | None:
         """Why it ends now; None if it goes on."""
+        tuning = self.tuning
         view, seen = self._view, np.degrees(self._view.lid)
-        if view.tilt > max(LEANS, view.unsure_angle):
+        if view.tilt > max(tuning.leans, view.unsure_angle):
             return "tilted", f"it was seen to lean by {np.degrees(view.tilt):.0f}°"
-        if view.displacement > max(MOVES, view.unsure):
+        if view.displacement > max(tuning.moves, view.unsure):
             return "slid", f"it was seen to move by {1e3 * view.displacement:.0f} mm"
-        if self._sign * (self._view.lid - self._step.end) > -_REACHED:
+        if self._sign * (self._view.lid - self._step.end) > -tuning.reached:
             return "handled", f"the lid is seen open by {seen:.0f}°"
-        if self._sign * (self._finger() - self._view.lid) > _FOLLOWS:
+        if self._sign * (self._finger() - self._view.lid) > tuning.follows:
             return "missed", f"the lid does not follow the finger: it is seen open by {seen:.0f}°"
-        if stuck > _STUCK:
+        if stuck > tuning.stuck:
             return "force", f"the lid does not move with {self._felt:.1f} N"
-        if waited > _WAIT:
+        if waited > tuning.wait:
             return "missed", f"the lid is seen open by {seen:.0f}° only"
         return None
 
@@ -200,11 +213,14 @@ class FlipControl:
 
     def _go(self, point: Array, share: float, speed: float) -> None:
         """Straight to a point of E, the palm turning along."""
-        here, goal = np.append(self._at[0], _PALM * self._at[1]), np.append(point, _PALM * share)
+        here, goal = (
+            np.append(self._at[0], self.tuning.palm_way * self._at[1]),
+            np.append(point, self.tuning.palm_way * share),
+        )
         for at in attractor_points(
             here, goal, speed=speed, acceleration=HAND_ACCELERATION, period=self._period
         ):
-            self._command(at[:3], float(at[3]) / _PALM)
+            self._command(at[:3], float(at[3]) / self.tuning.palm_way)
 
     def _command(self, p_ET: Array, share: float) -> None:
         """Commands T to a point of E, and takes in what was felt and seen."""
@@ -213,7 +229,7 @@ class FlipControl:
         self._recorder.step(self._stance.joint_angles(p_ET, share), posture.joint_angles)
         assert self._recorder.touch is not None, "the recorder knows the finger"
         felt = float(self._recorder.touch.forces[0] @ self._recorder.inward)
-        self._felt += min(1.0, self._period / _FILTER) * (felt - self._felt)
+        self._felt += min(1.0, self._period / self.tuning.filter_time) * (felt - self._felt)
         self._view.update_from_camera(self._recorder.frames)
 
 
@@ -223,17 +239,23 @@ class FlipControl:
 CLOSING_SPEED = 0.020
 """Of the fingertips on each side while they close and open [m/s]."""
 
-WINDING = 10.0
-"""Rate at which the squeeze rises and falls [N/s]."""
 
 ACCELERATES = 0.35
 """Time in which a leg comes to its speed [s]."""
 
-_BEARING = 20.0  # rate at which the springs take a weight over, or what held would jump [N/s]
-_SWINGS = 0.25  # period with which what is carried swings on the springs of arm and hand [s]
-_SWING_SPEED = 0.5  # of the arm's joints together, near objects [rad/s]
-_SWING_STEP = 0.02  # between arm poses that are kept for the way back [rad]
-_PRESSES = 2.0  # force down on what is held at which it stands on something [N]
+
+@dataclass(frozen=True)
+class HandTuning:
+    """Speeds of a hand that closes, holds and carries."""
+
+    # Rate at which the springs take a weight over, or what is held would jump [N/s].
+    bearing_rate: float = 20.0
+    # With which what is carried swings on the springs of arm and hand [s].
+    swing_period: float = 0.25
+    swing_speed: float = 0.5  # of the arm's joints together, near objects [rad/s]
+    swing_step: float = 0.02  # between arm poses that are kept for the way back [rad]
+    presses: SafetyFigure = 2.0  # force down on what is held at which it stands on something [N]
+    winding: float = 10.0  # rate at which the squeeze rises and falls [N/s]
 
 
 class HandMotion:
@@ -245,6 +267,8 @@ class HandMotion:
         squeeze: with which something is held, while that is guarded; else 0 [N].
         bears: whether the springs are wound up to bear what is felt to hang on them, too.
     """
+
+    tuning = HandTuning()
 
     def __init__(self, recorder: TraceRecorder, way: GraspMotion, sense: HandSense) -> None:
         self._recorder = recorder
@@ -274,13 +298,13 @@ class HandMotion:
 
     def wind(self) -> None:
         """A little more squeeze, for one control step."""
-        self.wound += WINDING * self._port.period
+        self.wound += self.tuning.winding * self._port.period
         self.stay()
 
     def let_go(self) -> None:
         """Unwinds the springs, and opens the hand."""
         self.squeeze, self.bears = 0.0, False
-        steps = max(1, round(self.wound / (WINDING * self._port.period)))
+        steps = max(1, round(self.wound / (self.tuning.winding * self._port.period)))
         wound, borne = self.wound, self._borne
         for left in np.linspace(1.0, 0.0, steps + 1)[1:]:
             self.wound, self._borne = left * wound, left * borne
@@ -340,7 +364,7 @@ class HandMotion:
         made = 0.0
         shares = self._shares(1.0, leg.share_rate)
         if leg.phase == "carry":
-            shares = _running_means(shares, round(_SWINGS / self._port.period))
+            shares = _running_means(shares, round(self.tuning.swing_period / self._port.period))
         for share in shares:
             self.reach(leg, share)
             made = share
@@ -363,9 +387,9 @@ class HandMotion:
     def swing(self, poses: Array, *, stop: bool = False) -> None:
         """The arm through poses without a pause; may stop where what is held stands."""
         far = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(poses, axis=0), axis=1)))
-        for at in self._shares(float(far[-1]), _SWING_SPEED):
+        for at in self._shares(float(far[-1]), self.tuning.swing_speed):
             self._command(np.array([np.interp(at, far, joint) for joint in poses.T]))
-            if stop and self._sense.weight < -_PRESSES:
+            if stop and self._sense.weight < -self.tuning.presses:
                 break
 
     def back_to(self, place: int, *, stop: bool = False) -> None:
@@ -394,11 +418,11 @@ class HandMotion:
 
     def _command(self, q_arm: Array) -> None:
         if self.bears:
-            most = _BEARING * self._port.period
+            most = self.tuning.bearing_rate * self._port.period
             more = float(np.clip(self._sense.weight - self._borne[2], -most, most))
             self._borne[2] = max(0.0, self._borne[2] + more)
         self._sense.step(q_arm, self._hand)
-        if np.linalg.norm(q_arm - self.came[-1]) > _SWING_STEP:
+        if np.linalg.norm(q_arm - self.came[-1]) > self.tuning.swing_step:
             self.came.append(np.array(q_arm))
         if self.squeeze > 0.0:
             self._sense.require_held(self.squeeze)

@@ -10,8 +10,9 @@ way it came, which was free, and set down what it holds where it took it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,6 +20,7 @@ import numpy as np
 from objectmodels.geometry.rotations import Array, rot_z
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.models.object_parts import LiftOffLid
+from objectmodels.safety_figure import SafetyFigure
 from planner.types.actions import (
     Action,
     FlipOver,
@@ -68,24 +70,35 @@ if TYPE_CHECKING:
 SETTLE = 0.5
 """Time that everything gets to come to rest in the end [s]."""
 
-_BEYOND = 0.008  # how far each side closes beyond the believed width to find something [m]
-_WIDTH_ERROR = 0.012  # of a width between thumb and fingers that is not the object's [m]
-_WINDS_BEYOND = 1.5  # times the squeeze for which the springs are wound up at most
-_ENOUGH = 0.8  # share of the squeeze that must be felt
-_STILL = 0.5  # time for which the hand hangs still to look at what it holds [s]
-_LIFTED = 0.35  # share of the believed weight that must hang on the fingers
-_LIFT_OFF = 0.008  # way upwards over which its weight comes onto the fingers, and it swings [m]
-_GRASP_SLOW_DOWN = 0.015  # height over where it is to stand at which setting down becomes slow [m]
-_FEELING_SPEED = 0.015  # of what is set down then, or lifted off [m/s]
-_GRASP_INTO = 0.006  # how far below that place it is looked for [m]
-_RIGHTED = 0.15  # time after which nothing runs out any more, once it is tilted back [s]
-_SLOWEST_POUR = 0.12  # share of the rate of tilting just before enough has run out
-_STANDS = 0.5  # share of its weight with which it stands
-_PRESSES = 0.4  # or with so much less [N]
+
+@dataclass(frozen=True)
+class GraspTuning:
+    """Speeds, and what the hand must feel, of a plan of the whole hand."""
+
+    # How far each side closes beyond the believed width to find something [m].
+    beyond: float = 0.008
+    # Of a width between thumb and fingers that is not the object's [m].
+    width_error: SafetyFigure = 0.012
+    winds_beyond: SafetyFigure = 1.5  # times the squeeze for which the springs are wound up at most
+    enough: SafetyFigure = 0.8  # share of the squeeze that must be felt
+    still: float = 0.5  # time for which the hand hangs still to look at what it holds [s]
+    lifted: SafetyFigure = 0.35  # share of the believed weight that must hang on the fingers
+    # Way upwards over which the weight comes onto the fingers, and the object swings [m].
+    lift_off: float = 0.008
+    # Height over where it is to stand at which setting down becomes slow [m].
+    slow_down: float = 0.015
+    feeling_speed: float = 0.015  # of what is set down then, or lifted off [m/s]
+    into: float = 0.006  # how far below that place it is looked for [m]
+    righted: float = 0.15  # time after which nothing runs out any more, once it is tilted back [s]
+    slowest_pour: float = 0.12  # share of the rate of tilting just before enough has run out
+    stands: float = 0.5  # share of its weight with which it stands
+    presses: SafetyFigure = 0.4  # or with so much less [N]
 
 
 class GraspExecution:
     """One plan of the whole hand, whose `holding` is what the hand holds, where that lasts."""
+
+    tuning = GraspTuning()
 
     def __init__(
         self,
@@ -179,21 +192,22 @@ class GraspExecution:
 
     def _take_hold(self) -> None:
         """Closes until both sides feel something, and squeezes it."""
+        tuning = self.tuning
         self._recorder.begin("grasp", f"taking hold of the {self._plan.object}")
         motion, sense, squeeze = self._motion, self._sense, self._grasp.squeeze
         motion.feel_nothing()
         self._grasped = len(motion.came) - 1
         self._holds = True
         while min(sense.thumb, sense.fingers) < CONTACT:
-            if motion.opening < -_BEYOND:
+            if motion.opening < -tuning.beyond:
                 raise EarlyEndError("no_grasp", self._felt_too_little("closed"))
             motion.close()
-        while sense.squeeze < squeeze and motion.wound < _WINDS_BEYOND * squeeze:
+        while sense.squeeze < squeeze and motion.wound < tuning.winds_beyond * squeeze:
             motion.wind()
         sense.forget()
-        motion.wait(_STILL)
-        wrong = abs(sense.width - self._grasp.width) > _WIDTH_ERROR
-        if min(sense.thumb, sense.fingers) < _ENOUGH * squeeze or wrong:
+        motion.wait(tuning.still)
+        wrong = abs(sense.width - self._grasp.width) > tuning.width_error
+        if min(sense.thumb, sense.fingers) < tuning.enough * squeeze or wrong:
             raise EarlyEndError("no_grasp", self._felt_too_little("squeezed"))
         sense.remember()
         motion.squeeze = squeeze
@@ -218,7 +232,7 @@ class GraspExecution:
         motion.take_over(holding)
         self._grasped = len(motion.came) - 1
         self._holds = True
-        motion.wait(_STILL)
+        motion.wait(self.tuning.still)
         self._sense.remember(holding.R_PB, holding.p_PG)
         motion.squeeze = self._grasp.squeeze
         motion.swing(np.array([self._port.commanded[0], *self._way.there]))
@@ -246,10 +260,10 @@ class GraspExecution:
 
     def _hold_up(self, step: LiftUp) -> None:
         """Weighs what was lifted."""
-        felt = self._weigh(max(step.hold, _STILL))
+        felt = self._weigh(max(step.hold, self.tuning.still))
         believed = self._held.model.weight
         self._recorder.report("lift", f"it weighs {felt.mean:.2f} N, give or take {felt.sd:.2f} N")
-        if felt.mean < _LIFTED * believed:
+        if felt.mean < self.tuning.lifted * believed:
             raise EarlyEndError(
                 "no_grasp",
                 f"{felt.mean:.1f} N hang on the fingers, and the {self._plan.object} should weigh "
@@ -273,7 +287,7 @@ class GraspExecution:
         self._motion.go(first)
         container = self._held.model.container
         assert container is not None, "only a container is poured from"
-        full = self._weigh(_STILL).mean
+        full = self._weigh(self.tuning.still).mean
         if step.volume is None:
             for leg in tilting:
                 self._motion.go(leg)
@@ -285,7 +299,7 @@ class GraspExecution:
             done = [first, *done]
         for leg in upright_again(done[:-1], done[-1], share):
             self._motion.go(leg)
-        poured = (full - self._weigh(_STILL).mean) / (GRAVITY * container.density)
+        poured = (full - self._weigh(self.tuning.still).mean) / (GRAVITY * container.density)
         self._recorder.report("pour", f"{1e6 * poured:.0f} ml have run out, as the weight tells")
 
     def _pour_some(
@@ -306,7 +320,7 @@ class GraspExecution:
                     return done, share
                 faster = pace + period / ACCELERATES
                 ahead = (1.0 - share) / (leg.share_rate * ACCELERATES)
-                pace = min(float(np.clip(min(left, ahead), _SLOWEST_POUR, 1.0)), faster)
+                pace = min(float(np.clip(min(left, ahead), self.tuning.slowest_pour, 1.0)), faster)
                 share = min(1.0, share + pace * leg.share_rate * period)
                 self._motion.reach(leg, share)
         for _ in range(round(wait / period)):
@@ -322,22 +336,25 @@ class GraspExecution:
         """
         sense = self._sense
         gone = max(full - sense.weight, 0.0)
-        coming = sense.weight - sense.weight_ahead(_RIGHTED)
+        coming = sense.weight - sense.weight_ahead(self.tuning.righted)
         return gone + float(np.clip(coming, 0.0, gone))
 
     def _set_down(self, leg: HeldSegment) -> None:
         """Down until it stands, then lets go."""
+        tuning = self.tuning
         self._recorder.report("set_down", f"setting the {self._plan.object} down")
         height = float(leg.start[2] - leg.end[2])
-        slow = min(_GRASP_SLOW_DOWN, height)
+        slow = min(tuning.slow_down, height)
         down = np.array([0.0, 0.0, -1.0])
         near = leg.start + (height - slow) * down
         if height > slow:
             self._motion.go(replace(leg, end=near))
-        hangs = self._weigh(_STILL).mean
+        hangs = self._weigh(tuning.still).mean
         self._motion.squeeze, self._motion.bears = 0.0, False
-        last = replace(leg, start=near, end=leg.end + _GRASP_INTO * down, speed=_FEELING_SPEED)
-        self._motion.go(last, until=min(_STANDS * hangs, hangs - _PRESSES))
+        last = replace(
+            leg, start=near, end=leg.end + tuning.into * down, speed=tuning.feeling_speed
+        )
+        self._motion.go(last, until=min(tuning.stands * hangs, hangs - tuning.presses))
         self._motion.let_go()
         self._holds = False
 
@@ -346,11 +363,11 @@ def _lift_off(legs: tuple[HeldSegment, ...]) -> tuple[HeldSegment, ...]:
     """Legs upwards, slow until it hangs: what hangs askew swings as fast as it is lifted off."""
     first, *rest = legs
     way = first.end - first.start
-    share = _LIFT_OFF / float(np.linalg.norm(way))
+    share = GraspExecution.tuning.lift_off / float(np.linalg.norm(way))
     if share >= 1.0:
         return legs
     hangs = first.start + share * way
-    slow = replace(first, end=hangs, speed=min(first.speed, _FEELING_SPEED))
+    slow = replace(first, end=hangs, speed=min(first.speed, GraspExecution.tuning.feeling_speed))
     return slow, replace(first, start=hangs), *rest
 
 
@@ -362,17 +379,23 @@ def _lift_off(legs: tuple[HeldSegment, ...]) -> tuple[HeldSegment, ...]:
 # which lets go, turns back and grips anew where the wrist ends.
 
 
-_FOLLOWS = 0.5  # share of a lift that a lid which comes along is seen lifted
-_LOOKS = 0.4  # time after which the camera shows what came of it [s]
-_MORE_STROKES = 6  # for what slips through the fingers
-_TURNED = float(np.radians(4.0))  # less than that is missing of no turn [rad]
-_LID_SLOW_DOWN = 0.012  # height over the rim at which putting it on becomes slow [m]
-_SLOWLY = 0.015  # [m/s]
-_LID_INTO = 0.008  # how far below the rim it is pressed at most [m]
+@dataclass(frozen=True)
+class LidTuning:
+    """Speeds, and what must be seen, of a plan in which a lid is held."""
+
+    follows: SafetyFigure = 0.5  # share of a lift that a lid which comes along is seen lifted
+    looks: float = 0.4  # time after which the camera shows what became of it [s]
+    more_strokes: int = 6  # for what slips through the fingers
+    turned: float = math.radians(4.0)  # less than that is missing of no turn [rad]
+    slow_down: float = 0.012  # height over the rim at which putting it on becomes slow [m]
+    slow_speed: float = 0.015  # [m/s]
+    into: float = 0.008  # how far below the rim it is pressed at most [m]
 
 
 class LidExecution(GraspExecution):
     """One plan in which a lid is held."""
+
+    lid_tuning = LidTuning()
 
     def _senses(self) -> LidSense:
         self._feels = LidSense(self._recorder, self._way, self._handled)
@@ -395,9 +418,9 @@ class LidExecution(GraspExecution):
         """Turns the cap, gripping anew between the strokes, until it is seen turned."""
         before, first = self._feels.view.lid, legs[0]
         self._recorder.report("lid", f"turning the cap by {np.degrees(step.angle):.0f}°")
-        for stroke in range(len(legs) + _MORE_STROKES):
+        for stroke in range(len(legs) + self.lid_tuning.more_strokes):
             turned = self._feels.view.lid - before
-            if abs(step.angle) - abs(turned) < _TURNED:
+            if abs(step.angle) - abs(turned) < self.lid_tuning.turned:
                 self._recorder.report("lid", f"the cap is seen turned by {np.degrees(turned):.0f}°")
                 return
             up = np.array([0.0, 0.0, self._handled.pitch * turned / THREAD])
@@ -408,40 +431,41 @@ class LidExecution(GraspExecution):
                 self._take_hold()
             self._feels.torque, self._feels.most_torque = 0.0, step.torque_limit
             self._motion.go(leg)
-            self._motion.wait(_LOOKS)
+            self._motion.wait(self.lid_tuning.looks)
             self._feels.most_torque = np.inf
         seen = np.degrees(self._feels.view.lid - before)
         raise EarlyEndError("missed", f"the cap is seen turned by {seen:.0f}° only")
 
     def _hold_up(self, step: LiftUp) -> None:
         """Requires that the lid came along; raises `EarlyEndError` if it is seen where it was."""
-        self._motion.wait(max(step.hold, _LOOKS))
+        self._motion.wait(max(step.hold, self.lid_tuning.looks))
         seen, lid = self._feels.view.lid, self._handled.state.objects[self._handled.name].model.lid
-        if isinstance(lid, LiftOffLid) and seen < _FOLLOWS * step.height:
+        if isinstance(lid, LiftOffLid) and seen < self.lid_tuning.follows * step.height:
             raise EarlyEndError("missed", f"the lid is seen lifted by {1e3 * seen:.0f} mm only")
 
     def _require_on(self, step: PutOn) -> None:
         """Requires that the lid sits on its rim; raises `EarlyEndError` if it is seen off."""
-        self._motion.wait(_LOOKS)
+        self._motion.wait(self.lid_tuning.looks)
         if self._feels.view.is_off:
             raise EarlyEndError("missed", f"the lid does not sit on the {step.onto}")
 
     def _put_on(self, step: PutOn, leg: HeldSegment) -> None:
         """Down onto the rim, until it presses."""
+        tuning = self.lid_tuning
         self._recorder.report("lid", f"putting the lid onto the {step.onto}")
         height = float(leg.start[2] - leg.end[2])
-        slow = min(_LID_SLOW_DOWN, height)
+        slow = min(tuning.slow_down, height)
         near = leg.end + np.array([0.0, 0.0, slow])
         if height > slow:
             self._motion.go(replace(leg, end=near))
-        hangs = self._weigh(_LOOKS).mean
+        hangs = self._weigh(tuning.looks).mean
         self._motion.bears = False
-        into = leg.end - np.array([0.0, 0.0, _LID_INTO])
-        down = replace(leg, start=near, end=into, speed=_SLOWLY)
+        into = leg.end - np.array([0.0, 0.0, tuning.into])
+        down = replace(leg, start=near, end=into, speed=tuning.slow_speed)
         made = self._motion.go(down, until=hangs - step.press)
         # Fingers that press while they open would drag it along.
         _, (here,) = down.poses_at(np.array([made]))
-        self._motion.go(replace(leg, start=here, speed=_SLOWLY))
+        self._motion.go(replace(leg, start=here, speed=tuning.slow_speed))
 
 
 def flip_over(

@@ -15,6 +15,7 @@ while it presses, since a slanted finger drags, and then keeps to the line.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -31,14 +32,7 @@ SLIPS = 0.008
 LOST = 0.1
 """Share of the pressing force below which the fingertip has left the face."""
 
-_TIME = 0.15  # in which a lack of pressing force is made up for [s]
-_RATE = 12.0  # of the pressing force [N/s]
-_PRESSED = 0.9  # share of the force from which the drag begins
-_WAIT = 4.0  # for that [s]
 _LOST_TIME = 0.3  # [s]
-_HOLD = 4.0  # rate at which deviations across the vector are corrected [1/s]
-_SLOWEST = 0.008  # speed at the end [m/s]
-_SPRUNG, _SPRINGS_BACK = 0.3, 1.5  # force along the vector that is left [N], and time for it [s]
 
 
 def drag_conditions(push: PushAction) -> tuple[StopCondition, ...]:
@@ -73,8 +67,24 @@ def drag_conditions(push: PushAction) -> tuple[StopCondition, ...]:
     )
 
 
+@dataclass(frozen=True)
+class DragTuning:
+    """Force and speeds of a drag."""
+
+    force_time: float = 0.15  # in which a lack of pressing force is made up for [s]
+    force_rate: float = 12.0  # of the pressing force [N/s]
+    pressed: float = 0.9  # share of the force from which the drag begins
+    wait: float = 4.0  # for that [s]
+    across_rate: float = 4.0  # rate at which deviations across the vector are corrected [1/s]
+    slowest: float = 0.008  # speed at the end [m/s]
+    sprung: float = 0.3  # force along the vector that is left [N], and time for it [s]
+    springs_back: float = 1.5
+
+
 class DragControl(ForceController):
     """One drag, from over the top face to its end."""
+
+    tuning = DragTuning()
 
     def act(self) -> tuple[EndReason, str]:
         """Presses, and drags until an end or a guard; returns which and why."""
@@ -89,12 +99,12 @@ class DragControl(ForceController):
 
     def _press(self) -> tuple[EndReason, str] | None:
         """Presses until the force is there; returns an end if it does not come."""
-        while self._felt < _PRESSED * self.plan.push.press:
-            if self._elapsed_time > _WAIT:
+        while self._felt < self.tuning.pressed * self.plan.push.press:
+            if self._elapsed_time > self.tuning.wait:
                 return "force", f"it presses with {self._felt:.1f} N only"
             forces, touch = self._here.forces[0], self.way.inward
             along_face = forces - (forces @ touch) * touch
-            self._advance(-along_face / (self._softest * _TIME))
+            self._advance(-along_face / (self._softest * self.tuning.force_time))
         return None
 
     def _drag(self) -> tuple[EndReason, str]:
@@ -111,11 +121,11 @@ class DragControl(ForceController):
             end = self._end(travel, come, lost) or stopped
             if end is not None:
                 return end
-            allowed = max(_SLOWEST, profile.braking * (push.stroke - come))
+            allowed = max(self.tuning.slowest, profile.braking * (push.stroke - come))
             speed = min(allowed, self._faster(speed, push.speed, profile.acceleration))
             off = here - origin
             off = off - (off @ self._u) * self._u - (off @ self.way.inward) * self.way.inward
-            self._advance(speed * self._u - _HOLD * off)
+            self._advance(speed * self._u - self.tuning.across_rate * off)
 
     def _end(self, travel: float, come: float, lost: float) -> tuple[EndReason, str] | None:
         """Why the drag ends now; None if it goes on."""
@@ -135,17 +145,19 @@ class DragControl(ForceController):
 
     def _advance(self, velocity: Array) -> None:
         """Commands one step along the face, at a velocity in W, and keeps up the pressing force."""
-        self._wanted = min(self.plan.push.press, self._wanted + _RATE * self._period)
+        self._wanted = min(
+            self.plan.push.press, self._wanted + self.tuning.force_rate * self._period
+        )
         # What is recorded as felt is the whole force: so is its limit.
         self.recorder.force_limit = math.hypot(self._wanted, self.plan.push.force_limit)
-        lacking = (self._wanted - self._felt) / (self._stiffness * _TIME)
+        lacking = (self._wanted - self._felt) / (self._stiffness * self.tuning.force_time)
         step = velocity + lacking * self.way.inward
         self._step(self.commanded + self._period * step, self.way.inward)
 
     def _spring_back(self) -> None:
         """Lets the finger, bent against the drag, spring back while it still presses."""
-        until = self.recorder.port.time + _SPRINGS_BACK
+        until = self.recorder.port.time + self.tuning.springs_back
         while self.recorder.port.time < until:
-            if float(self._here.forces[0] @ self._u) < _SPRUNG:
+            if float(self._here.forces[0] @ self._u) < self.tuning.sprung:
                 return
-            self._advance(-_SLOWEST * self._u)
+            self._advance(-self.tuning.slowest * self._u)

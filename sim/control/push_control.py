@@ -24,6 +24,7 @@ normal in D, where the face would be touched in its middle.
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Protocol
@@ -34,6 +35,7 @@ from objectmodels import ObjectModel
 from objectmodels.geometry.rotations import Array, rot_z, wrap, yaw_of
 from objectmodels.mechanics.push_motion import touched_faces, turning_motion
 from objectmodels.mechanics.push_thresholds import length_along
+from objectmodels.safety_figure import SafetyFigure
 from planner.types.plan import USUAL, Plan, speed_profile
 from planner.types.world_state import WorldState
 from sim.control.guarded_touch import TouchControl
@@ -187,24 +189,6 @@ class ForceController(TouchControl, ABC):
 # --- lateral control ------------------------------------------------------------------------------
 
 
-_LATERAL_STEPS = 20  # of the remaining way in the least squares
-_SHORTEST = 0.01  # remaining way over which it is solved at least [m]
-_LATERAL_WEIGHT = 1.0 / 0.0015  # at the end [1/m]
-_HEADING_WEIGHT = 1.0 / np.radians(1.0)  # at the end [1/rad]
-# With its centre of friction aside of the contact an object goes straight only at an angle.
-_ON_THE_WAY = np.radians(4.0)  # heading on the way that weighs one, root mean square [rad]
-_OF_LIMIT = 0.15  # or this share of the largest turn allowed
-_INPUT_WEIGHT = 4.0
-_LATERAL_LARGEST_SLOPE = 0.4  # relative to φ: inside the friction cone, so that the tip sticks
-# Of the steps of the remaining way, how many a later one comes after an earlier one.
-_SINCE = np.subtract.outer(np.arange(_LATERAL_STEPS), np.arange(_LATERAL_STEPS))
-
-# Growth of the filter's doubt per centimetre of way, from friction that varies and tips that slip.
-# Of heading [rad], contact and centre of friction [m], and m.
-_DRIFT = np.array([0.004, 0.0002, 0.0004, 0.02])
-_LEAST, _MOST = 0.25, 2.0  # values that m may take
-
-
 @dataclass(frozen=True)
 class Pushed:
     """The robot's beliefs about an object that it steers.
@@ -270,6 +254,27 @@ class _State:
     belief: Array
 
 
+@dataclass(frozen=True)
+class LateralTuning:
+    """Weights of the least squares over the remaining way, and the filter's doubt."""
+
+    steps: int = 20  # into which the remaining way is divided
+    shortest: float = 0.01  # remaining way over which it is solved at least [m]
+    lateral_weight: float = 1.0 / 0.0015  # of an error at the end [1/m], [1/rad]
+    heading_weight: float = 1.0 / math.radians(1.0)
+    # Heading on the way that weighs one, root mean square [rad]. With its centre of friction aside
+    # of the contact an object goes straight only at an angle.
+    heading_on_way: float = math.radians(4.0)
+    heading_share: float = 0.15  # or this share of the largest turn allowed
+    input_weight: float = 4.0  # of the path's slope
+    largest_slope: float = 0.4  # relative to φ, inside the friction cone, so that the tip sticks
+    # Growth of the doubt per centimetre of way, from friction that varies and tips that slip: of
+    # heading [rad], contact and centre of friction [m], and m.
+    drift: tuple[float, float, float, float] = (0.004, 0.0002, 0.0004, 0.02)
+    least_mobility: float = 0.25
+    most_mobility: float = 2.0
+
+
 class LateralController:
     """Estimates how the object moves and says which way the fingertip must go.
 
@@ -286,6 +291,8 @@ class LateralController:
         camera: standard deviations of a frame's position [m] and heading [rad].
     """
 
+    tuning = LateralTuning()
+
     def __init__(
         self,
         pushed: Pushed,
@@ -301,7 +308,11 @@ class LateralController:
         self._R_DW = rot_z(-direction)[:2, :2]
         self._direction = direction
         self._pushed = pushed
-        self._way_weight = 1.0 / min(_ON_THE_WAY, _OF_LIMIT * limit) / np.sqrt(_LATERAL_STEPS)
+        self._way_weight = (
+            1.0
+            / min(self.tuning.heading_on_way, self.tuning.heading_share * limit)
+            / np.sqrt(self.tuning.steps)
+        )
         *others, radius = deviations
         by_radius = 2.0 * pushed.friction_radius * pushed.beta
         self._P = np.diag(np.square([*others, by_radius * radius]))
@@ -342,7 +353,7 @@ class LateralController:
         turned = float(turning @ [*others, 1.0])
         rolled = np.array([1.0, self._pushed.rolling * self._pushed.tip_radius, 0.0, 0.0])
         F = np.eye(4) + np.outer(rolled, [*mobility * turning[:3], turned])
-        drift = np.square(_DRIFT) * np.linalg.norm(step) / 0.01
+        drift = np.square(self.tuning.drift) * np.linalg.norm(step) / 0.01
         self._P = F @ self._P @ F.T + np.diag(drift)
         self._history.append(_State(time, tip_D, now.belief + mobility * turned * rolled))
 
@@ -362,12 +373,15 @@ class LateralController:
         self._P = (np.eye(4) - K @ H) @ self._P
         for state in past:
             state.belief = state.belief + K @ error
-            state.belief[3] = np.clip(state.belief[3], _LEAST, _MOST)
+            state.belief[3] = np.clip(
+                state.belief[3], self.tuning.least_mobility, self.tuning.most_mobility
+            )
 
     def slope(self, remaining: float) -> float:
         """Slope u = dy/dx of the fingertip's path in D, for the remaining way [m]."""
+        tuning = self.tuning
         pushed, (heading, contact, centre, mobility) = self._pushed, self._now.belief
-        step = max(remaining, _SHORTEST) / _LATERAL_STEPS
+        step = max(remaining, tuning.shortest) / tuning.steps
         turning = mobility * pushed.turning(step, step)
         # One step of (y, θ, s, g) and what the slope adds to it.
         change = np.array([pushed.depth, 1.0, pushed.rolling * pushed.tip_radius, 0.0])
@@ -377,20 +391,22 @@ class LateralController:
         state = np.array([self._middle[1] - self._line, heading, contact, centre])
         # Columns: what comes of the state alone and of a slope in one step, so many steps later.
         ahead = [np.column_stack([A @ state, B])]
-        for _ in range(_LATERAL_STEPS - 1):
+        for _ in range(tuning.steps - 1):
             ahead.append(A @ ahead[-1])
         free, by_slope = np.moveaxis(np.array(ahead)[:, :2], -1, 0)
-        headings = self._way_weight * np.where(_SINCE < 0, 0.0, by_slope[_SINCE, 1])
-        weights = np.array([_LATERAL_WEIGHT, _HEADING_WEIGHT])
+        # Of the steps of the remaining way, how many a later one comes after an earlier one.
+        since = np.subtract.outer(np.arange(tuning.steps), np.arange(tuning.steps))
+        headings = self._way_weight * np.where(since < 0, 0.0, by_slope[since, 1])
+        weights = np.array([tuning.lateral_weight, tuning.heading_weight])
         wanted = np.array([0.0, self._wanted])
         rows = np.vstack([headings, weights[:, None] * by_slope[::-1].T])
         missed = np.append(
             self._way_weight * (free[:, 1] - self._wanted), weights * (free[-1] - wanted)
         )
-        squares = rows.T @ rows + _INPUT_WEIGHT**2 / _LATERAL_STEPS * np.eye(_LATERAL_STEPS)
+        squares = rows.T @ rows + tuning.input_weight**2 / tuning.steps * np.eye(tuning.steps)
         u = np.linalg.solve(squares, -rows.T @ missed)[0]
         normal = heading - pushed.curvature * contact
-        return float(np.clip(u, normal - _LATERAL_LARGEST_SLOPE, normal + _LATERAL_LARGEST_SLOPE))
+        return float(np.clip(u, normal - tuning.largest_slope, normal + tuning.largest_slope))
 
 
 # --- push control ---------------------------------------------------------------------------------
@@ -408,20 +424,28 @@ class LateralController:
 # `sim.control.guards`.
 
 
-_PUSH_FOLLOWS = 0.3  # share of the commanded speed with which a moving object follows
-_PUSH_SLOWEST = 0.008  # [m/s]
-_HOLD = 4.0  # rate at which deviations across the vector are corrected [1/s]
-_HOLD_MOST = 0.010  # largest such correction [m]
-_PUSH_LARGEST_SLOPE = 0.2  # of their path then: inside the friction cone
-_STIFFER = 0.5  # deviations of the friction radius: too large a one is corrected on the way
-_CENTRE_SD = 0.002  # of the centre of friction along the face, from friction that varies [m]
+@dataclass(frozen=True)
+class PushTuning:
+    """Speeds and corrections of a push along a line."""
+
+    follows: float = 0.3  # share of the commanded speed with which a moving object follows
+    slowest: float = 0.008  # speed at the end [m/s]
+    across_rate: float = 4.0  # rate at which deviations across the vector are corrected [1/s]
+    largest_correction: float = 0.010  # of them [m]
+    largest_slope: float = 0.2  # of the fingertips' path then, inside the friction cone
+    # Deviations of the friction radius by which a larger one is believed: too large a one is
+    # corrected on the way.
+    stiffer: float = 0.5
+    # Standard deviation of the centre of friction along the face, from friction that varies [m].
+    centre_sd: float = 0.002
 
 
 class _Line:
     """The line of fingertips led across a push along a unit direction in W, and back onto it."""
 
-    def __init__(self, along: Array) -> None:
+    def __init__(self, along: Array, tuning: PushTuning) -> None:
         self._along = along
+        self._tuning = tuning
         self._across = np.zeros(3)
         self._correction = np.zeros(3)
 
@@ -429,19 +453,23 @@ class _Line:
         """Correction of a command that advances by a step; T has come so far, shape (3,) [m]."""
         self._across = self._across + step - (step @ self._along) * self._along
         off = come - (come @ self._along) * self._along - self._across
-        wanted = self._correction - _HOLD * period * off
-        self._correction = wanted * min(1.0, _HOLD_MOST / max(float(np.linalg.norm(wanted)), 1e-9))
+        wanted = self._correction - self._tuning.across_rate * period * off
+        self._correction = wanted * min(
+            1.0, self._tuning.largest_correction / max(float(np.linalg.norm(wanted)), 1e-9)
+        )
         return self._correction
 
 
 class PushControl(ForceController):
     """One push, from before the face to its end."""
 
+    tuning = PushTuning()
+
     def act(self) -> tuple[EndReason, str]:
         """Pushes until an end or a guard; returns which and why."""
         push = self.plan.push
         self._begin(f"pushing with at most {push.force_limit:.1f} N")
-        origin, command, line = self._here.midpoint, self.commanded, _Line(self._u)
+        origin, command, line = self._here.midpoint, self.commanded, _Line(self._u, self.tuning)
         steering = self._steering() if push.fingers == 1 and push.ends_on == "stroke" else None
         limits = self._limits()
         slope = 0.0
@@ -480,11 +508,15 @@ class PushControl(ForceController):
         push, profile = self.plan.push, USUAL
         if push.ends_on == "stroke":
             profile = speed_profile(push.speed, push.stroke)
-        if travel < MOVED or (measured < _PUSH_FOLLOWS * before and before > 2.0 * _PUSH_SLOWEST):
+        if travel < MOVED or (
+            measured < self.tuning.follows * before and before > 2.0 * self.tuning.slowest
+        ):
             return start
         allowed = self._faster(before, push.speed, profile.acceleration)
         if push.ends_on == "stroke":
-            allowed = min(allowed, max(_PUSH_SLOWEST, profile.braking * (push.stroke - travel)))
+            allowed = min(
+                allowed, max(self.tuning.slowest, profile.braking * (push.stroke - travel))
+            )
         return allowed
 
     # -- steering ------------------------------------------------------------------------------
@@ -500,9 +532,9 @@ class PushControl(ForceController):
         Its middle swings aside while it does.
         """
         come, aside = follower.displacement @ self._u[:2], follower.displacement @ self._leftwards
-        remaining = max(self.plan.push.stroke - float(come), _SHORTEST)
+        remaining = max(self.plan.push.stroke - float(come), LateralController.tuning.shortest)
         return float(come), float(
-            np.clip(-aside / remaining, -_PUSH_LARGEST_SLOPE, _PUSH_LARGEST_SLOPE)
+            np.clip(-aside / remaining, -self.tuning.largest_slope, self.tuning.largest_slope)
         )
 
     def _steering(self) -> LateralController:
@@ -517,7 +549,8 @@ class PushControl(ForceController):
             Pushed(
                 depth=float(-into @ push.p_BC[:2]),
                 tip_radius=self._tip_radius,
-                friction_radius=model.friction_radius + _STIFFER * model.friction_radius_sd,
+                friction_radius=model.friction_radius
+                + self.tuning.stiffer * model.friction_radius_sd,
                 facing=facing,
                 curvature=face.curvature,
                 centre=float(left @ model.com[:2]),
@@ -529,7 +562,7 @@ class PushControl(ForceController):
             limit=push.limits.turn or np.inf,
             deviations=(
                 *self._look,
-                float(np.hypot(_CENTRE_SD, np.abs(left) @ model.com_sd[:2])),
+                float(np.hypot(self.tuning.centre_sd, np.abs(left) @ model.com_sd[:2])),
                 model.friction_radius_sd,
             ),
             camera=self._camera,
@@ -550,22 +583,29 @@ class PushControl(ForceController):
 # Frames: W is the world, T the midpoint of the pushing fingertips' centres.
 
 
-HOLD = 0.5
-"""Time for which the tilt is held [s]."""
+@dataclass(frozen=True)
+class TiltTuning:
+    """Rates of a tilt, and what shows that the object stands again."""
 
-_SPEED = 0.8  # share of the plan's speed that is commanded; the fingertip overtakes it in jerks
-_RATE, _BACK_RATE = np.radians([6.0, 5.0])  # of tilting and of letting back [rad/s]
-_TILT_SLOWEST = np.radians(1.0)  # where it ends and where the base meets the table [rad/s]
-_BRAKING = 2.0  # rate per remaining tilt [1/s]
-_ACCELERATION = np.radians(12.0)  # [rad/s²]
-_STANDS = np.radians(1.0)  # tilt of an object that stands, as far as is seen
-_GONE = 0.15  # share of the largest force that a standing object no longer exceeds
-_BEHIND = 0.02  # most way back behind the touch [m]
-_TILT_STEPS = 8  # places of the arc that the arm is asked for beforehand
+    # Share of the plan's speed that is commanded; the fingertip overtakes it in jerks.
+    speed_share: float = 0.8
+    rate: SafetyFigure = math.radians(6.0)  # of tilting and of letting back [rad/s]
+    back_rate: SafetyFigure = math.radians(5.0)
+    slowest: float = math.radians(1.0)  # where it ends and where the base meets the table [rad/s]
+    braking: float = 2.0  # rate per remaining tilt [1/s]
+    acceleration: SafetyFigure = math.radians(12.0)  # [rad/s²]
+    # Tilt of an object that stands, as far as is seen [rad].
+    stands: SafetyFigure = math.radians(1.0)
+    gone: float = 0.15  # share of the largest force that a standing object no longer exceeds
+    behind: float = 0.02  # most way back behind the touch [m]
+    arc_steps: int = 8  # places of the arc that the arm is asked for beforehand
+    hold: float = 0.5  # time for which the tilt is held [s]
 
 
 class TiltControl(ForceController):
     """One tilt, from before the face until the object stands again."""
+
+    tuning = TiltTuning()
 
     def __init__(self, errand: ExecutionContext) -> None:
         super().__init__(errand)
@@ -581,13 +621,13 @@ class TiltControl(ForceController):
         push = self.plan.push
         self._arc = TiltArc(self._here.midpoint, self._u, self._length, self._tip_radius)
         self._angle = float(self._arc.tilt_angles(self.commanded[None])[0])
-        for angle in np.linspace(0.0, push.tilt, _TILT_STEPS):
+        for angle in np.linspace(0.0, push.tilt, self.tuning.arc_steps):
             self.stance.joint_angles(self._arc.tip_at(angle))
         self._begin(f"tilting it by {np.degrees(push.tilt):.1f}°")
         try:
             early = self._raise()
             if early is None:
-                for _ in range(round(HOLD / self._period)):
+                for _ in range(round(self.tuning.hold / self._period)):
                     self._lean(0.0)
         except EarlyEndError as stopped:
             early = stopped.end, stopped.detail
@@ -601,9 +641,10 @@ class TiltControl(ForceController):
 
     def _raise(self) -> tuple[EndReason, str] | None:
         """Tilts it; why that ended early, or None."""
+        tuning = self.tuning
         push = self.plan.push
         guards = TiltGuards(self.plan, self._period, self._view)
-        fastest = min(_RATE, _SPEED * push.speed / self._arc.arc_radius)
+        fastest = min(tuning.rate, tuning.speed_share * push.speed / self._arc.arc_radius)
         standing = self._loading() / self._arc.arc_radius
         wanted = push.tilt
         rate = min(fastest, standing)
@@ -612,24 +653,31 @@ class TiltControl(ForceController):
             end = guards.end(self._elapsed_time, travel, self._felt, self._view.tilt)
             if end is not None:
                 return end
-            rate = self._faster(rate, fastest, _ACCELERATION)
+            rate = self._faster(rate, fastest, tuning.acceleration)
             if travel < MOVED:
                 rate = min(rate, standing)
-            allowed = min(rate, max(_TILT_SLOWEST, _BRAKING * (wanted - self._view.tilt)))
+            allowed = min(rate, max(tuning.slowest, tuning.braking * (wanted - self._view.tilt)))
             self._lean(allowed * self._room())
         return None
 
     def _let_back(self) -> bool:
         """Carries it down; whether it stands."""
-        behind = -_BEHIND / self._arc.arc_radius
+        tuning = self.tuning
+        behind = -tuning.behind / self._arc.arc_radius
         while self._angle > behind and not self._stands():
-            near = max(_TILT_SLOWEST, _BRAKING * self._view.own)
-            self._lean(-min(_BACK_RATE, _SPEED * self.plan.push.speed / self._arc.arc_radius, near))
+            near = max(tuning.slowest, tuning.braking * self._view.own)
+            self._lean(
+                -min(
+                    tuning.back_rate,
+                    tuning.speed_share * self.plan.push.speed / self._arc.arc_radius,
+                    near,
+                )
+            )
         return self._stands()
 
     def _stands(self) -> bool:
-        gone = self._felt < _GONE * self._most_force
-        return bool(gone and self._view.tilt < _STANDS)
+        gone = self._felt < self.tuning.gone * self._most_force
+        return bool(gone and self._view.tilt < self.tuning.stands)
 
     def _lean(self, rate: float) -> None:
         """Goes on along the arc at a rate [rad/s] for a control step."""
@@ -657,14 +705,22 @@ class TiltControl(ForceController):
 # ends when the estimate reaches it.
 
 
-_CONTACT = 0.8  # speed of the contact as a share of that of the fingertip, which is farther out
-_TURN_SLOWEST = np.radians(1.5)  # turning rate at the end [rad/s]
-_TURN_FOLLOWS = 0.1  # share of its error that the palm's heading loses in a control step
-_FACE_END = 0.002  # distance from the end of a face at which the push stops [m]
+@dataclass(frozen=True)
+class TurnTuning:
+    """Speeds of a push that turns an object."""
+
+    # Speed of the contact as a share of that of the fingertip, which is farther out.
+    contact_share: float = 0.8
+    slowest: float = math.radians(1.5)  # turning rate at the end [rad/s]
+    braking: float = 2.0
+    palm_share: float = 0.1  # share of its error that the palm's heading loses in a control step
+    face_end: SafetyFigure = 0.002  # distance from the end of a face at which the push stops [m]
 
 
 class TurnControl(ForceController):
     """One push that turns an object, from before the face to its end."""
+
+    tuning = TurnTuning()
 
     def __init__(self, errand: ExecutionContext) -> None:
         super().__init__(errand)
@@ -713,7 +769,7 @@ class TurnControl(ForceController):
     def _at_an_end_of_the_face(self, keeper: TurnEstimator) -> tuple[EndReason, str] | None:
         at, half, curvature = self._face
         # Along ẑ × inward, which is against the face's tangent.
-        if curvature == 0.0 and abs(at - keeper.slip) > half - _FACE_END:
+        if curvature == 0.0 and abs(at - keeper.slip) > half - self.tuning.face_end:
             return "guard", f"the fingertip slid {1e3 * abs(keeper.slip):.0f} mm, off the face"
         return None
 
@@ -722,13 +778,13 @@ class TurnControl(ForceController):
         if abs(keeper.travel) < MOVED:
             return start
         remaining = abs(self.plan.push.turn - keeper.turn_angle)
-        at_end = float(max(_TURN_SLOWEST, _BRAKING * remaining) / abs(keeper.rate))
-        return self._faster(before, min(at_end, _CONTACT * self.plan.push.speed))
+        at_end = float(max(self.tuning.slowest, self.tuning.braking * remaining) / abs(keeper.rate))
+        return self._faster(before, min(at_end, self.tuning.contact_share * self.plan.push.speed))
 
     def _follow(self, keeper: TurnEstimator, advance: float) -> None:
         """Turns palm and direction with the object."""
         self.turned += keeper.rate * advance
-        self.turned += _TURN_FOLLOWS * (keeper.turn_angle - self.turned)
+        self.turned += self.tuning.palm_share * (keeper.turn_angle - self.turned)
         R = rot_z(self.turned)
         self._u = R @ self._direction
         self.recorder.inward = R @ self.way.inward

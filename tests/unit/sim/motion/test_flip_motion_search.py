@@ -17,7 +17,7 @@ from planner.types.actions import FlipOver
 from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
-from sim.control.grasp_control import LEANS, MOVES
+from sim.control.grasp_control import FlipControl
 from sim.control.held_object_sensing import LidEstimator
 from sim.control.plan_execution import execute
 from sim.motion.robot_reach import ArmHandReach
@@ -175,11 +175,12 @@ def test_noise_is_not_taken_for_motion() -> None:
         shown.append(view.displacement)
         leans.append(view.tilt)
     # Single frames are farther off than what ends the work; filtered ones must not be.
-    assert MOVES < max(shown) < view.unsure
-    assert max(leans) < max(LEANS, view.unsure_angle)
+    tuning = FlipControl.tuning
+    assert tuning.moves < max(shown) < view.unsure
+    assert max(leans) < max(tuning.leans, view.unsure_angle)
     quiet = LidEstimator(cup, 0.0, Vision())
-    assert quiet.unsure < MOVES
-    assert quiet.unsure_angle < LEANS
+    assert quiet.unsure < tuning.moves
+    assert quiet.unsure_angle < tuning.leans
 
 
 # -- in the simulated world ----------------------------------------------------------------------
