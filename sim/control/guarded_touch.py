@@ -9,30 +9,31 @@ from __future__ import annotations
 import numpy as np
 
 from objectmodels.geometry.rotations import Array
+from objectmodels.safety_figure import SafetyFigure
 from planner.types.actions import Push
 from sim.control.object_estimate import Touch
 from sim.control.trace_recorder import EarlyEndError, TraceRecorder
 from sim.motion.fingertip_path import STANDOFF, FingertipPath
 from sim.motion.inverse_kinematics import ArmConfiguration
 
-TOUCH_SPEED = 0.015
+TOUCH_SPEED: SafetyFigure = 0.015
 """Of the guarded approach [m/s]."""
 
 PAUSE = 0.5
 """Before the touch, while the fingers hang still and feel nothing [s]."""
 
-TOUCH_FORCE = 0.6
+TOUCH_FORCE: SafetyFigure = 0.6
 """Felt force that counts as a touch, less for an object that half of it would move [N]."""
 
-TOUCH_BEYOND = 0.015
+TOUCH_BEYOND: SafetyFigure = 0.015
 """Travel beyond the expected face after which there is nothing to touch [m]."""
 
 SETTING_OFF = 0.006
 """Travel at first in which fingers set in motion feel themselves, and no face is expected [m]."""
 
 _ACCELERATION = 0.1  # of the hand at an object [m/s²]
-_FILTER = 0.04  # time constant of the felt force [s]
-_NOISES = 6.0  # standard deviations of noise that do not count as a touch
+_FILTER: SafetyFigure = 0.04  # time constant of the felt force [s]
+_NOISES: SafetyFigure = 6.0  # standard deviations of noise that do not count as a touch
 _SEEN_SHARE = 0.35  # weight of a new camera frame in the seen tilt
 
 

@@ -13,6 +13,7 @@ Frames: W; footprints as in `planner.problem.footprints`.
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Iterable, Iterator
 
@@ -20,6 +21,7 @@ import numpy as np
 
 from objectmodels.geometry.base_shapes import Disc
 from objectmodels.geometry.rotations import Array, rot_z, wrap, yaw_of
+from objectmodels.safety_figure import SafetyFigure
 from planner.problem.footprints import footprint, gap
 from planner.types.actions import FALLING, Push, PushAction
 from planner.types.plan import FORCE_BAND, Plan, StopCondition
@@ -43,7 +45,7 @@ from sim.worlds.sensors import noise_left
 # Frames: W; footprints as in `planner.problem.footprints`.
 
 
-NEAREST = 0.003
+NEAREST: SafetyFigure = 0.003
 """Distance from another object at which a push ends: planned ones are larger [m]."""
 
 _BYSTANDER_EVERY = 5  # control steps from one look to the next
@@ -167,15 +169,16 @@ MOVED = 0.001
 """Travel of the fingertips that shows that the object moves [m]."""
 
 _SMALLEST_BAND = 0.1  # [N]
-_TILT_SHARE = 0.35  # a push that must not tilt stops at this share of the angle of no return
-_SLIDES_AFTER = 0.03  # travel after which a topple must show some tilt [m]
-_SLIDES_SHARE = 0.35  # of the tilt that turning about the far edge would show by then
-_SAFE_SHARE = 0.9  # a tilt stops at this share of the angle of no return
+# A push that must not tilt stops at this share of the angle of no return.
+_TILT_SHARE: SafetyFigure = 0.35
+_SLIDES_AFTER: SafetyFigure = 0.03  # travel after which a topple must show some tilt [m]
+_SLIDES_SHARE: SafetyFigure = 0.35  # of the tilt that turning about the far edge would show by then
+_SAFE_SHARE: SafetyFigure = 0.9  # a tilt stops at this share of the angle of no return
 _SURELY = 4.0  # standard deviations by which less must be seen than the fingers show
 _STUCK_SPEED = 0.001  # [m/s]
 _CREEPING, _CREPT = 8.0, 0.05  # time after which no more than a share of the way is no way [s]
-_STUCK_TIME = 0.8  # [s]
-_LOST_TIME = 0.6  # [s]
+_STUCK_TIME: SafetyFigure = 0.8  # [s]
+_LOST_TIME: SafetyFigure = 0.6  # [s]
 _LOST_SHARE = 0.1  # of the onset force: less is no contact
 
 
@@ -392,11 +395,12 @@ End = tuple[EndReason, str]
 _SHARE = 0.12  # weight of a new frame in the filtered place: 0.25 of a frame's noise is left
 _FASTER = 0.25  # the same for angles, which change faster: 0.4 is left
 _LEFT, _LEFT_FASTER = noise_left(_SHARE), noise_left(_FASTER)
-_SIGMAS = 2.0  # standard deviations of the estimate that are kept from a limit
-_OF_SMALL = 0.3  # but at most this share of a limit that is an angle
-_STOPPING = 0.001  # way until the object stands [m]
+_SIGMAS: SafetyFigure = 2.0  # standard deviations of the estimate that are kept from a limit
+_OF_SMALL: SafetyFigure = 0.3  # but at most this share of a limit that is an angle
+_STOPPING: SafetyFigure = 0.001  # way until the object stands [m]
 
-_HELD = float(np.radians(10.0))  # turn by which two fingers show that they do not hold the heading
+# Turn by which two fingers show that they do not hold the heading.
+_HELD: SafetyFigure = math.radians(10.0)
 
 _MET, _DEEPEST = 0.001, 0.007  # seen overlap at which two objects surely touch, and at most [m]
 _NEAR = 0.015  # seen gap below which a rising force tells that they do [m]
@@ -666,10 +670,8 @@ def limit_conditions(push: Push, seen: SeenObject) -> Iterator[StopCondition]:
 # Frames: W is the world.
 
 
-ASIDE = 0.004
+ASIDE: SafetyFigure = 0.004
 """Distance from the planned way within which nothing else is near [m]."""
-
-"""Distance from another object at which the hand stops: planned ones are larger [m]."""
 
 _HAND_EVERY = 3  # control steps from one look to the next
 

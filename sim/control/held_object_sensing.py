@@ -13,6 +13,7 @@ Frames: P is the palm, G the middle of the grasp, W the world.
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -22,6 +23,7 @@ import numpy as np
 
 from objectmodels.containers.lids import lid_name
 from objectmodels.geometry.rotations import Array, wrap, yaw_of
+from objectmodels.safety_figure import SafetyFigure
 from planner.types.world_state import Held, SeenObject, WorldState
 from sim.control.trace_recorder import EarlyEndError, TraceRecorder
 from sim.motion.held_object_path import HeldObject
@@ -47,19 +49,25 @@ WEIGHED, WEIGHED_SOON = 0.25, 0.10
 FALLS = 0.4
 """Time constant of the rate at which the weight is felt to fall [s]."""
 
-SLIP, SLIP_ANGLE = 0.012, float(np.radians(20.0))
-"""Slip in the hand at which it is no more held as it should be [m], [rad]."""
+SLIP: SafetyFigure = 0.012
+"""Slip in the hand at which it is no more held as it should be [m]."""
+
+SLIP_ANGLE: SafetyFigure = math.radians(20.0)
+"""The same of its turn there [rad]."""
 
 DROPPED = 0.040
 """Slip at which it is not in the hand any more [m]."""
 
-NUDGED, NUDGED_ANGLE = 0.010, float(np.radians(8.0))
-"""Motion of another object that counts as one [m], [rad]."""
+NUDGED: SafetyFigure = 0.010
+"""Way of another object that counts as moved [m]."""
+
+NUDGED_ANGLE: SafetyFigure = math.radians(8.0)
+"""Lean of another object that counts as moved [rad]."""
 
 LEVER_ERROR = 0.01
 """Relative standard deviation of a weight by the levers of the fingertips' contacts."""
 
-_LOOSE = 0.3  # share of the squeeze below which nothing is held
+_LOOSE: SafetyFigure = 0.3  # share of the squeeze below which nothing is held
 _SEEN_SHARE, _OTHERS_SHARE = 0.25, 0.12  # largest weights of a new camera frame
 _SEEN_TO = 0.001  # standard deviation of where it is seen in the hand, along each axis [m]
 _TURNED = 4.0  # standard deviations of a constant error: two, along two axes, turned by 90°
@@ -339,8 +347,14 @@ def estimate_weight(vertical: Array, zero_samples: int) -> Weight:
 # Frames: W is the world.
 
 
-LEANS, MOVES, TURNS = float(np.radians(3.0)), 0.008, float(np.radians(6.0))
-"""Tilt [rad], displacement [m] and turn [rad] of the object at which its lid is let go."""
+LEANS: SafetyFigure = math.radians(3.0)
+"""Tilt of the object at which its lid is let go [rad]."""
+
+MOVES: SafetyFigure = 0.008
+"""Displacement of the object at which its lid is let go [m]."""
+
+TURNS: SafetyFigure = math.radians(6.0)
+"""Turn of the object at which its lid is let go [rad]."""
 
 _TURNING = 0.15  # time constant of the felt torque [s]
 _LID_SHARE, _POSE_SHARE = 0.3, 0.2  # weights of a new frame

@@ -20,19 +20,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from objectmodels.geometry.rotations import Array
+from objectmodels.safety_figure import SafetyFigure
 from planner.types.actions import PushAction
 from planner.types.plan import StopCondition, speed_profile
 from sim.control.guards import largest_tilt, longest
 from sim.control.push_control import ForceController
 from sim.traces.trace import EndReason
 
-SLIPS = 0.008
+SLIPS: SafetyFigure = 0.008
 """Way by which an object stays behind a fingertip that slips over it [m]."""
 
-LOST = 0.1
+LOST: SafetyFigure = 0.1
 """Share of the pressing force below which the fingertip has left the face."""
 
-_LOST_TIME = 0.3  # [s]
+_LOST_TIME: SafetyFigure = 0.3  # [s]
 
 
 def drag_conditions(push: PushAction) -> tuple[StopCondition, ...]:
