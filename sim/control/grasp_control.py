@@ -69,7 +69,7 @@ class FlipTuning:
     # How far a lid that follows is seen behind the finger [rad].
     follows: float = math.radians(15.0)
     band: float = 0.2  # share of the force limit over which the speed falls to zero
-    filter_time: SafetyFigure = 0.04  # time constant of the felt force [s]
+    filter_time: float = 0.04  # time constant of the felt force [s]
     stuck: SafetyFigure = 0.8  # time at the force limit after which it does not move [s]
     wait: float = 0.6  # for the camera, once the finger is at its end [s]
     # Way of the fingertip that a whole turn of the palm takes as long as [m].

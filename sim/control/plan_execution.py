@@ -92,7 +92,7 @@ class GraspTuning:
     righted: float = 0.15  # time after which nothing runs out any more, once it is tilted back [s]
     slowest_pour: float = 0.12  # share of the rate of tilting just before enough has run out
     stands: float = 0.5  # share of its weight with which it stands
-    presses: SafetyFigure = 0.4  # or with so much less [N]
+    presses: float = 0.4  # or with so much less [N]
 
 
 class GraspExecution:

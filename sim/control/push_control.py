@@ -595,7 +595,7 @@ class TiltTuning:
     braking: float = 2.0  # rate per remaining tilt [1/s]
     acceleration: SafetyFigure = math.radians(12.0)  # [rad/s²]
     # Tilt of an object that stands, as far as is seen [rad].
-    stands: SafetyFigure = math.radians(1.0)
+    stands: float = math.radians(1.0)
     gone: float = 0.15  # share of the largest force that a standing object no longer exceeds
     behind: float = 0.02  # most way back behind the touch [m]
     arc_steps: int = 8  # places of the arc that the arm is asked for beforehand

@@ -202,16 +202,41 @@ def test_angles_stop_before_their_limit(
     assert limit - np.radians(2.5) < reached < limit + np.radians(0.3)
 
 
-@pytest.mark.parametrize(("degrees", "ends"), [(0.6, False), (0.8, True)])
-def test_most_of_a_small_angle_may_be_used(degrees: float, ends: bool) -> None:
-    # The camera's doubt is 0.76°, which would leave a quarter of one degree.
-    push = _push(limits=Limits(turn=np.radians(1.0)))
+@pytest.mark.parametrize(
+    ("limit", "degrees", "ends"),
+    [
+        # The camera's doubt is 0.76°, which would leave a quarter of one degree.
+        (1.0, 0.65, False),
+        (1.0, 0.75, True),
+        # It is kept from larger ones, and from the 10° by which two fingers hold a heading.
+        (5.0, 4.1, False),
+        (5.0, 4.4, True),
+        (None, 9.1, False),
+        (None, 9.5, True),
+    ],
+)
+def test_an_angle_is_used_but_for_the_doubt(
+    limit: float | None, degrees: float, ends: bool
+) -> None:
+    push = _push(limits=Limits(turn=None if limit is None else np.radians(limit)))
     guards, end = LimitGuards(push, _state(), NOISY, TIP, PERIOD), None
     for step in range(60):
         seen = SeenPose(rot_z(np.radians(degrees)), np.array([0.45, 0.0, 0.0]))
         frame = Frame(step * PERIOD, step * PERIOD, {"near": seen})
         end = guards.end(step * PERIOD, step * PERIOD, TIP, 3.6, [frame])
     assert (end is not None) == ends
+
+
+def test_two_deviations_and_a_millimetre_are_kept_from_what_stands_by() -> None:
+    push = _push(limits=Limits(clear_of=(("far", 0.02),)))
+    guards = LimitGuards(push, _state(), NOISY, TIP, PERIOD)
+    for way in np.arange(0.0, 0.06, 0.00005):
+        tip = TIP + np.array([way, 0.0, 0.0])
+        end = guards.end(way / SPEED, way / SPEED, tip, 3.6, [])
+        if end is not None:
+            break
+    # A filter of weight 0.12 leaves a quarter of a frame's 2 mm.
+    assert 0.06 - way == pytest.approx(0.02 + 2.0 * 0.2526 * 0.002 + 0.001, abs=0.0001)
 
 
 def test_a_millimetre_is_left_to_stop_in() -> None:

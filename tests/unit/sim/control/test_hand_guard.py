@@ -6,7 +6,7 @@ from objectmodels import BoxModel
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim import load_scene
-from sim.control.guards import ASIDE, NEAREST, HandGuard
+from sim.control.guards import HandGuard
 from sim.motion.robot_reach import ArmHandReach
 from sim.robots.robots import ARM, HAND
 from tests.unit.sim.motion.test_push_motion_search import _push, _seen
@@ -33,6 +33,7 @@ def test_it_ends_where_something_is_near_and_the_way_was_left() -> None:
         guard = HandGuard(stance, state, "tea tin")
         return [guard.end(q, aside) is not None for _ in range(3)]
 
-    assert any(ends(0.5 * NEAREST, 2.0 * ASIDE))
-    assert not any(ends(0.5 * NEAREST, 0.5 * ASIDE))
-    assert not any(ends(2.0 * NEAREST, 2.0 * ASIDE))
+    # The way is left at 4 mm, and 3 mm are near.
+    assert any(ends(0.0027, 0.0045))
+    assert not any(ends(0.0027, 0.0035))
+    assert not any(ends(0.0033, 0.0045))
