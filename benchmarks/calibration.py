@@ -4,8 +4,8 @@ Five objects, each once on its corners and once evenly pressed. A set is one bod
 is believed of the object, and one push on a random face at a random place, with a force anywhere in
 the finger's friction cone. Its truth is the class by the exact tier for just that body: its mass,
 friction, centre of mass, and its support, wider or narrower as its friction radius says. With
-`--mujoco` it is what MuJoCo does with the body on its corners (`benchmarks.pushes`), the round one
-on 24 points of its rim; there the support is known.
+`--mujoco` it is what MuJoCo does with the body on its corners (`benchmarks.worlds.pushes`), the
+round one on 24 points of its rim; there the support is known.
 
 ECE is the expected calibration error of P(topple) over ten bins. A perfect forecaster, who states
 the same probabilities and is right, has one too, found by resampling; beside it stand the Brier
@@ -132,8 +132,8 @@ def by_mujoco(
     model: ObjectModel, n: int, seed: int
 ) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_]]:
     """P(topple) that was stated, and where it toppled, where the told class came, (n,) each."""
-    from benchmarks.mujoco_push import MujocoWorld, is_round, step_of
-    from benchmarks.pushes import HEAVIEST, Push, roll_out
+    from benchmarks.worlds.mujoco import MujocoWorld, is_round, step_of
+    from benchmarks.worlds.pushes import HEAVIEST, Push, roll_out
 
     if is_round(model):  # the points of the rim bound what it topples over
         model = _standing_on(model, tuple(map(tuple, model.footprint.corners.tolist())))

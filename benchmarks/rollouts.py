@@ -2,7 +2,7 @@
 
 One box stands alone, exactly as the registry believes. The planner gets the sentence; the search
 gets where the box should stand at the end, and rolls strokes of a fingertip out, in Drake and in
-MuJoCo (`benchmarks.strokes`), until one sequence of them ends within `NEAR` and `TURNED` of it. It
+MuJoCo (`benchmarks.worlds.strokes`), until one of them ends within `NEAR` and `TURNED` of it. It
 goes by rounds, each from the best stroke of the round before. A third of a round's strokes is drawn
 at random, a third along what is left of the way, and a third are variations of the best one. No arm
 is in either: neither kinematics nor obstacles are searched for by roll-outs, while the planner is
@@ -24,9 +24,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.drake_strokes import DrakeBench
-from benchmarks.engines import WITHOUT_MUJOCO
-from benchmarks.strokes import (
+from benchmarks.engines.single_pushes import WITHOUT_MUJOCO
+from benchmarks.worlds.drake import DrakeBench
+from benchmarks.worlds.strokes import (
     Array,
     Bench,
     Generator,
@@ -126,7 +126,7 @@ def engines() -> dict[str, Callable[[Scene], Bench]]:
     """The engines that are installed."""
     found: dict[str, Callable[[Scene], Bench]] = {"Drake": lambda scene: DrakeBench(scene, OBJECT)}
     try:
-        from benchmarks.mujoco_strokes import MujocoBench
+        from benchmarks.worlds.mujoco import MujocoBench
     except ImportError:
         return found
     return found | {"MuJoCo": MujocoBench}

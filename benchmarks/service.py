@@ -7,7 +7,7 @@ Everything happens in one run on one machine. The parts: requests per second and
 `parse` and `plan` beside a FastAPI endpoint that does nothing (four connections at once, the client
 included); plans of others while one long refusal is sought; warm plans of pushes and of pours while
 two other sessions simulate, from request to answer, at the tables and of the sentences that
-`benchmarks.warm_plans` draws for each seed; memory of all processes of the service (proportional
+`benchmarks.times` draws for each seed; memory of all processes of the service (proportional
 set size, which counts shared pages once) after the first five plans and runs, and at the end.
 """
 
@@ -33,7 +33,7 @@ import numpy as np
 from fastapi import FastAPI
 from pydantic import BaseModel
 
-from benchmarks.warm_plans import TASKS, table
+from benchmarks.times import TASKS, moved_table
 from sim.truth.scene_file import SceneObject
 from tests.service_process import serving
 
@@ -41,7 +41,7 @@ PUSH = "push the coffee box 5 cm away"
 LONG = "turn the cereal box by 170 degrees without moving it more than 1 cm"
 TURNS = ("push the ice tea box 3 cm away", "push the ice tea box 3 cm toward yourself")
 DRAWN = "push", "pour"
-"""Tasks of `benchmarks.warm_plans` that are planned while others simulate."""
+"""Tasks of `benchmarks.times` that are planned while others simulate."""
 
 PARTS = "rates", "refusal", "simulations", "memory"
 CONNECTIONS = 4
@@ -192,7 +192,9 @@ def measure_beside_simulations(url: str, tables: int, seeds: Sequence[int]) -> N
     simulators = [Simulator(url, seed) for seed in (1, 2)]
     caller = Caller(url)
     for task in DRAWN:
-        plan_latencies(caller, task, len(TASKS[task][1]), max(seeds) + 1)  # the planners warm up
+        plan_latencies(
+            caller, task, len(TASKS[task].scenes), max(seeds) + 1
+        )  # the planners warm up
     for simulator in simulators:
         simulator.start()
     time.sleep(3.0)
@@ -214,7 +216,7 @@ def plan_latencies(caller: Caller, task: str, tables: int, seed: int) -> dict[st
     for number in range(tables):
         rng = np.random.default_rng((seed, number))
         scene = scenes[number % len(scenes)]
-        standing = [_stated(item) for item in table(scene, rng).objects]
+        standing = [_stated(item) for item in moved_table(scene, rng).objects]
         spec = {"scene": scene, "seed": number, "objects": standing}
         session = caller.post("/v1/sessions", spec)["session_id"]
         for _ in range(said):

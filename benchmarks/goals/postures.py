@@ -18,7 +18,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.strokes import Array, Generator, Stroke
+from benchmarks.worlds.strokes import Array, Generator, Stroke
 from objectmodels.geometry.rotations import rot_x, rot_y, rot_z
 from planner.types.world_state import WorldState
 from sim.motion.collision_scene import FRAGILE_CLEARANCE

@@ -32,7 +32,7 @@ import numpy as np
 from benchmarks.goals.cases import Watch, Watched
 from benchmarks.goals.postures import reachable
 from benchmarks.goals.search import Asked, Found, repeated, search, seen
-from benchmarks.strokes import Array, Generator, heading_of, upright
+from benchmarks.worlds.strokes import Array, Generator, heading_of, upright
 from grammar.frames.command import Command
 from nlcontrol.checks.frame_checks import require_checkable
 from nlcontrol.errors import ControlError

@@ -1,12 +1,12 @@
 """Brute force: random strokes of a fingertip until every clause of a sentence holds.
 
-Model: `benchmarks.strokes`, in Drake. A sentence is searched for by rounds, each of which goes on
-from the best stroke of the round before. Of the strokes of a round the first are drawn at random,
-the others are variations of the best so far. What counts are the checks of the sentence alone, by
-how far they are missed in all, and what every push of the robot keeps: only fingertips touch the
-object, and it stays away from the others. Of the goal a search knows no more than the direction.
-Strokes are slow enough for speed not to matter, so a slower one is rolled out at `QUICK` and its
-time is stretched.
+Model: `benchmarks.worlds.strokes`, in Drake. A sentence is searched for by rounds, each of which
+goes on from the best stroke of the round before. Of the strokes of a round the first are drawn at
+random, the others are variations of the best so far. What counts are the checks of the sentence
+alone, by how far they are missed in all, and what every push of the robot keeps: only fingertips
+touch the object, and it stays away from the others. Of the goal a search knows no more than the
+direction. Strokes are slow enough for speed not to matter, so a slower one is rolled out at `QUICK`
+and its time is stretched.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.drake_strokes import DrakeBench
-from benchmarks.strokes import (
+from benchmarks.worlds.drake import DrakeBench
+from benchmarks.worlds.strokes import (
     PERIOD,
     Array,
     Bench,

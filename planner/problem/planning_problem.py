@@ -31,7 +31,7 @@ from planner.types.world_state import SeenObject, WorldState, obstacle_mark
 # The budget of one plan, counted in work instead of time: a loaded machine gives the same answer.
 #
 # A unit is about what a quiet core of today does in a quarter of a millisecond.
-# `benchmarks.search_work` compares the two.
+# `benchmarks.times search-work` compares the two.
 
 
 _MARKED = 2  # obstacles that the dead end names

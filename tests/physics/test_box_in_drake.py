@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchmarks.drake_push import DrakeWorld
-from benchmarks.pushes import Array, Push, Seen, roll_out
+from benchmarks.worlds.drake import DrakeWorld
+from benchmarks.worlds.pushes import Array, Push, Seen, roll_out
 from objectmodels import BoxModel
 
 BOX = BoxModel(

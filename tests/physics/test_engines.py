@@ -9,8 +9,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchmarks.engines import run, worst
-from benchmarks.pushes import STEP, share_at
+from benchmarks.engines.agreement import run_case, worst
+from benchmarks.engines.single_pushes import pushes
+from benchmarks.worlds.pushes import STEP, share_at
 from sim.face_experiment import onset_time
 
 PUSHES = 12
@@ -21,16 +22,17 @@ SEED = 0
 def test_engine_agrees_with_the_exact_tier(engine: str) -> None:
     if engine == "MuJoCo":
         pytest.importorskip("mujoco")
-    runs = [run(engine, SEED, number) for number in range(PUSHES)]
-    report = worst(runs, SEED)
-    errors = np.abs([item.error for item in runs])
+    cases = [case for case in pushes(PUSHES, SEED) if case.group == engine]
+    trials = [run_case(case, band=0.05, rolls_close=True) for case in cases]
+    report = worst(trials)
+    errors = np.abs([trial.outcome.errors["onset"] for trial in trials if trial.outcome])
     # Corners that sink in by a few micrometres, and what is left of the ramp's delay.
     assert np.median(errors) < 0.003, report
     # Slender objects tilt on such corners, which moves their centre of mass towards the edge.
     assert errors.max() < 0.03, report
     # A dozen pushes leave no room for one that is wrong.
-    assert all(item.right for item in runs if item.decided), report
-    assert {item.push.outcome for item in runs} == {"slide", "topple"}
+    assert all(trial.is_right for trial in trials if trial.counts), report
+    assert {case.push.outcome for case in cases} == {"slide", "topple"}
 
 
 def test_the_delay_of_the_ramp_is_taken_out() -> None:

@@ -7,14 +7,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from benchmarks.drake_strokes import DrakeBench
 from benchmarks.goals import confirm as confirm_module
 from benchmarks.goals.confirm import Confirmation, Doubt, confirm, table, wrong_share
 from benchmarks.goals.refusal_judge import Verdict, likeliest
 from benchmarks.goals.search import Asked, Found
 from benchmarks.goals.worlds import Job
 from benchmarks.rollouts import OBJECT, world
-from benchmarks.strokes import at
+from benchmarks.worlds.drake import DrakeBench
+from benchmarks.worlds.strokes import at
 from nlcontrol import Controller, Registry
 from sim import load_scene
 

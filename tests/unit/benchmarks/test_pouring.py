@@ -5,25 +5,27 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchmarks.pouring import PROMISED, RAMP, motion, one, random_case, table
+from benchmarks.engines.agreement import error_table, run_case
+from benchmarks.engines.hand_work import RAMP, pours
 
 
 @pytest.mark.slow
 def test_predictions_keep_the_promise() -> None:
-    results = [one((3, i)) for i in range(3)]
-    for result in results:
-        assert max(abs(off) for off in result.off.values()) <= PROMISED
-        assert result.volumes["poured"] > 0.1 * result.case.source[1]
-        both = result.volumes["received"] + result.volumes["spilled"]
-        assert both == pytest.approx(result.volumes["poured"])
-    assert "| poured, all | 3 |" in table(results)
+    cases = pours(3, 3)
+    trials = [run_case(case, band=0.0, rolls_close=False) for case in cases]
+    assert all(trial.is_right for trial in trials)
+    assert "| all, poured, % | 3 |" in error_table(trials)
+    for case in cases:
+        volumes = case.run_volumes()
+        assert volumes["poured"] > 0.1 * case.source[1]
+        assert volumes["received"] + volumes["spilled"] == pytest.approx(volumes["poured"])
 
 
 def test_the_motion_goes_there_and_back() -> None:
-    case = random_case(np.random.default_rng(0))
+    (case,) = pours(1, 0)
     there = case.angle / case.rate
     times = np.arange(0.0, 2.0 * there + case.wait + 2.0 * RAMP, 0.001)
-    tilt = motion(case, times)
+    tilt = case.tilts(times)
     assert tilt[0] == tilt[-1] == 0.0
     assert tilt.max() == pytest.approx(case.angle)
     rates = np.diff(tilt) / 0.001

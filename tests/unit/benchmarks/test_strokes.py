@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchmarks.drake_strokes import DrakeBench
 from benchmarks.goals.postures import _orientations, _postures, reachable
 from benchmarks.goals.search import Asked, Found, missed, repeated, search
 from benchmarks.rollouts import GOALS, OBJECT, world
-from benchmarks.strokes import BEFORE, Stroke, at, heading_of, upright
+from benchmarks.worlds.drake import DrakeBench
+from benchmarks.worlds.strokes import BEFORE, Stroke, at, heading_of, upright
 from nlcontrol import Controller, Registry
 from objectmodels.geometry.side_faces import Face
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
@@ -44,7 +44,7 @@ def test_a_stroke_begins_before_the_face_and_ends_in_it() -> None:
 
 def test_both_engines_push_the_box_as_far() -> None:
     pytest.importorskip("mujoco")
-    from benchmarks.mujoco_strokes import MujocoBench
+    from benchmarks.worlds.mujoco import MujocoBench
 
     made = stroke(height=0.03, length=0.1)
     for bench in (DrakeBench(world(), OBJECT), MujocoBench(world())):

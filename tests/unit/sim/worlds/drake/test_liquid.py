@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from benchmarks.pouring import Prescribed
+from benchmarks.engines.hand_work import Prescribed
 from objectmodels.containers.pour_dynamics import Catch, caught_volume, pour
 from sim.errors import SceneError
 from sim.truth.scene_file import parse_scene

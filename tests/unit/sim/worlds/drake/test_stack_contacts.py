@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from benchmarks.stacks import has_fallen, relative_margin, stacked_body
+from benchmarks.engines.pressed_things import Stack
 from sim.truth.object_truth import Truth
-from sim.truth.scene_file import Pose, SceneObject, parse_scene
+from sim.truth.scene_file import Pose, SceneObject
 
 POST = Truth(radius_m=0.03, height_m=0.06, mass_kg=0.4, friction_table=0.4, friction_finger=0.6)
 BEAM = Truth(size_m=(0.24, 0.03, 0.02), mass_kg=0.3, friction_table=0.4, friction_finger=0.6)
@@ -34,9 +34,6 @@ def stack(*members: tuple[Truth, float, float]) -> list[SceneObject]:
 def test_a_stack_stands_if_its_margins_say_so(
     members: tuple[tuple[Truth, float, float], ...], falls: bool
 ) -> None:
-    items = stack(*members)
-    below = [None, *range(len(items) - 1)]
-    bodies = [stacked_body(*each) for each in zip(items, below, strict=True)]
-    assert (relative_margin(bodies) < 0.0) == falls
-    scene = parse_scene("{version: 1, name: stack, objects: []}")
-    assert has_fallen(scene, items) == falls
+    case, expected = Stack(stack(*members)), "falls" if falls else "stands"
+    assert case.prediction()[0] == expected
+    assert case.roll_out().seen == expected
