@@ -145,7 +145,7 @@ def confirm_with_exact_tier(problem: PushProblem, step: PushStep, contact: Conta
 
     The contacts were chosen by the closed form, whose friction limit may be off where the object
     turns as it slides; two fingers leave it no turning, and need no second look. Neither do
-    contacts that are much farther from toppling than it is ever off (`benchmarks.accuracy`).
+    contacts that are much farther from toppling than it is ever off (`benchmarks.calibration`).
     """
     if contact.among.fingers == 2:
         return True
