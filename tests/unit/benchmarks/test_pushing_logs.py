@@ -8,16 +8,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.pushing_logs.held_plates import held_motions
-from benchmarks.pushing_logs.log_errors import angle_errors, pose_errors
-from benchmarks.pushing_logs.planar_json import TIP_RADIUS, read_planar_push
-from benchmarks.pushing_logs.push_tables import write_recordings, write_touches
-from benchmarks.pushing_logs.triangle_logs import (
-    _FOLDER,
+from benchmarks.pushing_logs.logs import (
+    FOLDER,
     LOGS,
+    TIP_RADIUS,
     TrackedPush,
+    angle_errors,
+    held_motions,
+    pose_errors,
     read_log,
+    read_planar_push,
     triangle_model,
+    write_recordings,
+    write_touches,
 )
 from nlcontrol.learning.log_fitting import fit_files
 from objectmodels.exact.top_drag import LoadedPoints
@@ -34,7 +37,7 @@ TRUTH = triangle_model(LOG).model_copy(update={"friction": 0.30, "finger_frictio
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A copy of a repository with one log: fourteen pushes on one side, by a finger that sticks."""
     root = tmp_path_factory.mktemp("logs")
-    file = root / _FOLDER / LOGS[LOG]
+    file = root / FOLDER / LOGS[LOG]
     file.parent.mkdir(parents=True)
     lean = 0.02 * (np.arange(14) - 7)
     d = np.column_stack((np.sin(lean), np.cos(lean), np.zeros(14)))
