@@ -22,9 +22,7 @@ With `--record FILE` results are kept as they come, and a broken run goes on whe
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Sequence
-from concurrent.futures import Executor
 from pathlib import Path
 from typing import Literal, NamedTuple, get_args
 
@@ -244,7 +242,7 @@ def two_table(results: Sequence[Done]) -> str:
 TABLES = {"even": even_table, "varying": varying_table, "two": two_table}
 
 
-def main(executor: Executor | None = None) -> int:
+def main() -> None:
     """Answers a question and prints its table."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("question", choices=get_args(Question))
@@ -261,12 +259,9 @@ def main(executor: Executor | None = None) -> int:
         for name in options.objects
         for seed in range(options.seeds)
     ]
-    results = carried_out(
-        run, jobs, Done, executor=executor, workers=options.workers, record=options.record
-    )
+    results = carried_out(run, jobs, Done, workers=options.workers, record=options.record)
     print(TABLES[question](list(results.values())))
-    return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

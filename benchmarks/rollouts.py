@@ -1,13 +1,5 @@
 """Planning over the object model beside random shooting with roll-outs, for the same goals.
 
-One box stands alone, exactly as the registry believes. The planner gets the sentence; the search
-gets where the box should stand at the end, and rolls strokes of a fingertip out, in Drake and in
-MuJoCo (`benchmarks.worlds.strokes`), until one of them ends within `NEAR` and `TURNED` of it. It
-goes by rounds, each from the best stroke of the round before. A third of a round's strokes is drawn
-at random, a third along what is left of the way, and a third are variations of the best one. No arm
-is in either: neither kinematics nor obstacles are searched for by roll-outs, while the planner is
-timed without the arm's kinematics and with them.
-
     python -m benchmarks.rollouts [--seeds 3] [--budget 400] [--repetitions 5]
 
 MuJoCo is optional; without it its rows are left out.
@@ -15,16 +7,17 @@ MuJoCo is optional; without it its rows are left out.
 
 from __future__ import annotations
 
-import argparse
 import math
 import statistics
+import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.engines.single_pushes import WITHOUT_MUJOCO
+from benchmarks.commands import run_command
+from benchmarks.engines.single_pushes import HAS_MUJOCO, WITHOUT_MUJOCO
 from benchmarks.worlds.drake import DrakeBench
 from benchmarks.worlds.strokes import (
     Array,
@@ -122,16 +115,6 @@ def world() -> Scene:
     return scene_of("one box", [item], Vision(position_noise_m=0.0, angle_noise_deg=0.0))
 
 
-def engines() -> dict[str, Callable[[Scene], Bench]]:
-    """The engines that are installed."""
-    found: dict[str, Callable[[Scene], Bench]] = {"Drake": lambda scene: DrakeBench(scene, OBJECT)}
-    try:
-        from benchmarks.worlds.mujoco import MujocoBench
-    except ImportError:
-        return found
-    return found | {"MuJoCo": MujocoBench}
-
-
 def planned(goal: Goal, repetitions: int, *, kinematics: bool) -> tuple[list[float], str]:
     """Times of planning [s], the first one included, and why there is no plan, if so."""
     controller = Controller(world(), registry=Registry.built_in())
@@ -201,48 +184,53 @@ def _cost(off: float, angle: float) -> float:
     return max(off / NEAR, angle / TURNED)
 
 
-def table(goal: Goal, seeds: int, budget: int, repetitions: int) -> str:
-    """The times of one goal, and how many times as long as planning without kinematics they are."""
-    lines = [f"“{goal.text}”", f"{'':34} {'median s':>9} {'first s':>9} {'×':>8}"]
-    base = None
-    for kinematics in (False, True):
-        times, why = planned(goal, repetitions, kinematics=kinematics)
-        middle = statistics.median(times)
-        base = base or (None if why else middle)
-        name = f"planner, {'with' if kinematics else 'without'} kinematics"
-        lines.append(f"{name:34} {middle:9.4f} {times[0]:9.4f} {_ratio(middle, base):>8}")
-        if why:
-            lines.append(f"  no plan: {why}")
-    for name, engine in engines().items():
-        shots = [
-            shot(engine(world()), goal, budget, np.random.default_rng(seed))
-            for seed in range(seeds)
-        ]
-        middle = statistics.median(each.seconds for each in shots)
-        row = f"random shooting in {name}"
-        lines.append(f"{row:34} {middle:9.2f} {'':9} {_ratio(middle, base):>8}")
-        found = sum(each.found for each in shots)
-        best = ", ".join(f"{1e3 * s.off:.1f} mm {math.degrees(s.angle):.1f}°" for s in shots)
-        counts = ", ".join(str(each.rolled) for each in shots)
-        lines.append(f"  {found} of {seeds} as good; {counts} roll-outs; ended at {best}")
-    return "\n".join(lines)
+def rollouts(seeds: int = 3, budget: int = 400, repetitions: int = 5) -> None:
+    """Planning over the object model beside random shooting with roll-outs, for the same goals.
+
+    One box stands alone, exactly as the registry believes. The planner gets the sentence; the
+    search gets where the box should stand at the end, and rolls strokes of a fingertip out, in
+    Drake and in MuJoCo (`benchmarks.worlds.strokes`), until one sequence of them ends within `NEAR`
+    and `TURNED` of it, or `budget` strokes were rolled out. It goes by rounds, each from the best
+    stroke of the round before. A third of a round's strokes is drawn at random, a third along what
+    is left of the way, and a third are variations of the best one. No arm is in either: neither
+    kinematics nor obstacles are searched for by roll-outs, while the planner is timed without the
+    arm's kinematics and with them. Times are told beside that of planning without kinematics.
+    """
+    engines: dict[str, Callable[[Scene], Bench]] = {
+        "Drake": lambda scene: DrakeBench(scene, OBJECT)
+    }
+    if HAS_MUJOCO:
+        from benchmarks.worlds.mujoco import MujocoBench
+
+        engines["MuJoCo"] = MujocoBench
+    for goal in GOALS:
+        print(f"“{goal.text}”\n{'':34} {'median s':>9} {'first s':>9} {'×':>8}")
+        base = None
+        for kinematics in (False, True):
+            times, why = planned(goal, repetitions, kinematics=kinematics)
+            middle = statistics.median(times)
+            base = base or (None if why else middle)
+            name = f"planner, {'with' if kinematics else 'without'} kinematics"
+            print(f"{name:34} {middle:9.4f} {times[0]:9.4f} {_ratio(middle, base):>8}")
+            if why:
+                print(f"  no plan: {why}")
+        for name, engine in engines.items():
+            drawn = map(np.random.default_rng, range(seeds))
+            shots = [shot(engine(world()), goal, budget, rng) for rng in drawn]
+            middle = statistics.median(each.seconds for each in shots)
+            row = f"random shooting in {name}"
+            print(f"{row:34} {middle:9.2f} {'':9} {_ratio(middle, base):>8}")
+            found = sum(each.found for each in shots)
+            best = ", ".join(f"{1e3 * s.off:.1f} mm {math.degrees(s.angle):.1f}°" for s in shots)
+            counts = ", ".join(str(each.rolled) for each in shots)
+            print(f"  {found} of {seeds} as good; {counts} roll-outs; ended at {best}", flush=True)
+    if not HAS_MUJOCO:
+        print(WITHOUT_MUJOCO)
 
 
 def _ratio(seconds: float, base: float | None) -> str:
     return f"{seconds / base:,.3g}" if base else "-"
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--seeds", type=int, default=3, help="searches for each goal and engine")
-    parser.add_argument("--budget", type=int, default=400, help="roll-outs after which one ends")
-    parser.add_argument("--repetitions", type=int, default=5, help="of planning")
-    options = parser.parse_args()
-    for goal in GOALS:
-        print(table(goal, options.seeds, options.budget, options.repetitions), flush=True)
-    if "MuJoCo" not in engines():
-        print(WITHOUT_MUJOCO)
-
-
 if __name__ == "__main__":
-    main()
+    sys.exit(run_command(rollouts))
