@@ -42,7 +42,5 @@ def _add_options(parser: argparse.ArgumentParser, command: Command) -> None:
             parser.add_argument(name, type=kind)
         elif isinstance(default, tuple):
             parser.add_argument(flag, nargs="+", choices=default, default=default)
-        elif isinstance(default, bool):
-            parser.add_argument(flag, action="store_true")
         else:
             parser.add_argument(flag, type=kind, default=default)

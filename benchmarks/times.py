@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import gc
 import json
-import math
 import os
 import resource
 import shutil
@@ -22,6 +21,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -228,13 +228,11 @@ class PlanTime(NamedTuple):
     """How long a plan took.
 
     Attributes:
-        text: what was said.
         status: of the result.
         first: whether nothing was planned at its table before.
         spent, wall: processor and wall time [s].
     """
 
-    text: str
     status: str
     first: bool
     spent: float
@@ -245,13 +243,12 @@ def warm_plans(
     tables: int = 20,
     seed: int = 0,
     task: Sequence[str] = tuple(TASKS),
-    slow: float = math.inf,
 ) -> None:
     """How long plans take where others were made before, over varied tables and sentences.
 
     The process has planned the task before, at another table. Refusals are counted apart; so is
     the first plan at a table. Times are of `Controller.say(…, plan_only=True)`, from the words to
-    the result. What takes more than `slow` seconds is listed.
+    the result.
     """
     for name in task:
         _plan_times(TASKS[name], 1, seed + 1)  # the process warms up
@@ -262,9 +259,6 @@ def warm_plans(
         print(_plan_row("of them the first at a table", [each for each in made if each.first]))
         refused = [each for each in times if each.status != "planned"]
         print(_plan_row("refusals", refused), flush=True)
-        for each in times:
-            if each.spent > slow:
-                print(f"    {1e3 * each.spent:.0f} ms, {each.status}: {each.text}")
 
 
 def _plan_times(task: Task, tables: int, seed: int) -> list[PlanTime]:
@@ -283,7 +277,7 @@ def _plan_times(task: Task, tables: int, seed: int) -> list[PlanTime]:
             wall, spent = time.perf_counter(), time.process_time()
             status = controller.say(text, plan_only=True).status
             spent, wall = time.process_time() - spent, time.perf_counter() - wall
-            times.append(PlanTime(text, status, turn == 0, spent, wall))
+            times.append(PlanTime(status, turn == 0, spent, wall))
     return times
 
 
@@ -376,82 +370,47 @@ def _everything(scene: Scene) -> float:
 
 
 def predictions(pushes: int = 20_000, few: int = 500, repetitions: int = 5) -> None:
-    """Predictions a second: the tiers beside readable and numerical peers and engines.
+    """Predictions a second: both tiers beside a readable peer and engines, in the same run.
 
-    Every method takes random pushes of the same box. The peers take one push at a time: the seed's
-    reference model, and `scipy.optimize.linprog` for the largest push that forces at the corners
-    balance. A search over a face takes 10,000 candidates, each a contact and a direction in the
-    finger's friction cone, and finds the one farthest from toppling. The engines roll one push out
-    after another (`benchmarks.engines`).
+    Every tier takes random pushes of the same box; the peer, the seed's reference model, takes one
+    push at a time, and fewer. The engines roll one push out after another (`benchmarks.engines`).
     """
     import numpy as np
-    from scipy.optimize import linprog
 
     from benchmarks.engines.single_pushes import HAS_MUJOCO, WORLDS, silence_drake
-    from benchmarks.worlds.pushes import random_push, roll_out
+    from benchmarks.worlds.pushes import World, random_push, roll_out
     from objectmodels import BoxModel, Registry
     from tests.unit.objectmodels.mechanics.seed_model import SeedModel
 
     silence_drake()
     box = Registry.built_in().get("ice tea box")
-    assert isinstance(box, BoxModel)
     points, forces = random_pushes(box, pushes)
     directions = forces / np.linalg.norm(forces, axis=1, keepdims=True)
     corners = {"support": "corners", "friction_radius": np.hypot(0.09, 0.09) / 2}
     on_corners = BoxModel(**(box.model_dump() | corners))
-    reference, wrenches = SeedModel.of(box), _corner_wrenches(box)
-    weight = np.array([0.0, 0.0, -box.weight])
-    wrench = np.concatenate((weight, np.cross(box.com, weight)))
-    cost = np.append(np.zeros(wrenches.shape[1]), -1.0)
-    candidates = _candidates(box)
-    push = random_push(0, 0)
-
-    def closed_form() -> object:
-        return box.predict(points, forces).code
+    reference, push, some = SeedModel.of(box), random_push(0, 0), 10 * few
 
     def by_reference() -> object:
         return [reference.outcome(p, f) for p, f in zip(points[:few], forces[:few], strict=True)]
 
-    def by_linprog() -> object:
-        every = np.hstack((forces[:few], np.cross(points[:few], forces[:few])))
-        return [
-            linprog(cost, A_eq=np.column_stack((wrenches, each)), b_eq=-wrench).fun
-            for each in every
-        ]
+    def exactly(model: ObjectModel, count: int) -> object:
+        return model.thresholds(points[:count], directions[:count], exact=True)
 
-    def search() -> object:
-        """The candidate that slides with the largest room to toppling."""
-        t = box.thresholds(*candidates)
-        return np.argmax(np.where(t.slide < t.topple, t.topple - t.slide, -np.inf))
+    def rolled(world: Callable[[ObjectModel], World]) -> object:
+        return roll_out(world(push.model), push)
 
-    some = 10 * few
-    methods: dict[str, tuple[int, int, Callable[[], object]]] = {
-        "seed's reference": (few, repetitions, by_reference),
-        "closed form": (pushes, repetitions, closed_form),
-        "search over a face": (len(candidates[0]), repetitions, search),
-        "exact tier, four corners": (
-            pushes,
-            repetitions,
-            lambda: on_corners.thresholds(points, directions, exact=True),
-        ),
-        "exact tier, even pressure": (
-            some,
-            1,
-            lambda: box.thresholds(points[:some], directions[:some], exact=True),
-        ),
-        "largest push, linprog": (few, 1, by_linprog),
+    methods: dict[str, tuple[int, Callable[[], object]]] = {
+        "seed's reference": (few, by_reference),
+        "closed form": (pushes, lambda: box.predict(points, forces).code),
+        "exact tier, four corners": (pushes, partial(exactly, on_corners, pushes)),
+        "exact tier, even pressure": (some, partial(exactly, box, some)),
     }
     for engine in ("Drake", "MuJoCo") if HAS_MUJOCO else ("Drake",):
-        world = WORLDS[engine]
-        methods[f"roll-out, {engine}"] = (
-            1,
-            repetitions,
-            lambda world=world: roll_out(world(push.model), push),  # type: ignore[misc]
-        )
+        methods[f"roll-out, {engine}"] = 1, partial(rolled, WORLDS[engine])
     print(f"{'method':28} {'pushes':>8} {'per second':>12} {'× reference':>12}")
     base = 0.0
-    for name, (number, times, work) in methods.items():
-        rate = number / min(timed(work) for _ in range(times))
+    for name, (number, work) in methods.items():
+        rate = number / min(timed(work) for _ in range(repetitions))
         base = base or rate
         print(f"{name:28} {number:8d} {rate:12,.4g} {rate / base:12,.4g}", flush=True)
 
@@ -465,33 +424,6 @@ def random_pushes(box: ObjectModel, n: int) -> tuple[Array, Array]:
     directions = rng.normal(size=(n, 3)) * [1.0, 1.0, 0.4]
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     return points, directions * rng.uniform(0.1, 0.9, (n, 1)) * box.weight
-
-
-def _corner_wrenches(box: ObjectModel) -> Array:
-    """Wrenches of the eight edges of the friction pyramids at the base corners, shape (6, 32)."""
-    import numpy as np
-
-    x, y = box.extents[0] / 2, box.extents[1] / 2
-    columns = []
-    for corner in ((x, y, 0.0), (-x, y, 0.0), (-x, -y, 0.0), (x, -y, 0.0)):
-        for angle in 2 * np.pi * np.arange(8) / 8:
-            f = (box.friction * np.cos(angle), box.friction * np.sin(angle), 1.0)
-            columns.append(np.concatenate((f, np.cross(corner, f))))
-    return np.column_stack(columns)
-
-
-def _candidates(box: ObjectModel) -> tuple[Array, Array]:
-    """10,000 pushes on the front face: 20 × 20 contacts with 25 directions each."""
-    import numpy as np
-
-    face = box.faces()[2]
-    grid = np.meshgrid(np.linspace(-0.04, 0.04, 20), np.linspace(0.005, face.top - 0.005, 20))
-    points, normals = face.points_at(*(axis.ravel() for axis in grid))
-    slope = np.linspace(-0.6, 0.6, 5)
-    aside, up = (axis.ravel()[:, None] for axis in np.meshgrid(slope, slope))
-    u = -normals[:, None, :] + aside * np.array(face.tangent) + up * np.array([0.0, 0.0, 1.0])
-    u /= np.linalg.norm(u, axis=2, keepdims=True)
-    return np.repeat(points, 25, axis=0), u.reshape(-1, 3)
 
 
 _COUNT_FRAMES = """(async (seconds) => {

@@ -1,6 +1,6 @@
 """Models beside public logs, in a copy of the repository that holds them, robinzhoucmu/Pushing.
 
-python -m benchmarks.pushing_logs triangles FOLDER [--write OUT] [--training]
+python -m benchmarks.pushing_logs triangles FOLDER [--write OUT]
 python -m benchmarks.pushing_logs plates FOLDER
 """
 
@@ -34,21 +34,21 @@ _PLATES = Path("differential_flat", "exp_data", "robot_exp_logs")
 _WRITERS = {"touches": write_touches, "recordings": write_recordings}
 
 
-def triangles(folder: Path, write: Path | None = None, training: bool = False) -> None:
+def triangles(folder: Path, write: Path | None = None) -> None:
     """The models beside the ten public logs of zhou-2016.
 
     Of each log even pushes train and odd ones test. Columns: mean angle [°] of the untrained model
     on its known support, and of the fit that knows neither support nor friction, in both forms of
     data; mean error of the pose at the end [mm] on the known support (of the patch: the fitted one)
     with the finger's friction of the training half, by the loaded points and by the ellipsoid.
-    `--write OUT` keeps the data files and models, `--training` judges by training halves alone.
+    `--write OUT` keeps the data files and models.
     """
     rows: dict[str, dict[str, float]] = {}
     with TemporaryDirectory() as scratch:
         out = write or Path(scratch)
         out.mkdir(parents=True, exist_ok=True)
         for log in LOGS:
-            pushes = read_log(folder, log)[:: 2 if training else 1]
+            pushes = read_log(folder, log)
             rows[log] = _judged(log, pushes, out)
             _print_row(log, [rows[log]])
     _print_row("three feet", [row for log, row in rows.items() if "3pts" in log])
