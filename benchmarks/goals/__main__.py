@@ -3,7 +3,6 @@
     python -m benchmarks.goals --cases 200 --record goals.jsonl
     python -m benchmarks.goals --cases 200 --record goals.jsonl --confirm 30
     python -m benchmarks.goals --cases 20 --kinds rotate,tilt --no-run
-    python -m benchmarks.goals --alone --cases 10 --record alone.jsonl
     python -m benchmarks.goals --hard --cases 40 --execute-every 2 --record hard.jsonl --confirm 10
 
 A case depends on its seed and number alone: the options choose among them. With `--record` results
@@ -24,34 +23,24 @@ import numpy as np
 
 from benchmarks.goals.cases import Done, run
 from benchmarks.goals.confirm import confirmed
-from benchmarks.goals.sentences import KINDS, Kind, kind_of, pairs, said, target_of
+from benchmarks.goals.sentences import KINDS, Kind, kind_of, said
 from benchmarks.goals.tables import report
 from benchmarks.goals.worlds import Job
 from benchmarks.record import carried_out
-from nlcontrol.batches.drawn_scenes import pushable_models
-
-_MOST = 100_000  # numbers that are looked through for cases that are chosen
 
 
 def chosen(options: argparse.Namespace) -> list[Job]:
     """The first cases of each seed that the options choose."""
     seeds = range(options.seed, options.seed + options.seeds)
-    if options.alone:
-        end = options.first + options.cases * len(pairs())
-        return [job for s in seeds for job in _fitting(s, end, options)]
-    fitting = (_fitting(s, _MOST, options) for s in seeds)
+    fitting = (_fitting(s, options) for s in seeds)
     return [job for each in fitting for job in itertools.islice(each, options.cases)]
 
 
-def _fitting(seed: int, end: int, options: argparse.Namespace) -> Iterator[Job]:
-    for number in range(options.first, end):
+def _fitting(seed: int, options: argparse.Namespace) -> Iterator[Job]:
+    for number in itertools.count(options.first):
         executed = not options.plan_only and _is_drawn(seed, number, options.execute_every)
-        job = Job(
-            seed, number, options.bias, options.oblique, options.alone, options.hard, executed
-        )
-        if kind_of(job) in options.kinds and (
-            options.objects is None or target_of(job) in options.objects
-        ):
+        job = Job(seed, number, options.hard, executed)
+        if kind_of(job) in options.kinds:
             yield job
 
 
@@ -70,36 +59,19 @@ def _kinds(text: str) -> list[str]:
     return _listed(text)
 
 
-def _objects(text: str) -> list[str]:
-    names = [model.name for model in pushable_models()]
-    if set(_listed(text)) - set(names):
-        raise argparse.ArgumentTypeError(f"objects are {', '.join(names)}")
-    return _listed(text)
-
-
 def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--seed", type=int, default=0, help="the first one")
     parser.add_argument("--seeds", type=int, default=1, help="how many")
-    parser.add_argument(
-        "--alone", action="store_true", help="one object in a world, and exact goals"
-    )
     parser.add_argument("--hard", action="store_true", help="narrow, fallen, many, wide worlds")
     parser.add_argument("--plan-only", action="store_true", help="carry nothing out")
     parser.add_argument(
         "--execute-every", type=int, default=1, metavar="N", help="carry one of N out, by seed"
     )
-    parser.add_argument(
-        "--cases", type=int, default=len(KINDS), help="of each seed; alone, of each object and kind"
-    )
+    parser.add_argument("--cases", type=int, default=len(KINDS), help="of each seed")
     parser.add_argument("--first", type=int, default=0, help="number of the first case")
     parser.add_argument(
         "--kinds", type=_kinds, default=get_args(Kind), help="of goals, with commas"
-    )
-    parser.add_argument("--objects", type=_objects, help="that are spoken of, with commas")
-    parser.add_argument("--bias", action="store_true", help="a camera with constant errors too")
-    parser.add_argument(
-        "--oblique", type=float, default=45.0, help="largest angle of faces to the directions"
     )
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--record", type=Path, help="file of JSON lines")

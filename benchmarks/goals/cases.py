@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from pydantic import BaseModel, ConfigDict
 
-from benchmarks.goals.final import final
 from benchmarks.goals.sentences import Kind, beliefs_of, said
 from benchmarks.goals.true_judge import Verdict, judged
 from benchmarks.goals.worlds import Job
@@ -44,8 +43,6 @@ class Stage(BaseModel):
         probability: that the first plan stated; None without a plan.
         planning: time in which that plan, or the refusal, was made [s].
         plans: how many were made.
-        clauses: per check its clause and whether it held.
-        errors: see `benchmarks.goals.final`.
         met, broken: what the judge of `benchmarks.goals.true_judge` says.
     """
 
@@ -58,8 +55,6 @@ class Stage(BaseModel):
     probability: float | None
     planning: float
     plans: int
-    clauses: tuple[tuple[str, bool], ...]
-    errors: dict[str, float]
     met: bool | None = None
     broken: tuple[str, ...] = ()
 
@@ -126,14 +121,12 @@ class Watch:
         plans: every answer of the planner, a refusal included.
         planning: time of each [s].
         trace: of the whole step, if it was carried out.
-        checks: on it.
     """
 
     frame: Frame
     plans: list[Any] = field(default_factory=list)
     planning: list[float] = field(default_factory=list)
     trace: Trace | None = None
-    checks: tuple[Check, ...] = ()
 
     @property
     def plan(self) -> Plan | None:
@@ -196,7 +189,7 @@ class Watched(Controller):
         """See `Controller`; with it a step ends."""
         checks = super().check(frame, trace, *args, **settings)
         watch = self.watches[-1]
-        watch.frame, watch.trace, watch.checks = frame, trace, checks
+        watch.frame, watch.trace = frame, trace
         self._new = True
         return checks
 
@@ -218,9 +211,8 @@ def run(job: Job) -> Done:
     try:
         result = controller.say(sentence.text, plan_only=not job.executed)
         answering = None if job.executed else time.perf_counter() - start
-        turns = scene.object(sentence.target).truth.radius_m is None
         stages = tuple(
-            stage_of(step, watch, turns, controller.models)
+            stage_of(step, watch, controller.models)
             for step, watch in zip(result.steps, controller.watches, strict=False)
         )
     except Exception:  # one case that breaks must not end a run of hundreds
@@ -239,8 +231,8 @@ def run(job: Job) -> Done:
     )
 
 
-def stage_of(step: Step, watch: Watch, turns: bool, models: Mapping[str, ObjectModel]) -> Stage:
-    """What came of one step that was watched; `turns` tells whether its object has a heading."""
+def stage_of(step: Step, watch: Watch, models: Mapping[str, ObjectModel]) -> Stage:
+    """What came of one step that was watched."""
     # What is done once something was moved aside was planned by the search for that.
     plan, frame = watch.plan or step.plan, watch.frame
     truly = judged(frame, watch.trace, models) if watch.trace and plan else Verdict(None)
@@ -254,8 +246,6 @@ def stage_of(step: Step, watch: Watch, turns: bool, models: Mapping[str, ObjectM
         probability=plan.probability if plan else None,
         planning=watch.planning[0],
         plans=len(watch.plans),
-        clauses=tuple((check.clause, check.ok) for check in watch.checks),
-        errors=final(frame, watch.trace, plan, turns=turns) if watch.trace and plan else {},
         met=truly.met,
         broken=truly.broken,
     )

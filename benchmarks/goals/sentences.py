@@ -10,16 +10,12 @@ blindly and about anything; most of these should be refused. The words are those
 
 In hard worlds settings and their kinds take turns, and every sentence is drawn until it makes
 sense.
-
-Where an object stands alone, its case's number says which object and which goal (`pairs`), so that
-each comes equally often: something exact, without constraints, that makes sense wherever it can.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
 from typing import Literal, get_args
 
 from benchmarks.goals.hard_worlds import LIDDED, SETTINGS, Setting, hard_scene
@@ -54,9 +50,6 @@ SENSIBLE = 0.9
 TRIES = 30
 """Sentences that are drawn for a world before the last is taken as it is."""
 
-EXACT: tuple[Kind, ...] = ("displace", "rotate", "place", "topple", "tilt")
-"""Goals of an object that stands alone."""
-
 COMPOUND: tuple[Kind, ...] = ("steps", "carry")
 """What takes several actions."""
 
@@ -82,20 +75,12 @@ class Sentence:
     sensible: bool
 
 
-@cache
-def pairs() -> tuple[tuple[ObjectModel, Kind], ...]:
-    """Each object that may stand alone, with each goal that fits it."""
-    return tuple(
-        (model, kind) for model in pushable_models() for kind in EXACT if fits(kind, model)
-    )
-
-
 def kind_of(job: Job) -> Kind:
     """Kind of the goal of a case."""
     if job.hard:
         kinds = HARD[setting_of(job)]
         return kinds[job.number // len(SETTINGS) % len(kinds)]
-    return pairs()[job.number % len(pairs())][1] if job.alone else KINDS[job.number % len(KINDS)]
+    return KINDS[job.number % len(KINDS)]
 
 
 def setting_of(job: Job) -> Setting:
@@ -108,16 +93,10 @@ def beliefs_of(job: Job) -> Registry:
     return believed(wide=job.hard and setting_of(job) == "wide")
 
 
-def target_of(job: Job) -> str:
-    """Name of the object that a case is about."""
-    return pairs()[job.number % len(pairs())][0].name if job.alone else said(job)[1].target
-
-
 def said(job: Job) -> tuple[Scene, Sentence]:
     """The world of a case, and what is said in it."""
     rng, kind = generator(job), kind_of(job)
-    goals = _ALONE if job.alone else _GOALS
-    blind = not (job.alone or job.hard) and bool(rng.random() >= SENSIBLE)
+    blind = not job.hard and bool(rng.random() >= SENSIBLE)
     among = _among(job, kind, blind)
     if job.hard:
         scene = hard_scene(f"{job.seed}-{job.number}", setting_of(job), rng, among)
@@ -125,21 +104,19 @@ def said(job: Job) -> tuple[Scene, Sentence]:
         scene = drawn(job, rng, among)
     target, *others = (item.name for item in scene.objects)
     words = _Words(standing(scene)[target].model, others, rng)
-    text = goals[kind](words)
+    text = _GOALS[kind](words)
     if blind:
         return scene, Sentence(kind, target, text, sensible=False)
     robot = Controller(scene, registry=beliefs_of(job))
     for _ in range(TRIES - 1):
         if _sensible(text, robot):
             break
-        text = goals[kind](words)
+        text = _GOALS[kind](words)
     return scene, Sentence(kind, target, text, sensible=_sensible(text, robot))
 
 
 def _among(job: Job, kind: Kind, blind: bool) -> list[ObjectModel]:
     """Models, one of which is that of the target."""
-    if job.alone:
-        return [pairs()[job.number % len(pairs())][0]]
     if kind == "open":
         return [Registry.built_in().get(name) for name in LIDDED]
     if job.hard and setting_of(job) == "fallen":
@@ -355,18 +332,4 @@ _GOALS: dict[Kind, Callable[[_Words], str]] = {
     "lift": _lift,
     "carry": _carry,
     "open": _open,
-}
-
-_ALONE: dict[Kind, Callable[[_Words], str]] = {
-    "displace": lambda words: (
-        f"push {words.it} {words.whole(5, 30)} cm heading {words.whole(0, 359)} degrees"
-    ),
-    "rotate": lambda words: (
-        f"turn {words.it} {words.whole(10, 180)} degrees {words.one(SENSES[:2])}"
-    ),
-    "place": lambda words: (
-        f"push {words.it} to x {words.whole(42, 68) / 100:g} y {words.whole(-30, 30) / 100:g}"
-    ),
-    "topple": lambda words: f"topple {words.it} {words.one(SIDES)}",
-    "tilt": lambda words: f"tilt {words.it} by {words.whole(5, 15)} degrees {words.one(SIDES)}",
 }

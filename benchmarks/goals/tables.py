@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
 from typing import get_args
@@ -11,30 +10,12 @@ import numpy as np
 
 from benchmarks.goals.cases import Done, Stage
 from benchmarks.goals.hard_worlds import SETTINGS
-from benchmarks.goals.sentences import COMPOUND, EXACT, Kind, setting_of
-
-LEVELS = ((0.95, 0.97), (0.97, 0.99), (0.99, 1.0))
-"""Stated probabilities that are looked at together."""
-
-BOUNDS = {
-    "displace": {"along": (3.0, "mm"), "across": (3.0, "mm"), "yaw": (2.0, "°")},
-    "place": {"off": (5.0, "mm"), "yaw": (2.0, "°")},
-    "rotate": {"turn": (1.5, "°"), "drift": (8.0, "mm")},
-    "topple": {"side": (45.0, "°")},
-    "tilt": {"angle": (2.0, "°"), "back": (2.0, "°"), "drift": (8.0, "mm")},
-}
-"""Errors of each goal in the order of the table: what is hoped for, and its unit."""
-
-_UNITS = {"mm": 1e3, "°": math.degrees(1.0)}
-_SURE = 1.96  # standard deviations of an interval
+from benchmarks.goals.sentences import COMPOUND, Kind, setting_of
 
 
 def report(results: Sequence[Done]) -> str:
     """All tables."""
-    parts = (
-        counts, settings, truths, clauses, refusals, errors, objects, beyond, reliability, times,
-        failures,
-    )  # fmt: skip
+    parts = (counts, settings, truths, refusals, times, failures)
     return "\n\n".join(filter(None, (part(results) for part in parts)))
 
 
@@ -100,24 +81,6 @@ def _of(part: int, whole: int) -> str:
     return f"{part} of {whole} {part / whole:6.1%}" if whole else "-"
 
 
-def clauses(results: Sequence[Done]) -> str:
-    """Of what was carried out: how often each clause held."""
-    held: defaultdict[str, list[bool]] = defaultdict(list)
-    for stage in _stages(results):
-        by_clause: defaultdict[str, bool] = defaultdict(lambda: True)
-        for clause, ok in stage.clauses:
-            by_clause[clause] &= ok
-        for clause, ok in by_clause.items():
-            held[clause].append(ok)
-    if not held:
-        return ""
-    lines = [f"{'clause':14} {'violated':>18}"]
-    for clause, oks in sorted(held.items()):
-        lines.append(f"{clause:14} {_of(oks.count(False), len(oks)):>18}")
-    upright = held.get("no_topple", [])
-    return "\n".join([*lines, f"without toppling held: {_of(upright.count(True), len(upright))}"])
-
-
 def refusals(results: Sequence[Done]) -> str:
     """Why sentences were refused, and for which of them brute force can look."""
     by_reason: defaultdict[str, list[int]] = defaultdict(list)
@@ -130,105 +93,6 @@ def refusals(results: Sequence[Done]) -> str:
     lacking = Counter(done.capability or done.message for done in results if done.lacking)
     lines += [f"lacking {count:>3} ×: {message}" for message, count in lacking.most_common()]
     return "\n".join(lines) if len(lines) > 1 else ""
-
-
-def errors(results: Sequence[Done]) -> str:
-    """Final errors of each kind of goal: median and 95th percentile of their sizes."""
-    rows: defaultdict[tuple[str, str], list[float]] = defaultdict(list)
-    for stage in _stages(results):
-        for name, value in stage.errors.items():
-            rows[stage.goal, name].append(value)
-    if not rows:
-        return ""
-    lines = [f"{'goal':9} {'error':8} {'n':>4} {'median':>10} {'95 %':>10} {'within':>22}"]
-    for goal, bounds in BOUNDS.items():
-        for name, (bound, unit) in bounds.items():
-            if not (values := rows.get((goal, name))):
-                continue
-            sizes = _UNITS[unit] * np.abs(values)
-            middle, high = np.percentile(sizes, [50, 95])
-            inside = _of(int((sizes <= bound).sum()), len(sizes))
-            lines.append(
-                f"{goal:9} {name:8} {len(sizes):>4} {f'{middle:.2f} {unit}':>10}"
-                f" {f'{high:.2f} {unit}':>10} {f'{bound:g} {unit}: {inside}':>22}"
-            )
-    return "\n".join(lines)
-
-
-def objects(results: Sequence[Done]) -> str:
-    """Of objects that stood alone: median and 95th percentile of what each goal's errors are."""
-    alone = [done for done in results if done.job.alone]
-    if not alone:
-        return ""
-    lines = [f"{'object':13} {'goal':9} {'runs':>4} {'accepted':>8} {'satisfied':>9}  errors"]
-    names = sorted({done.target for done in alone})
-    for kind in EXACT:
-        each = [(name, [d for d in alone if (d.target, d.kind) == (name, kind)]) for name in names]
-        every = ("all", [done for done in alone if done.kind == kind])
-        lines += [_object(name, kind, some) for name, some in (*each, every) if some]
-    return "\n".join(lines)
-
-
-def _object(name: str, kind: str, results: Sequence[Done]) -> str:
-    accepted = [done for done in results if done.accepted]
-    satisfied = sum(done.status == "done" for done in accepted)
-    told = []
-    for error, (bound, unit) in BOUNDS[kind].items():
-        values = [s.errors[error] for s in _stages(accepted) if error in s.errors]
-        sizes = _UNITS[unit] * np.abs(values)
-        if error == "side":
-            told.append(f"side right {_of(int((sizes <= bound).sum()), len(accepted))}")
-        elif values:
-            middle, high = np.percentile(sizes, [50, 95])
-            told.append(f"{error} {middle:.2f}, {high:.2f} {unit}")
-    shown = f"{name:13} {kind:9} {len(results):>4} {len(accepted):>8} {satisfied:>9}"
-    return f"{shown}  {'; '.join(told)}".rstrip()
-
-
-def beyond(results: Sequence[Done]) -> str:
-    """Of objects that stood alone: the errors beyond what is hoped for."""
-    return "\n".join(
-        f"case {done.job.seed}-{done.job.number} {name} {_UNITS[unit] * error:.1f} {unit}: "
-        f"“{done.text}”"
-        for done in results
-        if done.job.alone
-        for stage in done.stages
-        for name, error in stage.errors.items()
-        for bound, unit in (BOUNDS[stage.goal][name],)
-        if abs(_UNITS[unit] * error) > bound
-    )
-
-
-def reliability(results: Sequence[Done]) -> str:
-    """How often plans succeeded, by the probability that they stated."""
-    lines = [f"{'stated':>12} {'plans':>6} {'mean':>7} {'observed':>9} {'95 % interval':>16}"]
-    for low, high in LEVELS:
-        last = high == 1.0
-        stages = [
-            stage
-            for stage in _stages(results)
-            if stage.probability is not None
-            and low <= stage.probability
-            and (last or stage.probability < high)
-        ]
-        if not stages:
-            continue
-        good = sum(stage.status == "done" for stage in stages)
-        mean = float(np.mean([stage.probability for stage in stages]))
-        a, b = wilson(good, len(stages))
-        lines.append(
-            f"{f'{low:.2f}–{high:.2f}':>12} {len(stages):>6} {mean:>7.3f}"
-            f" {good / len(stages):>9.3f} {f'{a:.3f}–{b:.3f}':>16}"
-        )
-    return "\n".join(lines) if len(lines) > 1 else ""
-
-
-def wilson(good: int, count: int) -> tuple[float, float]:
-    """Wilson's interval of a probability, of which `good` of `count` trials are known, at 95 %."""
-    z2 = _SURE**2
-    middle = (good + z2 / 2.0) / (count + z2)
-    half = _SURE * math.sqrt(good * (count - good) / count + z2 / 4.0) / (count + z2)
-    return middle - half, middle + half
 
 
 def times(results: Sequence[Done]) -> str:

@@ -1,7 +1,6 @@
 """Worlds drawn by seed, and what the robot believes there.
 
 A world is drawn as `nlcontrol.batches.drawn_scenes` says, and depends on its seed and number alone.
-In the worlds of some cases the object that is spoken of stands alone.
 """
 
 from __future__ import annotations
@@ -25,11 +24,7 @@ from nlcontrol.batches.drawn_scenes import (
 from objectmodels import ObjectModel, Registry
 from objectmodels.geometry.rotations import rot_z
 from planner.types.world_state import PlanarPose, SeenObject
-from sim.robots.cell_description import Vision
 from sim.truth.scene_file import Pose, Scene
-
-BIAS = Vision(position_bias_m=0.003, angle_bias_deg=1.5)
-"""The default camera with constant errors on top."""
 
 
 class Job(NamedTuple):
@@ -37,18 +32,12 @@ class Job(NamedTuple):
 
     Attributes:
         seed, number: which world and sentence.
-        bias: whether the camera has constant errors too.
-        oblique: largest angle between a face and the robot's directions [degrees]; 45 for any.
-        alone: whether one object stands there, and something exact is asked of it.
         hard: whether its world is one of `hard_worlds`.
         executed: whether it is carried out; else it is planned only.
     """
 
     seed: int
     number: int
-    bias: bool = False
-    oblique: float = 45.0
-    alone: bool = False
     hard: bool = False
     executed: bool = True
 
@@ -85,14 +74,7 @@ def drawn(job: Job, rng: Generator, among: Sequence[ObjectModel]) -> Scene:
         rng: its generator.
         among: models, one of which is that of the first object.
     """
-    return draw_scene_with(
-        f"{job.seed}-{job.number}",
-        rng,
-        among,
-        alone=job.alone,
-        oblique=job.oblique,
-        vision=BIAS if job.bias else None,
-    )
+    return draw_scene_with(f"{job.seed}-{job.number}", rng, among, alone=False)
 
 
 def standing(scene: Scene) -> dict[str, SeenObject]:

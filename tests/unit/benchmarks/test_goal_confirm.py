@@ -67,9 +67,12 @@ def test_without_ways_nothing_works() -> None:
 
 
 def _verdict(number: int, reason: str, verdict: Verdict) -> Confirmation:
-    job = Job(7, number, False, 45.0, False)
     return Confirmation(
-        job=Doubt(job, reason, 10), verdict=verdict, text="push it", refusal="no", found="a way"
+        job=Doubt(Job(7, number), reason, 10),
+        verdict=verdict,
+        text="push it",
+        refusal="no",
+        found="a way",
     )
 
 
