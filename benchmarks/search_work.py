@@ -1,4 +1,4 @@
-"""Prints what plans in the tight worlds of `benchmarks.goals` cost: work, and time of a core.
+"""Prints what plans in the worlds of `benchmarks.goals` cost: work, and time of a core.
 
     python -m benchmarks.search_work --cases 60
 
@@ -12,8 +12,8 @@ import sys
 import time
 from typing import Any
 
-from benchmarks.goals.sentences import said
-from benchmarks.goals.worlds import Job, believed
+from benchmarks.goals.drawn_worlds import believed
+from benchmarks.goals.sentences import Job, said
 from nlcontrol import Controller
 from planner import plan
 from planner.problem.planning_problem import SearchBudget

@@ -88,11 +88,11 @@ def sensible(frames: Sequence[g.Frame], state: WorldState) -> bool:
 
 def tips(model: ObjectModel) -> bool:
     """Whether an object topples before it slides when it is pushed high on one of its faces."""
-    return any(_onset(model, face, model.top - BELOW).topples for face in model.faces())
+    return any(onset(model, face, model.top - BELOW).topples for face in model.faces())
 
 
 @dataclass(frozen=True)
-class _Onset:
+class Onset:
     """How a push begins.
 
     Attributes:
@@ -105,11 +105,12 @@ class _Onset:
     force: float
 
 
-def _onset(model: ObjectModel, face: Face, height: float) -> _Onset:
+def onset(model: ObjectModel, face: Face, height: float) -> Onset:
+    """How a push into the middle of a face begins, so high above the table [m]."""
     point, normal = face.points_at(0.0, height)
     found = model.thresholds(point[None], -normal[None])
     topple, slide = float(found.topple[0]), float(found.slide[0])
-    return _Onset(topple < SPARE * slide, slide < SPARE * topple, float(found.onset[0]))
+    return Onset(topple < SPARE * slide, slide < SPARE * topple, float(found.onset[0]))
 
 
 @dataclass(frozen=True)
@@ -141,8 +142,6 @@ class _Thought:
         if not self._slides():
             return None
         return next((self._at(aim) for aim in self.asked.goal.aims if self._sent(aim)), None)
-
-    # -- over the table -----------------------------------------------------------------------
 
     def _at(self, aim: Aim) -> SeenObject:
         pose = self.target.pose
@@ -216,10 +215,8 @@ class _Thought:
         low, high = self._heights()
         if high < low:
             return False
-        onsets = [_onset(self.target.model, face, low) for face in self._faces(self.target)]
-        return all(onset.slides and self.asked.force.max >= FORCE * onset.force for onset in onsets)
-
-    # -- over an edge -------------------------------------------------------------------------
+        begun = [onset(self.target.model, face, low) for face in self._faces(self.target)]
+        return all(each.slides and self.asked.force.max >= FORCE * each.force for each in begun)
 
     def _tipped(self) -> SeenObject | None:
         """The object, turned to the direction if it had to be, if one of its faces will do."""
@@ -239,8 +236,8 @@ class _Thought:
         return replace(target, pose=replace(target.pose, yaw=target.pose.yaw + askew))
 
     def _tips(self, there: SeenObject, face: Face, height: float) -> bool:
-        onset = _onset(there.model, face, height)
-        if not onset.topples or self.asked.force.max < FORCE * onset.force:
+        begun = onset(there.model, face, height)
+        if not begun.topples or self.asked.force.max < FORCE * begun.force:
             return False
         inward = -np.array(face.normal)
         u = there.pose.R_WB @ inward
@@ -259,8 +256,6 @@ class _Thought:
         return all(
             free_travel(here, footprint(o), u[:2], self._apart(o)) >= over for o in self._others()
         )
-
-    # -- contacts -----------------------------------------------------------------------------
 
     def _heights(self) -> tuple[float, float]:
         """The lowest and the highest contact allowed [m]."""

@@ -4,7 +4,7 @@
 
 Each case is a line of the file of rows; those that are there already are not run again. The truth
 is that of the observer, clause by clause, and of a judge that reads nothing but true poses
-(`benchmarks.goals.true_judge`). `docs/benchmarks.md` says what is asked of each suite.
+(`benchmarks.goals.judge`). `docs/benchmarks.md` says what is asked of each suite.
 """
 
 from __future__ import annotations

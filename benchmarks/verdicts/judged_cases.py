@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.goals.true_judge import judged
+from benchmarks.goals.judge import judged
 from benchmarks.verdicts.cases import CAMERAS, Case
 from benchmarks.verdicts.moved_limits import moved_limits
 from benchmarks.verdicts.redrawn_frames import first_look, with_frames

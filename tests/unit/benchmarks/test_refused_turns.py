@@ -8,14 +8,12 @@ from functools import partial
 import numpy as np
 import pytest
 
-from benchmarks.conversations import talks
-from benchmarks.conversations.copied_process import result_in_copy
-from benchmarks.conversations.drawn_turns import Job, Turn, draw_scene
-from benchmarks.conversations.refused_turns import refusal_finding
-from benchmarks.conversations.talks import Said, wait_for_rest
-from benchmarks.conversations.true_places import moved, true_places
+from benchmarks.goals import talks
 from benchmarks.goals.cases import Watched
+from benchmarks.goals.drawn_turns import Job, Turn, draw_scene
+from benchmarks.goals.judge import moved, true_places
 from benchmarks.goals.refusal_judge import Finding, Refusal, judge_refusal, patient
+from benchmarks.goals.talks import Said, refusal_finding, result_in_copy, wait_for_rest
 from planner.types.defaults import DEFAULTS
 from planner.types.refusal import Refusal as Refused
 from sim import Scene, load_scene
