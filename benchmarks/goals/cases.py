@@ -92,11 +92,13 @@ class Watch:
         frame: what was asked; of what was left of it in the end if there was no check.
         plans: every answer of the planner, a refusal included.
         trace: of the whole step, if it was carried out.
+        models: what was believed of everything, when it was checked.
     """
 
     frame: Frame
     plans: list[Any] = field(default_factory=list)
     trace: Trace | None = None
+    models: Mapping[str, ObjectModel] = field(default_factory=dict)
 
     def plan_of(self, step: Step) -> Plan | None:
         """The first plan that could be carried out.
@@ -130,9 +132,9 @@ class Watched(Controller):
         """Begin to watch anew, for a further sentence."""
         self.watches, self._new = [], True
 
-    def true_verdicts(self, models: Mapping[str, ObjectModel] | None = None) -> list[Verdict]:
+    def true_verdicts(self) -> list[Verdict]:
         """What the judge of true poses says of each step that was carried out."""
-        return [judged(w.frame, w.trace, models or self.models) for w in self.watches if w.trace]
+        return [judged(w.frame, w.trace, w.models) for w in self.watches if w.trace]
 
     def plan(self, frame: Frame, *args: Any, **settings: Any) -> Any:
         """See `Controller`."""
@@ -154,7 +156,7 @@ class Watched(Controller):
         """See `Controller`; with it a step ends."""
         checks = super().check(frame, trace, *args, **settings)
         watch = self.watches[-1]
-        watch.frame, watch.trace = frame, trace
+        watch.frame, watch.trace, watch.models = frame, trace, dict(self.models)
         self._new = True
         return checks
 
@@ -190,7 +192,7 @@ def _said(job: Job, scene: Scene, sentence: Sentence) -> dict[str, Any]:
     begun = list(zip(result.steps, robot.watches, strict=False))
     accepted = bool(begun) and all(watch.plan_of(step) for step, watch in begun)
     verdicts = [
-        judged(watch.frame, watch.trace, robot.models)
+        judged(watch.frame, watch.trace, watch.models)
         for step, watch in begun
         if watch.trace and watch.plan_of(step)
     ]

@@ -79,28 +79,21 @@ class Finding(NamedTuple):
     found: str
 
 
-class Refusal(NamedTuple):
-    """What is judged.
-
-    Attributes:
-        target: name of the object that the sentence is about.
-        reason: class of the refusal.
-        tries: roll-outs in each round of the search.
-    """
-
-    target: str
-    reason: str
-    tries: int
-
-
 def judge_refusal(
-    robot: Watched, refusal: Refusal, rng: Generator, second: Callable[[], Finding]
+    robot: Watched,
+    target: str,
+    reason: str,
+    tries: int,
+    rng: Generator,
+    second: Callable[[], Finding],
 ) -> Finding:
     """Looks into the refusal that a robot gave last.
 
     Args:
         robot: in its world as it is now.
-        refusal: which.
+        target: name of the object that the sentence is about.
+        reason: class of the refusal.
+        tries: roll-outs in each round of the search.
         rng: to draw from.
         second: what a second search finds; for what no strokes do.
     """
@@ -113,18 +106,18 @@ def judge_refusal(
         return Finding("not looked for", error.info.message)
     world = simulation(robot.executor).world
     fragile = frozenset(item.name for item in world.scene.objects if item.fragile)
-    asked = Asked(watch.frame, refusal.target, robot.models, robot.table, fragile)
+    asked = Asked(watch.frame, target, robot.models, robot.table, fragile)
     poses = world.sample.poses
     nothing_done = all(each.trace is None for each in robot.watches)
     if nothing_done and not _is_made_by_strokes(watch, asked, poses):
         return second()
     if not upright(poses[asked.name]):
         return Finding("not looked for", f"the {asked.name} does not stand any more")
-    now, tries = _as_it_stands(world.scene, asked, poses), refusal.tries
+    now = _as_it_stands(world.scene, asked, poses)
     level = robot.defaults.probability
-    if refusal.reason in ("out_of_reach", "blocked", "out_of_time"):
+    if reason in ("out_of_reach", "blocked", "out_of_time"):
         return _unreachable(now, asked, level, tries, rng)
-    if refusal.reason == "too_uncertain":
+    if reason == "too_uncertain":
         believed = _with(now, asked.name, asked.model, np.zeros(7))
         found, rolled = search(believed, asked, tries, rng, enough=BEST)
         best, _ = likeliest(now, asked, found, rng)
@@ -374,7 +367,9 @@ def confirm(doubt: Doubt) -> Confirmation:
     result = robot.say(sentence.text, plan_only=not doubt.case.executed)
     finding = judge_refusal(
         robot,
-        Refusal(sentence.target, doubt.reason, doubt.tries),
+        sentence.target,
+        doubt.reason,
+        doubt.tries,
         np.random.default_rng((seed, doubt.case.number, doubt.tries)),
         lambda: second_search(fresh, fresh.command(sentence.text)),
     )

@@ -36,7 +36,7 @@ from benchmarks.goals.cases import Watched
 from benchmarks.goals.drawn_turns import TURNS, Job, Past, Turn, draw_scene, draw_turn
 from benchmarks.goals.drawn_worlds import believed
 from benchmarks.goals.judge import SLACK, STIRRED, Places, fallen, moved, true_places
-from benchmarks.goals.refusal_judge import Finding, Refusal, judge_refusal, second_search
+from benchmarks.goals.refusal_judge import Finding, judge_refusal, second_search
 from benchmarks.goals.refusal_judge import Verdict as RefusalVerdict
 from benchmarks.goals.sentences import SIDES
 from benchmarks.goals.tables import Columns, counters, grouped, share, table
@@ -245,7 +245,7 @@ def refusal_finding(job: Job, index: int, target: str, robot: Watched, result: R
         robot: that has refused it, and has done nothing since.
         result: its answer.
     """
-    refusal = Refusal(target, result.error.code if result.error else "", job.tries)
+    reason = result.error.code if result.error else ""
     rng = np.random.default_rng((job.seed, job.number, index, job.tries))
     # Its objects are resolved, so that "it" is what it was.
     said = g.Command(
@@ -253,7 +253,9 @@ def refusal_finding(job: Job, index: int, target: str, robot: Watched, result: R
     )
     second = partial(second_search, robot, said)
     try:
-        found: Finding = result_in_copy(partial(judge_refusal, robot, refusal, rng, second))
+        found: Finding = result_in_copy(
+            partial(judge_refusal, robot, target, reason, job.tries, rng, second)
+        )
     except RuntimeError as raised:  # one refusal that cannot be judged must not end a run of many
         return Finding("not looked for", str(raised))
     return found

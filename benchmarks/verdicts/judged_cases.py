@@ -20,16 +20,14 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 from scipy.spatial.transform import Rotation, Slerp
 
+from benchmarks.goals.cases import Watched
 from benchmarks.goals.judge import judged
 from benchmarks.record import Kept
 from benchmarks.verdicts.cases import CAMERAS, Job, case
-from grammar.frames.command import Frame
-from nlcontrol import Controller
 from nlcontrol.checks.frame_checks import check
 from nlcontrol.checks.own_accounts import Knowledge
 from nlcontrol.checks.own_verdicts import ToldClause, told_clauses, verdicts
 from nlcontrol.checks.verdicts import Check, holds
-from objectmodels import ObjectModel
 from sim.robots.cell_description import Vision
 from sim.simulated_executor import SimulatedExecutor
 from sim.traces.trace import Trace
@@ -117,17 +115,6 @@ class HidingRobot(SimulatedExecutor):
         return replace(trace, sightings=trace.sightings | shown)
 
 
-class RememberingController(Controller):
-    """A controller that keeps what its last verdict was made of."""
-
-    judged: tuple[Frame, Trace, dict[str, ObjectModel]]
-
-    def check(self, frame: Frame, trace: Trace) -> tuple[Check, ...]:
-        """A verdict for each clause; see `Controller.check`."""
-        self.judged = frame, trace, dict(self.models)
-        return super().check(frame, trace)
-
-
 def run(job: Job) -> Row:
     """The row of a case, with verdicts on frames of each camera that are drawn anew so often."""
     one = case(job.suite, job.number)
@@ -136,7 +123,7 @@ def run(job: Job) -> Row:
         robot.hidden = frozenset(robot.cell.names)
     elif one.trouble == "hidden":
         robot.hidden = frozenset([one.box])
-    controller = RememberingController(executor=robot)
+    controller = Watched(executor=robot)
     models = dict(controller.models)
     row = Row(job=job, sentence=one.sentence, trouble=one.trouble)
     try:
@@ -170,12 +157,13 @@ def _clause(check: Check) -> Clause:
     )
 
 
-def _redrawn(controller: RememberingController, times: int) -> dict[str, Any]:
+def _redrawn(controller: Watched, times: int) -> dict[str, Any]:
     """Verdicts on the last frame's motion with frames that are drawn anew, by camera.
 
     `redrawn` are those on the limits as they were asked, `moved` on limits near the truth.
     """
-    frame, trace, models = controller.judged
+    watch, trace = [(each, each.trace) for each in controller.watches if each.trace][-1]
+    frame, models = watch.frame, watch.models
     rng = np.random.default_rng([trace.seed, times])
     true = check(frame, trace, models, controller.table, defaults=controller.defaults)
     redrawn: dict[str, list[tuple[Clause, ...]]] = {camera: [] for camera in CAMERAS}
