@@ -24,13 +24,13 @@ import traceback
 from argparse import Namespace
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict
 
 from benchmarks.goals.cases import Watched
 from benchmarks.goals.drawn_turns import TURNS, Job, Past, Turn, draw_scene, draw_turn
@@ -57,11 +57,11 @@ ACTED = Finding("not looked for", "something was done before it was refused")
 _LOOKS = 10  # most that are waited until everything rests
 
 
-class Said(BaseModel):
+@dataclass(frozen=True)
+class Said(Turn):
     """What came of a turn.
 
     Attributes:
-        kind, text, target, feasible: see `benchmarks.goals.drawn_turns.Turn`.
         verdict: on it.
         status, reason, message: as in a result.
         told: its notes.
@@ -72,13 +72,7 @@ class Said(BaseModel):
         found: by what.
     """
 
-    model_config = ConfigDict(frozen=True)
-
-    kind: str
-    text: str
-    target: str
-    feasible: bool
-    verdict: Verdict
+    verdict: Verdict = "crashed"
     status: str = "crashed"
     reason: str = ""
     message: str = ""
@@ -91,10 +85,8 @@ class Said(BaseModel):
 
     def with_finding(self, finding: Finding) -> Said:
         """The turn with what was found about its refusal."""
-        right = finding.verdict == "confirmed"
-        changes = {"verdict": "rightly refused" if right else "refused",
-                   "judged": finding.verdict, "found": finding.found}  # fmt: skip
-        return self.model_copy(update=changes)
+        came: Verdict = "rightly refused" if finding.verdict == "confirmed" else "refused"
+        return replace(self, verdict=came, judged=finding.verdict, found=finding.found)
 
 
 class Talk(Kept[Job]):
@@ -138,12 +130,12 @@ def _say(
     before = true_places(robot.executor)
     turn = draw_turn(job, index, conversation, before, past)
     robot.forget_steps()
-    said = Said(**vars(turn), verdict="crashed")
+    said = Said(**vars(turn))
     try:
         result = conversation.say(turn.text)
     except Exception:  # one turn that breaks must not end a run of many
         text = traceback.format_exc(limit=-3)
-        return said.model_copy(update={"message": text}), Past(turn, (), before, done=False)
+        return replace(said, message=text), Past(turn, (), before, done=False)
     after = true_places(robot.executor)
     met, broken = _judged(turn, before, after, past, robot)
     stirred = bool(moved(before, after, STIRRED))
@@ -155,20 +147,20 @@ def _say(
     asked = {frame.object.id for frame in result.frames if frame.object and _may_fall(frame)}
     fell = [name for name in fallen(before, after) if name not in asked]
     stranded = list(dict.fromkeys([*fell, *_out_of_reach(robot, before, after)]))
-    error = result.error
-    changes = {
-        "verdict": came,
-        "status": result.status,
-        "reason": error.code if error else "",
-        "message": error.message if error else "",
-        "told": result.notes,
-        "broken": broken,
-        "stranded": tuple(stranded),
-        "untold": tuple(name for name in stranded if not is_told(result, name)),
-    }
-    said, done = said.model_copy(update=changes), result.status == "done"
+    said = replace(
+        said,
+        verdict=came,
+        status=result.status,
+        reason=result.error.code if result.error else "",
+        message=result.error.message if result.error else "",
+        told=result.notes,
+        broken=broken,
+        stranded=tuple(stranded),
+        untold=tuple(name for name in stranded if not is_told(result, name)),
+    )
     if finding is not None:
         said = said.with_finding(finding)
+    done = result.status == "done"
     return said, Past(turn, result.frames, before, done)
 
 
@@ -222,17 +214,13 @@ def _may_fall(frame: g.Frame) -> bool:
     return isinstance(frame.goal, g.Topple | g.Upright) or "tips" in events
 
 
-def _out_of_reach(robot: Watched, before: Places, after: Places) -> list[str]:
+def _out_of_reach(robot: Watched, before: Places, after: Places) -> Iterator[str]:
     """Names of what was moved to where the robot can neither push nor lift it."""
-    if robot.held is not None:
-        return []
-    return [name for name in moved(before, after) if not _is_reached(robot, name)]
-
-
-def _is_reached(robot: Watched, name: str) -> bool:
-    sentences = [f"push the {name} 5 cm {side}" for side in SIDES]
-    said = (*sentences, f"lift the {name} by 5 cm")
-    return any(robot.say(text, plan_only=True).status in ("planned", "done") for text in said)
+    for name in moved(before, after) if robot.held is None else ():
+        said = [f"push the {name} 5 cm {side}" for side in SIDES] + [f"lift the {name} by 5 cm"]
+        answers = (robot.say(text, plan_only=True).status for text in said)
+        if not any(status in ("planned", "done") for status in answers):
+            yield name
 
 
 def refusal_finding(job: Job, index: int, target: str, robot: Watched, result: Result) -> Finding:

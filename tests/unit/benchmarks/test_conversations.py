@@ -102,9 +102,7 @@ def test_what_fell_is_told_by_its_name() -> None:
 
 def test_the_report_counts_what_is_good_and_tells_the_rest() -> None:
     said = Said(kind="displace", text="a", target="tin", feasible=True, verdict="satisfied")
-    bad = said.model_copy(
-        update={"text": "b", "verdict": "failed", "stranded": ("tin",), "untold": ("tin",)}
-    )
+    bad = replace(said, text="b", verdict="failed", stranded=("tin",), untold=("tin",))
     text = report([Talk(job=Job(5, 0), turns=(said, bad))])
     total = text.splitlines()[3].split()
     assert total == ["in", "all", "1", "0", "0", "1", "0", "0", "1", "of", "2", "50.0%", "1", "1"]
