@@ -166,9 +166,8 @@ def run(job: Job) -> Done:
     scene, sentence = said(job)
     done = Done(job=job, kind=sentence.kind, text=sentence.text, sensible=sentence.sensible)
     try:
-        came = (
-            _said(job, scene, sentence) if sentence.wish is None else _wished(job, scene, sentence)
-        )
+        outcome = _said if sentence.wish is None else _wished
+        came = outcome(job, scene, sentence)
     except Exception:  # one case that breaks must not end a run of hundreds
         came = {"message": traceback.format_exc(limit=-3)}
     return done.model_copy(update=came)
@@ -225,8 +224,7 @@ def _wished(job: Job, scene: Scene, sentence: Sentence) -> dict[str, Any]:
         return came | {"executed": True, "met": met, "satisfied": good}
     if not (job.executed and accepted):
         return came
-    robot = Watched(scene, registry=registry, seed=job.seed)
-    result = robot.say(sentence.text)
+    result = Controller(scene, registry=registry, seed=job.seed).say(sentence.text)
     before = {
         item.name: TruePlace(
             Registry.built_in().get(item.model), item.pose.R_WB, item.p_WB, fragile=item.fragile
@@ -235,17 +233,13 @@ def _wished(job: Job, scene: Scene, sentence: Sentence) -> dict[str, Any]:
     }
     after = before if result.trace is None else _after(before, result.trace)
     met = is_met(wish, before, after)
-    return (
-        came
-        | _told(result)
-        | {
-            "executed": True,
-            "met": met,
-            "satisfied": met and result.status in GOOD,
-            "broken": tuple(harm(wish, before, after)),
-            "digest": robot.digest,
-        }
-    )
+    came |= _told(result)
+    return came | {
+        "executed": True,
+        "met": met,
+        "satisfied": met and result.status in GOOD,
+        "broken": tuple(harm(wish, before, after)),
+    }
 
 
 def _after(before: Mapping[str, TruePlace], trace: Trace) -> dict[str, TruePlace]:
