@@ -131,6 +131,8 @@ def parsed(arguments: Sequence[str] | None = None) -> argparse.Namespace:
     options.kinds = [kind.strip() for kind in options.kinds.split(",")] if options.kinds else []
     if set(options.kinds) - set(suite.kinds):
         parser.error(f"kinds are {', '.join(suite.kinds)}")
+    if options.no_run and suite.result is not cases.Done:
+        parser.error("sentences are listed of roomy, hard and several")
     return options
 
 
