@@ -125,7 +125,8 @@ def robot_of(job: Job) -> Controller:
 def world(job: Job) -> Scene:
     """The world of a job; it depends on its suite, its scene and its seed alone."""
     scene = load_scene(HANDS[job.sentence][0] if job.suite == "hands" else "kitchen")
-    rng, registry = np.random.default_rng(job.seed), Registry.built_in()
+    rng = np.random.default_rng(job.seed)
+    registry = believed(wide=True) if job.suite == "paper" else Registry.built_in()
     objects = [(item, registry.get(item.model)) for item in scene.objects]
     changed: dict[str, object] = {}
     match job.suite:
