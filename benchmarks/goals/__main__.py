@@ -148,8 +148,10 @@ def main(executor: Executor | None = None) -> int:
             print(f"{job} {sentence.kind}{label} ({len(scene.objects)} objects): {sentence.text}")
         return 0
     where: dict[str, Any] = {
-        "executor": executor, "workers": options.workers, "record": options.record,
-    }  # fmt: skip
+        "executor": executor,
+        "workers": options.workers,
+        "record": options.record,
+    }
     done = carried_out(
         suite.run,
         jobs,

@@ -246,8 +246,8 @@ def apart(seen: SeenObject, other: SeenObject) -> float:
     return gap(footprint(seen), footprint(other))
 
 
-_NEEDED: dict[Wished, int] = {"swap": 2, "row": 3, "together": 2, "between": 3, "clear": 2,
-                              "facing": 2, "all": 2}  # fmt: skip
+_NEEDED: dict[Wished, int] = dict.fromkeys(("swap", "together", "clear", "facing", "all"), 2)
+_NEEDED |= {"row": 3, "between": 3}
 """Things of which there must be several for a sentence."""
 _FITS: dict[Wished, Callable[[ObjectModel], bool]] = {
     "facing": lambda model: not isinstance(model, CylinderModel),

@@ -133,8 +133,9 @@ def world(job: Job) -> Scene:
         case "hands":
             drawn = [_shifted(item, model, rng) for item, model in objects]
         case "paper":
-            drawn = [item.model_copy(update={"truth": _doubted(model, rng)})
-                     for item, model in objects]  # fmt: skip
+            drawn = [
+                item.model_copy(update={"truth": _doubted(model, rng)}) for item, model in objects
+            ]
             changed["vision"] = VISION
         case "ten":
             mass, friction = shares(job.seed)
@@ -224,8 +225,11 @@ def run(job: Job) -> Done:
     except Exception:  # one case that breaks must not end the run
         return Done(job=job, status="crashed", message=traceback.format_exc(limit=-3))
     lessons = [lesson.text for step in result.steps for lesson in step.lessons]
-    missed = [f"{check.quantity} {check.measured} {check.unit}, asked {check.relation} "
-              f"{check.expected}" for check in result.checks if not check.ok]  # fmt: skip
+    missed = [
+        f"{check.quantity} {check.measured} {check.unit}, asked {check.relation} {check.expected}"
+        for check in result.checks
+        if not check.ok
+    ]
     return Done(
         job=job,
         status=result.status,

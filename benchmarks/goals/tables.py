@@ -19,8 +19,11 @@ Columns = dict[str, Callable[[Sequence[D]], object]]
 def table(groups: Mapping[str, Sequence[D]], columns: Columns[D]) -> str:
     """A line for each group that has results, with a cell for each column."""
     rows = [["", *columns]]
-    rows += [[name, *(str(cell(some)) for cell in columns.values())]
-             for name, some in groups.items() if some]  # fmt: skip
+    rows += [
+        [name, *(str(cell(some)) for cell in columns.values())]
+        for name, some in groups.items()
+        if some
+    ]
     widths = [max(map(len, cells)) for cells in zip(*rows, strict=True)]
     lines = (
         "  ".join([name.ljust(widths[0]), *map(str.rjust, cells, widths[1:])])

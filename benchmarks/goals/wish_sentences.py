@@ -87,10 +87,10 @@ def _push(kind: Wished, names: Sequence[str], rng: Generator) -> tuple[str, Wish
     moved, own = list(names[:1]), f"the {names[0]}"
     if kind == "all":
         a, b = names[:2]
-        choices = ((names[:2], f"both the {a} and the {b}"), (names[:2], f"the {a} and the {b}"),
-                   (names, "everything"), (names, "all of them"))  # fmt: skip
-        several, own = choices[int(rng.integers(len(choices)))]
-        moved = list(several)
+        own = (f"both the {a} and the {b}", f"the {a} and the {b}", "everything", "all of them")[
+            int(rng.integers(4))
+        ]
+        moved = list(names if own in ("everything", "all of them") else names[:2])
     text = f"push {own} {distance} cm {_PUSHED[way]}"
     if kind == "back":
         back = (", then put it back", " and then put it back where it was")
@@ -108,22 +108,29 @@ def _straightening(things: Sequence[SeenObject], rng: Generator) -> tuple[str, W
     if with_sides and rng.random() < 0.4:
         other = with_sides[0]
         return f"turn the {own} parallel to the {other}", Wish("straight", (own,), (other,))
-    choices = (f"straighten the {own}", f"turn the {own} parallel to the edge of the table",
-               f"align the {own} with the edge of the table")  # fmt: skip
+    choices = (
+        f"straighten the {own}",
+        f"turn the {own} parallel to the edge of the table",
+        f"align the {own} with the edge of the table",
+    )
     return choices[int(rng.integers(len(choices)))], Wish("straight", (own,))
 
 
 def _over_edge(own: str, rng: Generator) -> tuple[str, Wish]:
     """Over one of the table's edges, by a length or until it hangs over."""
     extent = SMALL_TABLE.extent
-    ends = {"left": extent.y_max, "right": -extent.y_min, "away": extent.x_max,
-            "toward": -extent.x_min}  # fmt: skip
     way = list(_EDGES)[int(rng.integers(len(_EDGES)))]
+    end = {
+        "left": extent.y_max,
+        "right": -extent.y_min,
+        "away": extent.x_max,
+        "toward": -extent.x_min,
+    }[way]
     verb, hangs = ("pull", "push", "slide")[int(rng.integers(3))], int(rng.integers(2, 6))
     words = f"{verb} the {own} over the {_EDGES[way]} edge"
     if rng.random() < 0.25:
-        return words, Wish("edge", (own,), way=way, edge=ends[way])
-    wish = Wish("edge", (own,), way=way, distance=hangs / 100.0, edge=ends[way])
+        return words, Wish("edge", (own,), way=way, edge=end)
+    wish = Wish("edge", (own,), way=way, distance=hangs / 100.0, edge=end)
     return f"{words} by {hangs} cm", wish
 
 

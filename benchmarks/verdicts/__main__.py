@@ -39,9 +39,11 @@ def table(rows: Sequence[Row]) -> str:
     told = Counter((c.verdict, c.ok) for _, c in clauses)
     lines.append(
         f"{len(clauses)} clauses: "
-        + ", ".join(f"{v} where truth {'held' if ok else 'did not'}: {n}"
-                    for (v, ok), n in sorted(told.items()))
-    )  # fmt: skip
+        + ", ".join(
+            f"{v} where truth {'held' if ok else 'did not'}: {n}"
+            for (v, ok), n in sorted(told.items())
+        )
+    )
     spans = [
         c.low - 1e-4 <= float(c.true or 0.0) <= c.high + 1e-4
         for _, c in clauses

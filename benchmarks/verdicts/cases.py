@@ -135,9 +135,10 @@ def case(suite: Suite, number: int) -> Case:
     scene = str(rng.choice(list(BOXES)))
     box, way = str(rng.choice(BOXES[scene])), str(rng.choice(WAYS))
     amounts = {
-        "cm": int(rng.integers(3, 13)), "deg": int(rng.integers(10, 61)),
+        "cm": int(rng.integers(3, 13)),
+        "deg": int(rng.integers(10, 61)),
         "tilt": int(rng.integers(5, 10)),
-    }  # fmt: skip
+    }
     if suite == "paper":
         return Case("kitchen", PAPER[number % 3], "ice tea box")
     if suite == "poured":
