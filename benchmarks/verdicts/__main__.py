@@ -1,6 +1,6 @@
 """How far the robot's own verdicts are right, by cases that are carried out.
 
-    python -m benchmarks.verdicts agree --cases 150 --camera standard --record rows.jsonl
+    python -m benchmarks.verdicts agree --cases 150 --record rows.jsonl
 
 The truth is that of the observer, clause by clause, and of a judge that reads nothing but true
 poses (`benchmarks.goals.judge`). `docs/benchmarks.md` says what is asked of each suite.
@@ -103,13 +103,12 @@ def main() -> int:
     parser.add_argument("suite", choices=SUITES)
     parser.add_argument("--cases", type=int, default=150)
     parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--camera", choices=CAMERAS, default="standard")
     parser.add_argument("--redrawn", type=int, default=0)
     parser.add_argument("--record", type=Path, help="file of JSON lines")
     parser.add_argument("--workers", type=int, default=1)
     options = parser.parse_args()
     numbers = range(options.first, options.first + options.cases)
-    jobs = [Job(options.suite, number, options.camera, options.redrawn) for number in numbers]
+    jobs = [Job(options.suite, number, options.redrawn) for number in numbers]
     done = carried_out(run, jobs, Row, workers=options.workers, record=options.record)
     rows = list(done.values())
     print(table(rows))

@@ -85,13 +85,11 @@ class Job(NamedTuple):
 
     Attributes:
         suite, number: which case.
-        camera: that sees its world.
         redrawn: how often frames of each camera are drawn anew.
     """
 
     suite: Suite
     number: int
-    camera: str = "standard"
     redrawn: int = 0
 
 
@@ -111,9 +109,9 @@ class Case:
     box: str
     trouble: Trouble = "none"
 
-    def world(self, camera: str) -> Scene:
-        """The scene of the case, seen by a camera."""
-        scene = load_scene(self.scene).model_copy(update={"vision": CAMERAS[camera]})
+    def world(self) -> Scene:
+        """The scene of the case, seen by the standard camera."""
+        scene = load_scene(self.scene).model_copy(update={"vision": CAMERAS["standard"]})
         truth = scene.object(self.box).truth
         wrong = {
             "slippery": {"friction_finger": 0.06},

@@ -118,7 +118,7 @@ class HidingRobot(SimulatedExecutor):
 def run(job: Job) -> Row:
     """The row of a case, with verdicts on frames of each camera that are drawn anew so often."""
     one = case(job.suite, job.number)
-    robot = HidingRobot(one.world(job.camera), seed=job.number)
+    robot = HidingRobot(one.world(), seed=job.number)
     if job.suite == "covered":
         robot.hidden = frozenset(robot.cell.names)
     elif one.trouble == "hidden":
