@@ -6,9 +6,8 @@
 Writes what `parse`, `plan` and `say` print with `--json`, exit codes included, and ends with 1 if
 an answer differs from the other file's, byte by byte. Sentences are drawn from the test set,
 understood and refused ones; what is planned and done names an object of its scene, half of it in
-the kitchen, the rest in each scene by turns. `python -m benchmarks.goals` keeps what is said in
-each case, the probabilities that its plans state and a digest of all traces, which `--goals`
-compares:
+the kitchen, the rest in each scene by turns. `python -m benchmarks.goals` keeps what is said and
+what comes of it, with a digest of all traces, which `--goals` compares case by case:
 
     python -m benchmarks.goals --cases 200 --seed 0 --record goals_after.jsonl
     python -m benchmarks.sameness after.jsonl --goals goals_before.jsonl goals_after.jsonl
@@ -92,10 +91,9 @@ def _by_job(path: Path) -> dict[str, Any]:
     answers: dict[str, Any] = {}
     for line in map(json.loads, path.read_text("utf-8").splitlines()):
         job, answer = line.pop("job"), line
-        if "stages" in line:
+        if "digest" in line:
             job = job[:2]
-            stated = [stage["probability"] for stage in line["stages"]]
-            answer = stated, *(line[key] for key in ("text", "status", "message", "digest"))
+            answer = {key: line[key] for key in ("text", "status", "message", "digest")}
         answers[json.dumps(job)] = answer
     return answers
 
