@@ -6,8 +6,8 @@
 Writes what `parse`, `plan` and `say` print with `--json`, exit codes included, and ends with 1 if
 an answer differs from the other file's, byte by byte. Sentences are drawn from the test set,
 understood and refused ones; what is planned and done names an object of its scene, half of it in
-the kitchen, the rest in each scene by turns. `python -m benchmarks.goals` keeps a digest of all
-traces of each case, which `--goals` compares in the same way:
+the kitchen, the rest in each scene by turns. `python -m benchmarks.goals` keeps what is said and
+what comes of it, with a digest of all traces, which `--goals` compares case by case:
 
     python -m benchmarks.goals --cases 200 --seed 0 --record goals_after.jsonl
     python -m benchmarks.sameness after.jsonl --goals goals_before.jsonl goals_after.jsonl
@@ -35,9 +35,6 @@ SCENES = ("kitchen", "breakfast", "counter", "pantry", "workbench")
 
 COUNTS = {"parse": 2000, "plan": 200, "say": 30}
 """Sentences of each command."""
-
-TIMES = frozenset({"planning", "wall", "answering"})
-"""Fields of a case of goals that are times on the clock."""
 
 
 class Question(BaseModel):
@@ -83,21 +80,22 @@ def answer(question: Question) -> Answer:
     return Answer(job=question, printed=printed.getvalue(), exit_code=exit_code)
 
 
-def differing(before: Path, after: Path, job: str = "job") -> list[str]:
-    """Jobs of a record that another one lacks or answers otherwise, times apart."""
-    first, second = (_by_job(path, job) for path in (before, after))
+def differing(before: Path, after: Path) -> list[str]:
+    """Jobs of a record that another one lacks or answers otherwise."""
+    first, second = (_by_job(path) for path in (before, after))
     return [key for key in sorted(first | second) if first.get(key) != second.get(key)]
 
 
-def _by_job(path: Path, job: str) -> dict[str, Any]:
-    lines = [json.loads(line) for line in path.read_text("utf-8").splitlines()]
-    return {json.dumps(line.pop(job)): _timeless(line) for line in lines}
-
-
-def _timeless(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _timeless(v) for key, v in value.items() if key not in TIMES}
-    return [_timeless(v) for v in value] if isinstance(value, list) else value
+def _by_job(path: Path) -> dict[str, Any]:
+    """What was answered, by question; of a case of goals by its seed and number, times apart."""
+    answers: dict[str, Any] = {}
+    for line in map(json.loads, path.read_text("utf-8").splitlines()):
+        job, answer = line.pop("job"), line
+        if "digest" in line:
+            job = job[:2]
+            answer = {key: line[key] for key in ("text", "status", "message", "digest")}
+        answers[json.dumps(job)] = answer
+    return answers
 
 
 def main() -> int:

@@ -296,13 +296,14 @@ def _plan_row(what: str, times: Sequence[PlanTime]) -> str:
 def search_work(
     seed: int = 0, first: int = 0, cases: int = 60, most_work: int = 1_000_000, slow: float = 0.5
 ) -> None:
-    """What plans in the tight worlds of `benchmarks.goals` cost: work, and time of a core.
+    """What plans in the worlds of `benchmarks.goals` cost: work, and time of a core.
 
     A quiet core does about four units of work (`most_work`) in a millisecond. Nothing is carried
     out. What takes `slow` seconds or more is listed.
     """
-    from benchmarks.goals.sentences import said
     from benchmarks.goals.worlds import Job, believed
+
+    from benchmarks.goals.sentences import said
     from nlcontrol import Controller
     from planner import plan
     from planner.problem.planning_problem import SearchBudget

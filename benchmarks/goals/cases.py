@@ -1,8 +1,9 @@
 """One case: its sentence said to a robot in its world, and what an observer saw of it.
 
 A case is plain data in and out, so that any process may run it: its number goes in, `Done` comes
-out. The robot is watched from outside, at the stages of its controller: which plan it made first
-and how long that took, what each step's trace was, how long executions took.
+out. The robot is watched from outside, at the stages of its controller: which plans it made, and
+what each step's trace was. A sentence about several things is planned, timed, before it is said to
+a robot that carries it out.
 """
 
 from __future__ import annotations
@@ -11,110 +12,76 @@ import hashlib
 import time
 import traceback
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict
 
-from benchmarks.goals.final import final
-from benchmarks.goals.sentences import Kind, beliefs_of, said
-from benchmarks.goals.true_judge import Verdict, judged
-from benchmarks.goals.worlds import Job
+from benchmarks.goals.judge import TruePlace, Verdict, judged
+from benchmarks.goals.sentences import Job, Kind, Sentence, beliefs_of, said
+from benchmarks.goals.wishes import Wished, harm, is_met, is_told
 from benchmarks.record import Kept
 from grammar.frames.command import Frame
-from nlcontrol import Controller
+from nlcontrol import Controller, Registry
 from nlcontrol.checks.verdicts import Check
 from objectmodels import ObjectModel
+from objectmodels.geometry.rotations import from_quaternion
 from planner.types.plan import Plan
+from sim.truth.scene_file import Scene
 
 if TYPE_CHECKING:
-    from nlcontrol.results.result import Step
+    from nlcontrol.results.result import Result, Step
     from sim.traces.trace import Trace
 
-
-class Stage(BaseModel):
-    """One step of a sentence.
-
-    Attributes:
-        goal: its kind; `until` if it lasts until an event.
-        status: as in a result.
-        planned: whether there was a plan at all.
-        reason: code of what stopped it; None if it was satisfied.
-        probability: that the first plan stated; None without a plan.
-        planning: time in which that plan, or the refusal, was made [s].
-        plans: how many were made.
-        clauses: per check its clause and whether it held.
-        errors: see `benchmarks.goals.final`.
-        met, broken: what the judge of `benchmarks.goals.true_judge` says.
-    """
-
-    model_config = ConfigDict(frozen=True)
-
-    goal: str
-    status: str
-    planned: bool
-    reason: str | None
-    probability: float | None
-    planning: float
-    plans: int
-    clauses: tuple[tuple[str, bool], ...]
-    errors: dict[str, float]
-    met: bool | None = None
-    broken: tuple[str, ...] = ()
+GOOD = ("done", "answered")
 
 
 class Done(Kept[Job]):
     """What came of a case.
 
     Attributes:
-        kind, target, text: what was said.
+        kind, text: what was said.
         sensible: whether a person would say it.
-        objects: how many stood there.
         status: as in a result, or `crashed`.
-        message: what it says of a failure.
-        capability: what the robot lacks, if that is it.
-        stages: the steps that were begun.
-        wall, simulated: time of all executions [s].
-        answering: time of the whole answer, if nothing was to be carried out [s].
+        reason, message: code and words of what stopped it.
+        accepted: whether every step that was begun had a plan, or there was nothing to plan.
+        executed: whether it was carried out, or answered.
+        satisfied: whether it came about.
+        met: False if the judge of true poses finds a goal missed; None if poses do not tell.
+        broken: kinds of the clauses that truly were broken, names of what fell or was stirred.
+        seconds: time of the answer if nothing is carried out, of the first plan of several things.
         digest: of all traces; equal if and only if they are equal bit for bit.
     """
 
-    kind: Kind
-    target: str
+    kind: Kind | Wished
     text: str
     sensible: bool
-    objects: int
-    status: str
+    status: str = "crashed"
+    reason: str = ""
     message: str = ""
-    capability: str = ""
-    stages: tuple[Stage, ...] = ()
-    wall: float = 0.0
-    simulated: float = 0.0
-    answering: float | None = None
+    accepted: bool = False
+    executed: bool = False
+    satisfied: bool = False
+    met: bool | None = None
+    broken: tuple[str, ...] = ()
+    seconds: float | None = None
     digest: str = ""
 
     @property
     def lacking(self) -> bool:
-        """Whether the robot lacks what it takes, so that neither success nor failure counts."""
+        """Whether the robot lacks what it takes."""
         return self.status in ("unsupported", "not_understood")
 
     @property
     def falsely_done(self) -> bool:
         """Whether it says that all was done, and a goal was truly missed."""
-        return self.status == "done" and any(stage.met is False for stage in self.stages)
+        return self.status in GOOD and self.met is False
 
     @property
-    def accepted(self) -> bool:
-        """Whether every step that was begun had a plan."""
-        return bool(self.stages) and all(stage.planned for stage in self.stages)
-
-    @property
-    def refused(self) -> str | None:
+    def refused(self) -> str:
         """Why it was refused, if it was."""
-        if self.lacking or self.status == "crashed" or self.accepted or not self.stages:
-            return None
-        return self.stages[-1].reason
+        counts = not (self.lacking or self.accepted or self.status == "crashed")
+        return self.reason if counts else ""
 
 
 @dataclass
@@ -124,21 +91,23 @@ class Watch:
     Attributes:
         frame: what was asked; of what was left of it in the end if there was no check.
         plans: every answer of the planner, a refusal included.
-        planning: time of each [s].
         trace: of the whole step, if it was carried out.
-        checks: on it.
+        models: what was believed of everything, when it was checked.
     """
 
     frame: Frame
     plans: list[Any] = field(default_factory=list)
-    planning: list[float] = field(default_factory=list)
     trace: Trace | None = None
-    checks: tuple[Check, ...] = ()
+    models: Mapping[str, ObjectModel] = field(default_factory=dict)
 
-    @property
-    def plan(self) -> Plan | None:
-        """The first plan."""
-        return next((made for made in self.plans if isinstance(made, Plan)), None)
+    def plan_of(self, step: Step) -> Plan | None:
+        """The first plan that could be carried out.
+
+        What is done once something was moved aside was planned by the search for that. A plan
+        whose step has no successor is not carried out.
+        """
+        plan = next((made for made in self.plans if isinstance(made, Plan)), step.plan)
+        return None if step.status in ("refused", "unsupported") else plan
 
 
 class Watched(Controller):
@@ -146,13 +115,11 @@ class Watched(Controller):
 
     Attributes:
         watches: a step each, in their order.
-        wall, simulated: time of all executions [s].
     """
 
     def __init__(self, *args: Any, **settings: Any) -> None:
         super().__init__(*args, **settings)
         self.watches: list[Watch] = []
-        self.wall = self.simulated = 0.0
         self._digest = hashlib.sha256()
         self._new = True
 
@@ -167,27 +134,20 @@ class Watched(Controller):
 
     def true_verdicts(self) -> list[Verdict]:
         """What the judge of true poses says of each step that was carried out."""
-        return [judged(w.frame, w.trace, self.models) for w in self.watches if w.trace]
+        return [judged(w.frame, w.trace, w.models) for w in self.watches if w.trace]
 
     def plan(self, frame: Frame, *args: Any, **settings: Any) -> Any:
-        """See `Controller`; the time that it takes is noted."""
+        """See `Controller`."""
         if self._new:
             self.watches.append(Watch(frame))
             self._new = False
-        watch, start = self.watches[-1], time.perf_counter()
-        try:
-            made = super().plan(frame, *args, **settings)
-        finally:
-            watch.planning.append(time.perf_counter() - start)
-        watch.plans.append(made)
+        made = super().plan(frame, *args, **settings)
+        self.watches[-1].plans.append(made)
         return made
 
     def execute(self, *args: Any, **settings: Any) -> Trace:
-        """See `Controller`; the time that it takes is noted."""
-        began, start = self.executor.time, time.perf_counter()
+        """See `Controller`."""
         trace = super().execute(*args, **settings)
-        self.wall += time.perf_counter() - start
-        self.simulated += self.executor.time - began
         for values in (trace.time, trace.joints, *trace.poses.values()):
             self._digest.update(np.ascontiguousarray(values).tobytes())
         return trace
@@ -196,7 +156,7 @@ class Watched(Controller):
         """See `Controller`; with it a step ends."""
         checks = super().check(frame, trace, *args, **settings)
         watch = self.watches[-1]
-        watch.frame, watch.trace, watch.checks = frame, trace, checks
+        watch.frame, watch.trace, watch.models = frame, trace, dict(self.models)
         self._new = True
         return checks
 
@@ -204,58 +164,90 @@ class Watched(Controller):
 def run(job: Job) -> Done:
     """Carries out a case, or only plans it; what it stumbles over is a result too."""
     scene, sentence = said(job)
-    done = Done(
-        job=job,
-        kind=sentence.kind,
-        target=sentence.target,
-        text=sentence.text,
-        sensible=sentence.sensible,
-        objects=len(scene.objects),
-        status="crashed",
-    )
-    controller = Watched(scene, registry=beliefs_of(job), seed=job.seed)
-    start = time.perf_counter()
+    done = Done(job=job, kind=sentence.kind, text=sentence.text, sensible=sentence.sensible)
     try:
-        result = controller.say(sentence.text, plan_only=not job.executed)
-        answering = None if job.executed else time.perf_counter() - start
-        turns = scene.object(sentence.target).truth.radius_m is None
-        stages = tuple(
-            stage_of(step, watch, turns, controller.models)
-            for step, watch in zip(result.steps, controller.watches, strict=False)
-        )
+        outcome = _said if sentence.wish is None else _wished
+        came = outcome(job, scene, sentence)
     except Exception:  # one case that breaks must not end a run of hundreds
-        return done.model_copy(update={"message": traceback.format_exc(limit=-3)})
-    return done.model_copy(
-        update={
-            "status": result.status,
-            "message": result.error.message if result.error else "",
-            "capability": (result.error.capability or "") if result.error else "",
-            "stages": stages,
-            "wall": controller.wall,
-            "simulated": controller.simulated,
-            "answering": answering,
-            "digest": controller.digest,
-        }
-    )
+        came = {"message": traceback.format_exc(limit=-3)}
+    return done.model_copy(update=came)
 
 
-def stage_of(step: Step, watch: Watch, turns: bool, models: Mapping[str, ObjectModel]) -> Stage:
-    """What came of one step that was watched; `turns` tells whether its object has a heading."""
-    # What is done once something was moved aside was planned by the search for that.
-    plan, frame = watch.plan or step.plan, watch.frame
-    truly = judged(frame, watch.trace, models) if watch.trace and plan else Verdict(None)
-    until = any(clause.kind == "until" for clause in frame.constraints)
-    return Stage(
-        goal="until" if until else frame.goal.kind,
-        status=step.status,
-        # A plan whose step has no successor is not carried out.
-        planned=plan is not None and step.status not in ("refused", "unsupported"),
-        reason=step.error.code if step.error else None,
-        probability=plan.probability if plan else None,
-        planning=watch.planning[0],
-        plans=len(watch.plans),
-        clauses=tuple((check.clause, check.ok) for check in watch.checks),
-        errors=final(frame, watch.trace, plan, turns=turns) if watch.trace and plan else {},
-        met=truly.met,
-        broken=truly.broken,
-    )
+def _told(result: Result) -> dict[str, Any]:
+    """What a result says of itself."""
+    error = result.error
+    return {
+        "status": result.status,
+        "reason": error.code if error else "",
+        "message": error.message if error else "",
+    }
+
+
+def _said(job: Job, scene: Scene, sentence: Sentence) -> dict[str, Any]:
+    """What came of a sentence whose steps are judged one by one."""
+    robot, start = Watched(scene, registry=beliefs_of(job), seed=job.seed), time.perf_counter()
+    result = robot.say(sentence.text, plan_only=not job.executed)
+    seconds = time.perf_counter() - start
+    begun = list(zip(result.steps, robot.watches, strict=False))
+    accepted = bool(begun) and all(watch.plan_of(step) for step, watch in begun)
+    verdicts = [
+        judged(watch.frame, watch.trace, watch.models)
+        for step, watch in begun
+        if watch.trace and watch.plan_of(step)
+    ]
+    known = [each.met for each in verdicts if each.met is not None]
+    met = all(known) if known else None
+    error = begun[-1][0].error if begun else None
+    return _told(result) | {
+        "reason": error.code if error else "",
+        "accepted": accepted,
+        "executed": job.executed and accepted,
+        "satisfied": accepted and result.status == "done",
+        "met": met,
+        "broken": tuple(kind for each in verdicts if each.met for kind in each.broken),
+        "seconds": None if job.executed else seconds,
+        "digest": robot.digest,
+    }
+
+
+def _wished(job: Job, scene: Scene, sentence: Sentence) -> dict[str, Any]:
+    """What came of a sentence about several things, judged by where they were and are."""
+    wish, registry = sentence.wish, beliefs_of(job)
+    assert wish is not None, "it is about several things"
+    start = time.process_time()
+    planned = Controller(scene, registry=registry, seed=job.seed).say(sentence.text, plan_only=True)
+    accepted = planned.status in ("planned", "answered", "done")
+    came = _told(planned) | {"seconds": time.process_time() - start, "accepted": accepted}
+    if planned.answer is not None:
+        met = is_told(wish, sentence.text, planned.answer.text, scene.names)
+        good = met and planned.status in GOOD
+        return came | {"executed": True, "met": met, "satisfied": good}
+    if not (job.executed and accepted):
+        return came
+    result = Controller(scene, registry=registry, seed=job.seed).say(sentence.text)
+    before = {
+        item.name: TruePlace(
+            Registry.built_in().get(item.model), item.pose.R_WB, item.p_WB, fragile=item.fragile
+        )
+        for item in scene.objects
+    }
+    after = before if result.trace is None else _after(before, result.trace)
+    met = is_met(wish, before, after)
+    came |= _told(result)
+    return came | {
+        "executed": True,
+        "met": met,
+        "satisfied": met and result.status in GOOD,
+        "broken": tuple(harm(wish, before, after)),
+    }
+
+
+def _after(before: Mapping[str, TruePlace], trace: Trace) -> dict[str, TruePlace]:
+    """Where everything truly is in the end."""
+    after = {}
+    for name, was in before.items():
+        poses = trace.poses[name]
+        ways = np.linalg.norm(poses[:, 4:6] - was.p_WB[:2], axis=1)
+        R_WB, p_WB = from_quaternion(poses[-1, :4]), poses[-1, 4:]
+        after[name] = replace(was, R_WB=R_WB, p_WB=p_WB, farthest=float(ways.max()))
+    return after

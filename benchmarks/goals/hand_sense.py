@@ -69,25 +69,29 @@ def may_be_held_lying(target: SeenObject, state: WorldState) -> bool:
     others = [other for name, other in state.objects.items() if name != target.name]
     high = [footprint(other) for other in others if other.bulk()[1] > 0.5 * target.model.top]
     return any(
-        _is_strong_enough(target, width)
-        and not any(overlaps(_swept(middle, closing, width), each, 0.0) for each in high)
-        for middle, closing, width in _pairs(target)
+        _is_strong_enough(target, width) and not any(overlaps(swept, each, 0.0) for each in high)
+        for width, swept in _pairs(target)
     )
 
 
-def _pairs(target: SeenObject) -> Iterator[tuple[Array, Array, float]]:
-    """Pairs of opposite sides: middle, shape (2,) [m], direction across in W, (2,), and width."""
+def _pairs(target: SeenObject) -> Iterator[tuple[float, Array]]:
+    """Width across pairs of opposite sides, and where fingers come to them, shape (4, 2) [m]."""
     faces = target.model.faces(_HEADINGS - target.pose.yaw)
     R_WB, p_WB = target.pose.R_WB, target.pose.p_WB
     for one, other in itertools.product(faces, faces):
         n, m = np.array(one.normal), np.array(other.normal)
         if one.curvature and one is other:
-            axis = np.array(one.centre) - n / one.curvature
-            yield (R_WB @ axis + p_WB)[:2], (R_WB @ n)[:2], 2.0 / one.curvature
+            middle, width = np.array(one.centre) - n / one.curvature, 2.0 / one.curvature
         elif not one.curvature and n @ m < _PARALLEL - 1.0 and abs(n[2]) < _PARALLEL:
             middle = 0.5 * (np.array(one.centre) + np.array(other.centre))
             width = float((np.array(one.centre) - np.array(other.centre)) @ n)
-            yield (R_WB @ middle + p_WB)[:2], (R_WB @ n)[:2], width
+        else:
+            continue
+        closing = (R_WB @ n)[:2]
+        a = (0.5 * width + FINGERS) * closing
+        b = 0.5 * BREADTH * np.array([-closing[1], closing[0]])
+        at = (R_WB @ middle + p_WB)[:2]
+        yield width, np.array([at + a + b, at - a + b, at - a - b, at + a - b])
 
 
 def _is_strong_enough(target: SeenObject, width: float) -> bool:
@@ -100,10 +104,3 @@ def _is_strong_enough(target: SeenObject, width: float) -> bool:
     needed = RESERVE * GRAVITY * model.mass / (2.0 * friction)
     borne = np.inf if model.grasp is None else model.grasp.crush
     return bool(needed <= min(posture.grip.strongest, borne))
-
-
-def _swept(middle: Array, closing: Array, width: float) -> Array:
-    """Rectangle over which fingers come to a pair of sides, shape (4, 2) [m]."""
-    along = np.array([-closing[1], closing[0]])
-    a, b = (0.5 * width + FINGERS) * closing, 0.5 * BREADTH * along
-    return np.array([middle + a + b, middle - a + b, middle - a - b, middle + a - b])

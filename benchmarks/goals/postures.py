@@ -103,9 +103,7 @@ def _clear_hands(
     middle = posture.tips.mean(axis=0)
     for k, point in enumerate(points):
         placed = place_spheres(parts, R_WP, point - R_WP @ middle)
-        free &= height_above_table(placed).min(axis=-1) > 0.0
-        for name in _in_the_way(state, pushed, k):
-            free &= _distance(placed, state, name).min(axis=-1) > _apart(name, pushed, state)
+        free &= _are_clear(placed, pushed, k, state)
     return free
 
 
@@ -129,29 +127,19 @@ def _arm_reaches(
         if not ok.any():
             return False
         rows = np.nonzero(ok)
-        links = mount.arm_spheres(q[rows])
-        clear = height_above_table(links).min(axis=-1) > 0.0
-        for name in _in_the_way(state, pushed, k):
-            clear &= _distance(links, state, name).min(axis=-1) > _apart(name, pushed, state)
-        ok[rows] = clear
+        ok[rows] = _are_clear(mount.arm_spheres(q[rows]), pushed, k, state)
     return bool(ok.any())
 
 
-def _in_the_way(state: WorldState, pushed: str, point: int) -> list[str]:
-    """The objects; the one that is pushed has moved on after the first point."""
-    return [name for name in state.objects if name != pushed or point == 0]
-
-
-def _apart(name: str, pushed: str, state: WorldState) -> float:
-    """By what the hand is clear of an object [m]."""
-    if name == pushed:
-        return 0.0
-    return FRAGILE_CLEARANCE if state.objects[name].fragile else UNSEEN
-
-
-def _distance(placed: Array, state: WorldState, name: str) -> Array:
-    """Of spheres in W from an object [m]."""
-    seen = state.objects[name]
-    R_BW = seen.pose.R_WB.T
-    inside = place_spheres(placed, R_BW, -R_BW @ seen.pose.p_WB)
-    return distance_to_prism(inside, seen.model.outline, seen.model.top)
+def _are_clear(placed: Array, pushed: str, point: int, state: WorldState) -> NDArray[np.bool_]:
+    """Which sets of spheres in W are clear of the table and of the objects at a point."""
+    clear = np.asarray(height_above_table(placed).min(axis=-1) > 0.0)
+    for name, seen in state.objects.items():
+        if name == pushed and point > 0:  # it has moved on
+            continue
+        apart = FRAGILE_CLEARANCE if seen.fragile else UNSEEN
+        R_BW = seen.pose.R_WB.T
+        inside = place_spheres(placed, R_BW, -R_BW @ seen.pose.p_WB)
+        distances = distance_to_prism(inside, seen.model.outline, seen.model.top)
+        clear &= distances.min(axis=-1) > (0.0 if name == pushed else apart)
+    return clear

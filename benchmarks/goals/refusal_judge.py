@@ -1,4 +1,4 @@
-"""Was a refusal right? A search by brute force for what was refused, by the class of the refusal.
+"""Were refusals right? A search by brute force for what was refused, by the class of the refusal.
 
 | refused as | confirmed if |
 |---|---|
@@ -23,15 +23,22 @@ finds it done; if not, it is `unlikely`.
 from __future__ import annotations
 
 import math
+import sys
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import replace
-from typing import Literal, NamedTuple
+from pathlib import Path
+from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 
-from benchmarks.goals.cases import Watch, Watched
+from benchmarks.goals.cases import Done, Watch, Watched
 from benchmarks.goals.postures import reachable
 from benchmarks.goals.search import Asked, Found, repeated, search, seen
+from benchmarks.goals.sentences import Job, beliefs_of, said
+from benchmarks.goals.tables import Columns, counters, grouped, table
+from benchmarks.record import Kept, carried_out
 from benchmarks.worlds.strokes import Array, Generator, heading_of, upright
 from grammar.frames.command import Command
 from nlcontrol.checks.frame_checks import require_checkable
@@ -39,6 +46,7 @@ from nlcontrol.errors import ControlError
 from objectmodels import ObjectModel
 from planner.problem.planning_problem import is_handled
 from planner.types.defaults import Defaults
+from planner.types.plan import Plan
 from planner.types.world_state import WorldState
 from sim.simulated_executor import simulation
 from sim.truth.object_truth import truth_as_believed
@@ -71,28 +79,21 @@ class Finding(NamedTuple):
     found: str
 
 
-class Refusal(NamedTuple):
-    """What is judged.
-
-    Attributes:
-        target: name of the object that the sentence is about.
-        reason: class of the refusal.
-        tries: roll-outs in each round of the search.
-    """
-
-    target: str
-    reason: str
-    tries: int
-
-
 def judge_refusal(
-    robot: Watched, refusal: Refusal, rng: Generator, second: Callable[[], Finding]
+    robot: Watched,
+    target: str,
+    reason: str,
+    tries: int,
+    rng: Generator,
+    second: Callable[[], Finding],
 ) -> Finding:
     """Looks into the refusal that a robot gave last.
 
     Args:
         robot: in its world as it is now.
-        refusal: which.
+        target: name of the object that the sentence is about.
+        reason: class of the refusal.
+        tries: roll-outs in each round of the search.
         rng: to draw from.
         second: what a second search finds; for what no strokes do.
     """
@@ -105,28 +106,35 @@ def judge_refusal(
         return Finding("not looked for", error.info.message)
     world = simulation(robot.executor).world
     fragile = frozenset(item.name for item in world.scene.objects if item.fragile)
-    asked = Asked(watch.frame, refusal.target, robot.models, robot.table, fragile)
+    asked = Asked(watch.frame, target, robot.models, robot.table, fragile)
     poses = world.sample.poses
     nothing_done = all(each.trace is None for each in robot.watches)
     if nothing_done and not _is_made_by_strokes(watch, asked, poses):
         return second()
     if not upright(poses[asked.name]):
         return Finding("not looked for", f"the {asked.name} does not stand any more")
-    now, tries = _as_it_stands(world.scene, asked, poses), refusal.tries
+    now = _as_it_stands(world.scene, asked, poses)
     level = robot.defaults.probability
-    match refusal.reason:
-        case "too_uncertain":
-            return _uncertain(now, asked, level, tries, rng)
-        case "out_of_reach" | "blocked" | "out_of_time":
-            return _unreachable(now, asked, robot.models, level, tries, rng)
-    return _impossible(now, asked, tries, rng)
+    if reason in ("out_of_reach", "blocked", "out_of_time"):
+        return _unreachable(now, asked, level, tries, rng)
+    if reason == "too_uncertain":
+        believed = _with(now, asked.name, asked.model, np.zeros(7))
+        found, rolled = search(believed, asked, tries, rng, enough=BEST)
+        best, _ = likeliest(now, asked, found, rng)
+        text = f"the best of {len(found)} ways found in {rolled} roll-outs succeeds in {best:.0%}"
+        return Finding("confirmed" if best < level else "unconfirmed", text)
+    found, rolled = search(now, asked, tries, rng)
+    if found:
+        return Finding("unconfirmed", f"{_told(found[0])} do it, found after {rolled} roll-outs")
+    return Finding("confirmed", f"nothing in {rolled} roll-outs")
 
 
 def _is_made_by_strokes(watch: Watch, asked: Asked, poses: Mapping[str, Array]) -> bool:
     """Whether strokes may do what was refused: it is the first step, and about what stands."""
     named = [name for name in poses if name == asked.name or asked.speaks_of(name)]
     stand = all(upright(poses[name]) for name in named)
-    return watch.plan is None and not is_handled(watch.frame) and stand
+    planned = any(isinstance(made, Plan) for made in watch.plans)
+    return not planned and not is_handled(watch.frame) and stand
 
 
 def second_search(robot: Watched, command: Command) -> Finding:
@@ -173,22 +181,6 @@ def _as_it_stands(scene: Scene, asked: Asked, poses: Mapping[str, Array]) -> Sce
     return scene.model_copy(update={"objects": tuple(objects)})
 
 
-def _impossible(scene: Scene, asked: Asked, tries: int, rng: Generator) -> Finding:
-    found, rolled = search(scene, asked, tries, rng)
-    if found:
-        return Finding("unconfirmed", f"{_told(found[0])} do it, found after {rolled} roll-outs")
-    return Finding("confirmed", f"nothing in {rolled} roll-outs")
-
-
-def _uncertain(scene: Scene, asked: Asked, level: float, tries: int, rng: Generator) -> Finding:
-    found, rolled = search(
-        _with(scene, asked.name, asked.model, np.zeros(7)), asked, tries, rng, enough=BEST
-    )
-    best, _ = likeliest(scene, asked, found, rng)
-    text = f"the best of {len(found)} ways found in {rolled} roll-outs succeeds in {best:.0%}"
-    return Finding("confirmed" if best < level else "unconfirmed", text)
-
-
 def likeliest(
     scene: Scene, asked: Asked, ways: Sequence[Found], rng: Generator, draws: int = DRAWN
 ) -> tuple[float, Found | None]:
@@ -201,14 +193,11 @@ def likeliest(
         rng: to draw from.
         draws: worlds, each with the object drawn from the belief.
     """
-    worlds = [_with(scene, asked.name, asked.model, _drawn(asked.model, rng)) for _ in range(draws)]
+    spread = asked.model.covariance
+    off = (rng.multivariate_normal(np.zeros(7), spread) for _ in range(draws))
+    worlds = [_with(scene, asked.name, asked.model, each) for each in off]
     rated = [(float(np.mean([repeated(w, asked, way) for w in worlds])), way) for way in ways]
     return max(rated, key=lambda each: each[0], default=(0.0, None))
-
-
-def _drawn(model: ObjectModel, rng: Generator) -> Array:
-    """How parameters differ from what is believed, in the order of `UNCERTAIN`, shape (7,)."""
-    return np.asarray(rng.multivariate_normal(np.zeros(7), model.covariance))
 
 
 def _with(scene: Scene, name: str, model: ObjectModel, off: Array) -> Scene:
@@ -229,16 +218,9 @@ def _with(scene: Scene, name: str, model: ObjectModel, off: Array) -> Scene:
     return scene.model_copy(update={"objects": objects})
 
 
-def _unreachable(
-    scene: Scene,
-    asked: Asked,
-    models: dict[str, ObjectModel],
-    level: float,
-    tries: int,
-    rng: Generator,
-) -> Finding:
+def _unreachable(scene: Scene, asked: Asked, level: float, tries: int, rng: Generator) -> Finding:
     found, rolled = search(scene, asked, tries, rng, enough=POSTURED)
-    made = [each for each in found if _postured(scene, each, models, rng)]
+    made = [each for each in found if _postured(scene, asked, each, rng)]
     if not made:
         text = f"{len(found)} ways in {rolled} roll-outs, none of which a hand can make"
         return Finding("confirmed", text)
@@ -248,25 +230,16 @@ def _unreachable(
     return Finding("unlikely" if best < level else "unconfirmed", text)
 
 
-def _postured(scene: Scene, found: Found, models: dict[str, ObjectModel], rng: Generator) -> bool:
+def _postured(scene: Scene, asked: Asked, found: Found, rng: Generator) -> bool:
     """Whether hand and arm can make all strokes."""
-    fragile = {item.name for item in scene.objects if item.fragile}
-    return all(
-        reachable(stroke, found.fingers, scene.robot, _seen(before, models, fragile), rng)
-        for stroke, before in zip(found.strokes, found.before, strict=True)
-    )
-
-
-def _seen(
-    poses: Mapping[str, Array], models: dict[str, ObjectModel], fragile: set[str]
-) -> WorldState:
-    """Everything where it truly stands."""
-    return WorldState(
-        {
-            name: replace(seen(name, models[name], pose), fragile=name in fragile)
-            for name, pose in poses.items()
+    for stroke, before in zip(found.strokes, found.before, strict=True):
+        there = {
+            name: replace(seen(name, asked.models[name], pose), fragile=name in asked.fragile)
+            for name, pose in before.items()
         }
-    )
+        if not reachable(stroke, found.fingers, scene.robot, WorldState(there), rng):
+            return False
+    return True
 
 
 def _told(found: Found) -> str:
@@ -277,3 +250,133 @@ def _told(found: Found) -> str:
         for s in found.strokes
     )
     return f"strokes of {found.fingers} fingertips {ways}"
+
+
+class Doubt(NamedTuple):
+    """A refusal to be looked into.
+
+    Attributes:
+        case: which case was refused.
+        reason: its class.
+        tries: roll-outs in each round of the search.
+    """
+
+    case: Job
+    reason: str
+    tries: int
+
+
+class Confirmation(Kept[Doubt]):
+    """What brute force found.
+
+    Attributes:
+        verdict: on the refusal.
+        text: the sentence.
+        refusal: what the robot said.
+        found: what was found, or not.
+    """
+
+    verdict: Verdict
+    text: str
+    refusal: str
+    found: str
+
+
+def confirmed(
+    results: Sequence[Done],
+    most: int,
+    *,
+    executor: Executor | None,
+    workers: int | None,
+    record: Path | None,
+    tries: int,
+) -> str:
+    """Looks into refusals, spread over the classes, and tells about them.
+
+    Args:
+        results: among which there are refusals.
+        most: how many of them.
+        executor: where; processes of this machine if not given.
+        workers: how many.
+        record: of the results; what is found is kept beside it.
+        tries: roll-outs in each round of a search.
+    """
+    doubts = [Doubt(done.job, why, tries) for done, why in _sample(results, most)]
+    beside = record and record.with_name(f"{record.stem}.confirmed{record.suffix}")
+    found = carried_out(
+        confirm,
+        doubts,
+        Confirmation,
+        executor=executor,
+        workers=workers,
+        record=beside,
+        told=lambda one: print(one.job.case, one.job.reason, one.verdict, file=sys.stderr),
+    )
+    refused = sum(bool(done.refused) for done in results)
+    told = list(found.values())
+    return f"{confirmations(told)}\n{wrong_share(told, refused, len(results))}"
+
+
+def _sample(results: Sequence[Done], most: int) -> list[tuple[Done, str]]:
+    """The first of each class, then the second of each, and so on."""
+    met: Counter[str] = Counter()
+    ranked = []
+    for done in results:
+        if done.refused:
+            ranked.append((met[done.refused], done))
+            met[done.refused] += 1
+    ranked.sort(key=lambda each: each[0])
+    return [(done, done.refused) for _, done in ranked[:most]]
+
+
+def confirmations(found: Sequence[Confirmation]) -> str:
+    """A line per class, and all about those that were not confirmed."""
+    columns: Columns[Confirmation] = counters(lambda each: each.verdict, get_args(Verdict))
+    columns["cases"] = lambda some: ", ".join(str(each.job.case) for each in some)
+    lines = [table(grouped(found, lambda each: each.job.reason), columns)]
+    lines += [
+        f"{each.job.case} {each.verdict}: “{each.text}”: {each.refusal}\n  found: {each.found}"
+        for each in found
+        if each.verdict != "confirmed"
+    ]
+    return "\n".join(lines)
+
+
+def wrong_share(found: Sequence[Confirmation], refused: int, cases: int) -> str:
+    """Which share of all cases was wrongly refused, by those that were looked into.
+
+    Args:
+        found: about some refusals.
+        refused: how many there were.
+        cases: of which these were refused.
+    """
+    looked = sum(each.verdict != "not looked for" for each in found)
+    wrong = sum(each.verdict == "unconfirmed" for each in found)
+    share = wrong / max(looked, 1) * refused / max(cases, 1)
+    return (
+        f"wrongly refused: {wrong} of {looked} that were looked into, of {refused} refused of"
+        f" {cases} cases: {share:.1%} of all cases"
+    )
+
+
+def confirm(doubt: Doubt) -> Confirmation:
+    """Looks into one refusal."""
+    scene, sentence = said(doubt.case)
+    registry, seed = beliefs_of(doubt.case), doubt.case.seed
+    robot, fresh = (Watched(scene, registry=registry, seed=seed) for _ in range(2))
+    result = robot.say(sentence.text, plan_only=not doubt.case.executed)
+    finding = judge_refusal(
+        robot,
+        sentence.target,
+        doubt.reason,
+        doubt.tries,
+        np.random.default_rng((seed, doubt.case.number, doubt.tries)),
+        lambda: second_search(fresh, fresh.command(sentence.text)),
+    )
+    return Confirmation(
+        job=doubt,
+        verdict=finding.verdict,
+        text=sentence.text,
+        refusal=result.error.message if result.error else "",
+        found=finding.found,
+    )

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from benchmarks.goals.judge import objects_named
 from benchmarks.worlds.drake import DrakeBench
 from benchmarks.worlds.strokes import (
     PERIOD,
@@ -90,10 +91,6 @@ class Asked:
             return bisector(named)
         return HEADINGS[named] if named else getattr(self.frame.goal, "heading", None)
 
-    def clearance(self, name: str) -> float:
-        """Distance that the object keeps from another that it is not brought to [m]."""
-        return DEFAULTS.clearance_fragile if name in self.fragile else DEFAULTS.clearance
-
     def speaks_of(self, name: str) -> bool:
         """Whether the sentence names an object."""
         return name in [getattr(part, "id", None) for part in parts_within(self.frame)]
@@ -101,11 +98,7 @@ class Asked:
     @property
     def wanted(self) -> frozenset[str]:
         """Names of what the sentence brings it to, which may be near or touched."""
-        goal = self.frame.goal
-        events = [clause.object for clause in self.frame.constraints if clause.kind == "until"]
-        said = (getattr(goal, "toward", None), getattr(goal, "reference", ()), *events)
-        flat = [part for each in said for part in (each if isinstance(each, tuple) else (each,))]
-        return frozenset(ref.id for ref in flat if isinstance(ref, g.ObjectRef) and ref.id)
+        return frozenset(ref.id for ref in objects_named(self.frame) if ref.id)
 
     @property
     def rounds(self) -> int:
@@ -214,7 +207,8 @@ def _met(asked: Asked, rolled: Rolled) -> bool:
     standing = [k for k in range(0, len(poses), _SPACING) if upright(poses[k])]
     for name in others:
         there = footprint(seen(name, asked.models[name], rolled.poses[name][0]))
-        apart = min(asked.clearance(name), gap(_outline(asked, poses[0]), there))
+        usual = DEFAULTS.clearance_fragile if name in asked.fragile else DEFAULTS.clearance
+        apart = min(usual, gap(_outline(asked, poses[0]), there))
         if any(overlaps(_outline(asked, poses[k]), there, apart - _ROUNDING) for k in standing):
             return True
     return False
@@ -269,14 +263,16 @@ def _checked(asked: Asked, done: Sequence[tuple[Stroke, Rolled]]) -> tuple[Check
 
 def missed(checks: Sequence[Check]) -> float:
     """By how much clauses are missed in all; 0 if and only if all hold."""
-    return sum(_miss(each) for each in checks if not each.ok)
-
-
-def _miss(each: Check) -> float:
-    if isinstance(each.expected, str) or isinstance(each.measured, str):
-        return 1.0
-    off = abs(each.measured - each.expected) - (each.tolerance or 0.0)
-    return max(off / _SCALES[each.unit], 1e-3)
+    total = 0.0
+    for each in checks:
+        if each.ok:
+            continue
+        if isinstance(each.expected, str) or isinstance(each.measured, str):
+            total += 1.0
+        else:
+            off = abs(each.measured - each.expected) - (each.tolerance or 0.0)
+            total += max(off / _SCALES[each.unit], 1e-3)
+    return total
 
 
 def trace_of(name: str, done: Sequence[tuple[Stroke, Rolled]], slower: float = 1.0) -> Trace:

@@ -36,7 +36,7 @@ from planner.pushing.push_paths import obliqueness
 from planner.types.actions import Aim
 from planner.types.defaults import DEFAULTS
 from planner.types.refusal import NoPlanError
-from planner.types.world_state import SeenObject, WorldState
+from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.motion.robot_reach import lowest_contact
 from sim.robots.robots import HAND
 
@@ -88,11 +88,11 @@ def sensible(frames: Sequence[g.Frame], state: WorldState) -> bool:
 
 def tips(model: ObjectModel) -> bool:
     """Whether an object topples before it slides when it is pushed high on one of its faces."""
-    return any(_onset(model, face, model.top - BELOW).topples for face in model.faces())
+    return any(onset(model, face, model.top - BELOW).topples for face in model.faces())
 
 
 @dataclass(frozen=True)
-class _Onset:
+class Onset:
     """How a push begins.
 
     Attributes:
@@ -105,11 +105,12 @@ class _Onset:
     force: float
 
 
-def _onset(model: ObjectModel, face: Face, height: float) -> _Onset:
+def onset(model: ObjectModel, face: Face, height: float) -> Onset:
+    """How a push into the middle of a face begins, so high above the table [m]."""
     point, normal = face.points_at(0.0, height)
     found = model.thresholds(point[None], -normal[None])
     topple, slide = float(found.topple[0]), float(found.slide[0])
-    return _Onset(topple < SPARE * slide, slide < SPARE * topple, float(found.onset[0]))
+    return Onset(topple < SPARE * slide, slide < SPARE * topple, float(found.onset[0]))
 
 
 @dataclass(frozen=True)
@@ -133,53 +134,50 @@ class _Thought:
         if self.asked.goal.outcome == "topple":
             return self._tipped()
         if is_handled(self.frame):
-            return next((self._at(aim) for aim in self.asked.goal.aims if self._put(aim)), None)
-        if self._touched() & {name for name, _ in self.asked.motion.clear_of}:
-            return None
-        if any(self.state.objects[name].fragile for name in self._touched()):
-            return None
-        if not self._slides():
-            return None
-        return next((self._at(aim) for aim in self.asked.goal.aims if self._sent(aim)), None)
-
-    # -- over the table -----------------------------------------------------------------------
+            fits = self._may_be_put
+        else:
+            touched = self._touched()
+            kept = touched & {name for name, _ in self.asked.motion.clear_of}
+            fragile = any(self.state.objects[name].fragile for name in touched)
+            if kept or fragile or not self._slides():
+                return None
+            fits = self._may_be_sent
+        return next((self._at(aim) for aim in self.asked.goal.aims if fits(aim)), None)
 
     def _at(self, aim: Aim) -> SeenObject:
         pose = self.target.pose
         yaw = pose.yaw if aim.yaw is None else aim.yaw
         return replace(self.target, pose=replace(pose, x=aim.x, y=aim.y, yaw=yaw))
 
-    def _put(self, aim: Aim) -> bool:
+    def _may_be_put(self, aim: Aim) -> bool:
         """Whether a hand may put it down there."""
         there = self._at(aim)
         return _is_on_table(aim) and self._clear(there, set()) and may_be_held(there, self.state)
 
-    def _sent(self, aim: Aim) -> bool:
+    def _may_be_sent(self, aim: Aim) -> bool:
         """Whether an object may be sent to an aim, in the time that is said."""
-        if not _is_on_table(aim) or not self._in_time(aim):
+        if not _is_on_table(aim):
             return False
-        touched = self._touched()
-        return all(self._clear(pose, touched) for pose in self._way(aim))
-
-    def _in_time(self, aim: Aim) -> bool:
         most = self.asked.motion.duration
-        if most is None:
-            return True
-        said = all(used.name != "speed" for used in self.asked.defaults_used)
-        fastest = self.asked.motion.speed if said else DEFAULTS.speed_most
-        return most >= DEFAULTS.push_overhead + self._distance(aim) / fastest
+        if most is not None:
+            said = all(used.name != "speed" for used in self.asked.defaults_used)
+            fastest = self.asked.motion.speed if said else DEFAULTS.speed_most
+            if most < DEFAULTS.push_overhead + self._distance(aim) / fastest:
+                return False
+        touched = self._touched()
+        return all(self._clear(pose, touched) for pose in self._way(self._at(aim)))
 
-    def _distance(self, aim: Aim) -> float:
-        return math.dist((aim.x, aim.y), (self.target.pose.x, self.target.pose.y))
+    def _distance(self, there: Aim | PlanarPose) -> float:
+        return math.dist((there.x, there.y), (self.target.pose.x, self.target.pose.y))
 
-    def _way(self, aim: Aim) -> Iterator[SeenObject]:
-        """Poses on the way to an aim; the last alone if no way is said."""
-        here, there = self.target.pose, self._at(aim).pose
+    def _way(self, end: SeenObject) -> Iterator[SeenObject]:
+        """Poses on the way to an end; that alone if no way is said."""
+        here, there = self.target.pose, end.pose
         steps = 1
         if self.asked.goal.rotates:
             steps = math.ceil(abs(there.yaw - here.yaw) / _TURN)
         elif self.asked.goal.heading is not None:
-            steps = math.ceil(self._distance(aim) / _STEP)
+            steps = math.ceil(self._distance(there) / _STEP)
         for share in np.linspace(0.0, 1.0, max(steps, 1) + 1)[1:].tolist():
             x, y, yaw = (
                 a + share * (b - a)
@@ -200,67 +198,55 @@ class _Thought:
         """Whether an object keeps its distance from the others."""
         covered = footprint(there)
         return all(
-            gap(covered, footprint(other)) >= self._apart(other) - _ROUNDING
-            for other in self._others()
+            gap(covered, footprint(other)) >= apart - _ROUNDING
+            for other, apart in self._others()
             if other.name not in touched
         )
 
-    def _others(self) -> Iterator[SeenObject]:
-        return (other for name, other in self.state.objects.items() if name != self.target.name)
-
-    def _apart(self, other: SeenObject) -> float:
-        return max(ROOM, dict(self.asked.motion.clear_of).get(other.name, 0.0))
+    def _others(self) -> Iterator[tuple[SeenObject, float]]:
+        """All else that stands there, and how far off it should stay [m]."""
+        said = dict(self.asked.motion.clear_of)
+        for name, other in self.state.objects.items():
+            if name != self.target.name:
+                yield other, max(ROOM, said.get(name, 0.0))
 
     def _slides(self) -> bool:
         """Whether it stays on its base, whichever of the faces that may be pushed is touched."""
         low, high = self._heights()
         if high < low:
             return False
-        onsets = [_onset(self.target.model, face, low) for face in self._faces(self.target)]
-        return all(onset.slides and self.asked.force.max >= FORCE * onset.force for onset in onsets)
-
-    # -- over an edge -------------------------------------------------------------------------
+        begun = [onset(self.target.model, face, low) for face in self._faces(self.target)]
+        return all(each.slides and self.asked.force.max >= FORCE * each.force for each in begun)
 
     def _tipped(self) -> SeenObject | None:
         """The object, turned to the direction if it had to be, if one of its faces will do."""
         low, high = self._heights()
-        there = self._squared()
-        if high < low or not all(self._clear(pose, set()) for pose in self._way(_here(there))):
+        there, heading = self.target, self.asked.goal.heading
+        askew = 0.0 if heading is None else obliqueness(there, heading)
+        if abs(askew) > 0.5 * DEFAULTS.side_tolerance:
+            there = replace(there, pose=replace(there.pose, yaw=there.pose.yaw + askew))
+        if high < low or not all(self._clear(pose, set()) for pose in self._way(there)):
             return None
-        fits = any(self._tips(there, face, high) for face in self._faces(there))
-        return there if fits else None
-
-    def _squared(self) -> SeenObject:
-        """The object with a face that looks where it is to fall, turned if none does."""
-        target, heading = self.target, self.asked.goal.heading
-        askew = 0.0 if heading is None else obliqueness(target, heading)
-        if abs(askew) <= 0.5 * DEFAULTS.side_tolerance:
-            return target
-        return replace(target, pose=replace(target.pose, yaw=target.pose.yaw + askew))
+        return there if any(self._tips(there, face, high) for face in self._faces(there)) else None
 
     def _tips(self, there: SeenObject, face: Face, height: float) -> bool:
-        onset = _onset(there.model, face, height)
-        if not onset.topples or self.asked.force.max < FORCE * onset.force:
+        """Whether it clearly topples away from a face, and has room to land or lean there."""
+        begun = onset(there.model, face, height)
+        if not begun.topples or self.asked.force.max < FORCE * begun.force:
             return False
         inward = -np.array(face.normal)
         u = there.pose.R_WB @ inward
-        if self.asked.goal.tilt is None:
-            return self._lands(there, u)
+        tilt = self.asked.goal.tilt
+        if tilt is None:
+            strip = landing_strip(there, u)
+            on_it = travel_to_edge(strip, self.state.table, u[:2], 0.0) >= ROOM
+            return on_it and all(gap(strip, footprint(o)) >= apart for o, apart in self._others())
+        over, here = there.model.top * math.sin(tilt), footprint(there)
         most = TILT * there.model.angle_of_no_return(inward) + 1e-9  # rounding
-        return self.asked.goal.tilt <= most and self._leans(there, u, self.asked.goal.tilt)
-
-    def _lands(self, there: SeenObject, u: np.ndarray) -> bool:
-        strip = landing_strip(there, u)
-        on_it = travel_to_edge(strip, self.state.table, u[:2], 0.0) >= ROOM
-        return on_it and all(gap(strip, footprint(o)) >= self._apart(o) for o in self._others())
-
-    def _leans(self, there: SeenObject, u: np.ndarray, angle: float) -> bool:
-        over, here = there.model.top * math.sin(angle), footprint(there)
-        return all(
-            free_travel(here, footprint(o), u[:2], self._apart(o)) >= over for o in self._others()
+        return tilt <= most and all(
+            free_travel(here, footprint(other), u[:2], apart) >= over
+            for other, apart in self._others()
         )
-
-    # -- contacts -----------------------------------------------------------------------------
 
     def _heights(self) -> tuple[float, float]:
         """The lowest and the highest contact allowed [m]."""
@@ -283,7 +269,3 @@ class _Thought:
 def _is_on_table(aim: Aim) -> bool:
     (x0, x1), (y0, y1) = TABLE
     return x0 <= aim.x <= x1 and y0 <= aim.y <= y1
-
-
-def _here(there: SeenObject) -> Aim:
-    return Aim(x=there.pose.x, y=there.pose.y, yaw=there.pose.yaw)

@@ -1,4 +1,4 @@
-"""Sentences over all kinds of goals, with constraints, about the objects of a world.
+"""Sentences of all kinds, with constraints, about the objects of a world.
 
 A sentence speaks of one object, the target, and where it can of others. What kind it is follows
 from the case's number, so that each kind comes equally often; everything else is drawn. Most are
@@ -9,32 +9,52 @@ blindly and about anything; most of these should be refused. The words are those
 `docs/language_reference.md`.
 
 In hard worlds settings and their kinds take turns, and every sentence is drawn until it makes
-sense.
-
-Where an object stands alone, its case's number says which object and which goal (`pairs`), so that
-each comes equally often: something exact, without constraints, that makes sense wherever it can.
+sense. With sentences about several things (`wish_sentences`) the world is drawn again, too.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
-from typing import Literal, get_args
+from typing import Literal, NamedTuple, get_args
 
-from benchmarks.goals.hard_worlds import LIDDED, SETTINGS, Setting, hard_scene
+import numpy as np
+
+from benchmarks.goals.drawn_worlds import (
+    LIDDED,
+    SETTINGS,
+    SMALL_TABLE,
+    Setting,
+    believed,
+    draw_things,
+    hard_scene,
+    height_below,
+    scene_object,
+    standing,
+)
 from benchmarks.goals.sense import sensible, tips
-from benchmarks.goals.worlds import Job, believed, drawn, generator, standing
+from benchmarks.goals.wish_sense import is_sensible
+from benchmarks.goals.wish_sentences import say
+from benchmarks.goals.wishes import WISHED, Wish, Wished
 from nlcontrol import Controller
-from nlcontrol.batches.drawn_scenes import Generator, pushable_models
+from nlcontrol.batches.drawn_scenes import (
+    FRAGILE,
+    Generator,
+    draw_scene_with,
+    draw_truth,
+    pushable_models,
+    scene_of,
+)
 from nlcontrol.errors import ControlError
 from objectmodels import BoxModel, CylinderModel, ObjectModel, Registry
 from planner.types.world_state import SeenObject, WorldState
+from sim.robots.cell_description import Vision
 from sim.simulated_executor import simulation
 from sim.truth.scene_file import Scene
 
 PushKind = Literal["displace", "place", "rotate", "tilt", "topple", "until", "steps"]
 Kind = Literal[PushKind, "lift", "carry", "open"]
+Suite = Literal["roomy", "hard", "several"]
 KINDS: tuple[PushKind, ...] = get_args(PushKind)
 
 HARD: dict[Setting, tuple[Kind, ...]] = {
@@ -43,19 +63,16 @@ HARD: dict[Setting, tuple[Kind, ...]] = {
     "many": (*KINDS, "lift", "carry"),
     "wide": (*KINDS, "lift", "carry", "open"),
 }
-"""Kinds of goals in each setting of `hard_worlds`."""
+"""Kinds of goals in each setting of a hard world."""
 
 SIDES = ("away", "toward me", "to the left", "to the right")
 SENSES = ("clockwise", "counterclockwise", "to the left", "to the right")
 REGIONS = ("middle of the table", "left edge", "right edge", "far edge")
 
 SENSIBLE = 0.9
-"""Share of sentences that are drawn until they make sense."""
+"""Share of sentences that are drawn until they make sense; in hard worlds all are."""
 TRIES = 30
 """Sentences that are drawn for a world before the last is taken as it is."""
-
-EXACT: tuple[Kind, ...] = ("displace", "rotate", "place", "topple", "tilt")
-"""Goals of an object that stands alone."""
 
 COMPOUND: tuple[Kind, ...] = ("steps", "carry")
 """What takes several actions."""
@@ -63,6 +80,24 @@ COMPOUND: tuple[Kind, ...] = ("steps", "carry")
 _PLAIN = 0.35  # share of goals without any constraint
 _SECOND = 0.3  # share of the others with a second one
 _UPRIGHT = 0.4  # share of constraints that are "without toppling it"
+
+
+class Job(NamedTuple):
+    """One case.
+
+    Attributes:
+        seed, number: which world and sentence.
+        suite: usual worlds, hard ones, or sentences about several things.
+        executed: whether it is carried out; else it is planned only.
+    """
+
+    seed: int
+    number: int
+    suite: Suite = "roomy"
+    executed: bool = True
+
+    def __str__(self) -> str:
+        return f"{self.seed}-{self.number}"
 
 
 @dataclass(frozen=True)
@@ -74,28 +109,28 @@ class Sentence:
         target: the object that it is about.
         text: the words.
         sensible: whether it was drawn until it made sense, and did.
+        wish: what is meant, if it is about several things.
     """
 
-    kind: Kind
+    kind: Kind | Wished
     target: str
     text: str
     sensible: bool
+    wish: Wish | None = None
 
 
-@cache
-def pairs() -> tuple[tuple[ObjectModel, Kind], ...]:
-    """Each object that may stand alone, with each goal that fits it."""
-    return tuple(
-        (model, kind) for model in pushable_models() for kind in EXACT if fits(kind, model)
-    )
+def kinds_of(job: Job) -> Sequence[Kind | Wished]:
+    """Kinds of goals that take turns with a case's."""
+    if job.suite == "hard":
+        return HARD[setting_of(job)]
+    return WISHED if job.suite == "several" else KINDS
 
 
-def kind_of(job: Job) -> Kind:
+def kind_of(job: Job) -> Kind | Wished:
     """Kind of the goal of a case."""
-    if job.hard:
-        kinds = HARD[setting_of(job)]
-        return kinds[job.number // len(SETTINGS) % len(kinds)]
-    return pairs()[job.number % len(pairs())][1] if job.alone else KINDS[job.number % len(KINDS)]
+    kinds = kinds_of(job)
+    turn = job.number // len(SETTINGS) if job.suite == "hard" else job.number
+    return kinds[turn % len(kinds)]
 
 
 def setting_of(job: Job) -> Setting:
@@ -105,44 +140,71 @@ def setting_of(job: Job) -> Setting:
 
 def beliefs_of(job: Job) -> Registry:
     """What the robot believes in the world of a case."""
-    return believed(wide=job.hard and setting_of(job) == "wide")
-
-
-def target_of(job: Job) -> str:
-    """Name of the object that a case is about."""
-    return pairs()[job.number % len(pairs())][0].name if job.alone else said(job)[1].target
+    return believed(wide=job.suite == "hard" and setting_of(job) == "wide")
 
 
 def said(job: Job) -> tuple[Scene, Sentence]:
     """The world of a case, and what is said in it."""
-    rng, kind = generator(job), kind_of(job)
-    goals = _ALONE if job.alone else _GOALS
-    blind = not (job.alone or job.hard) and bool(rng.random() >= SENSIBLE)
+    if job.suite == "several":
+        return _wished(job)
+    rng, kind, hard = (
+        np.random.default_rng((job.seed, job.number)),
+        kind_of(job),
+        job.suite == "hard",
+    )
+    blind = not hard and bool(rng.random() >= SENSIBLE)
     among = _among(job, kind, blind)
-    if job.hard:
-        scene = hard_scene(f"{job.seed}-{job.number}", setting_of(job), rng, among)
+    if hard:
+        scene = hard_scene(str(job), setting_of(job), rng, among)
     else:
-        scene = drawn(job, rng, among)
+        scene = draw_scene_with(str(job), rng, among, alone=False)
     target, *others = (item.name for item in scene.objects)
     words = _Words(standing(scene)[target].model, others, rng)
-    text = goals[kind](words)
+    text = _GOALS[kind](words)
     if blind:
         return scene, Sentence(kind, target, text, sensible=False)
     robot = Controller(scene, registry=beliefs_of(job))
     for _ in range(TRIES - 1):
         if _sensible(text, robot):
             break
-        text = goals[kind](words)
+        text = _GOALS[kind](words)
     return scene, Sentence(kind, target, text, sensible=_sensible(text, robot))
 
 
-def _among(job: Job, kind: Kind, blind: bool) -> list[ObjectModel]:
+def _wished(job: Job) -> tuple[Scene, Sentence]:
+    """The world of a sentence about several things, drawn by seed, kind and its number alone."""
+    kind = WISHED[job.number % len(WISHED)]
+    number = job.number // len(WISHED)
+    rng = np.random.default_rng((job.seed, number, *kind.encode()))
+    blind = bool(rng.random() < 1.0 - SENSIBLE)
+    for _ in range(1 if blind else TRIES):
+        things = draw_things(kind, rng)
+        text, wish = say(kind, things, rng)
+        truths = [draw_truth(seen.standing_model, rng) for seen in things]
+        named = (*wish.moved, *wish.told)
+        objects = [
+            scene_object(
+                seen,
+                truth,
+                z=height_below(seen, things),
+                fragile=seen.name not in named and bool(rng.random() < FRAGILE),
+            )
+            for seen, truth in zip(things, truths, strict=True)
+        ]
+        scene = scene_of(f"{job.seed}-{kind}-{number}", objects, Vision())
+        if kind == "edge":
+            scene = scene.model_copy(update={"table": SMALL_TABLE})
+        if makes_sense := is_sensible(wish, standing(scene)):
+            break
+    target = wish.moved[0] if wish.moved else things[0].name
+    return scene, Sentence(kind, target, text, makes_sense, wish)
+
+
+def _among(job: Job, kind: Kind | Wished, blind: bool) -> list[ObjectModel]:
     """Models, one of which is that of the target."""
-    if job.alone:
-        return [pairs()[job.number % len(pairs())][0]]
     if kind == "open":
         return [Registry.built_in().get(name) for name in LIDDED]
-    if job.hard and setting_of(job) == "fallen":
+    if job.suite == "hard" and setting_of(job) == "fallen":
         return [model for model in pushable_models() if isinstance(model, BoxModel)]
     return [model for model in pushable_models() if blind or fits(kind, model)]
 
@@ -156,7 +218,7 @@ def _sensible(text: str, robot: Controller) -> bool:
     return sensible(frames, state)
 
 
-def fits(kind: Kind, model: ObjectModel) -> bool:
+def fits(kind: Kind | Wished, model: ObjectModel) -> bool:
     """Whether a kind of goal may make sense for an object, by its shape."""
     if kind in ("rotate", "steps"):
         return not isinstance(model, CylinderModel)
@@ -344,7 +406,7 @@ def _open(words: _Words) -> str:
     return words.with_(f"open {words.it}", ["slowly", "gently"])
 
 
-_GOALS: dict[Kind, Callable[[_Words], str]] = {
+_GOALS: dict[Kind | Wished, Callable[[_Words], str]] = {
     "displace": _displace,
     "place": _place,
     "rotate": _rotate,
@@ -355,18 +417,4 @@ _GOALS: dict[Kind, Callable[[_Words], str]] = {
     "lift": _lift,
     "carry": _carry,
     "open": _open,
-}
-
-_ALONE: dict[Kind, Callable[[_Words], str]] = {
-    "displace": lambda words: (
-        f"push {words.it} {words.whole(5, 30)} cm heading {words.whole(0, 359)} degrees"
-    ),
-    "rotate": lambda words: (
-        f"turn {words.it} {words.whole(10, 180)} degrees {words.one(SENSES[:2])}"
-    ),
-    "place": lambda words: (
-        f"push {words.it} to x {words.whole(42, 68) / 100:g} y {words.whole(-30, 30) / 100:g}"
-    ),
-    "topple": lambda words: f"topple {words.it} {words.one(SIDES)}",
-    "tilt": lambda words: f"tilt {words.it} by {words.whole(5, 15)} degrees {words.one(SIDES)}",
 }

@@ -14,7 +14,7 @@ Each case depends on its suite and its number alone.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 
@@ -80,44 +80,51 @@ _SMALL = (
 )
 
 
-@dataclass(frozen=True)
-class Case:
-    """One case.
+class Job(NamedTuple):
+    """A case of a suite, and what is made of it.
 
     Attributes:
-        suite: to which it belongs.
-        number: its seed.
+        suite, number: which case.
+        redrawn: how often frames of each camera are drawn anew.
+    """
+
+    suite: Suite
+    number: int
+    redrawn: int = 0
+
+
+@dataclass(frozen=True)
+class Case:
+    """What is said, and what is wrong with the world.
+
+    Attributes:
         scene: name of a built-in scene.
         sentence: what is said.
         box: the object of which the world may be wrong.
         trouble: what is wrong.
     """
 
-    suite: Suite
-    number: int
     scene: str
     sentence: str
     box: str
     trouble: Trouble = "none"
 
-    def world(self, camera: str) -> Scene:
-        """The scene of the case, seen by a camera."""
-        scene = load_scene(self.scene).model_copy(update={"vision": CAMERAS[camera]})
+    def world(self) -> Scene:
+        """The scene of the case, seen by the standard camera."""
+        scene = load_scene(self.scene).model_copy(update={"vision": CAMERAS["standard"]})
+        truth = scene.object(self.box).truth
+        wrong = {
+            "slippery": {"friction_finger": 0.06},
+            "stuck": {"friction_table": min(3.0 * truth.friction_table, 1.2)},
+            "heavy": {"mass_kg": 4.0 * truth.mass_kg},
+        }.get(self.trouble, {})
         objects = tuple(
-            item.model_copy(update={"truth": item.truth.model_copy(update=self._truth(item.truth))})
+            item.model_copy(update={"truth": truth.model_copy(update=wrong)})
             if item.name == self.box
             else item
             for item in scene.objects
         )
         return scene.model_copy(update={"objects": objects})
-
-    def _truth(self, truth: object) -> dict[str, float]:
-        mass, friction = getattr(truth, "mass_kg"), getattr(truth, "friction_table")  # noqa: B009
-        return {
-            "slippery": {"friction_finger": 0.06},
-            "stuck": {"friction_table": min(3.0 * friction, 1.2)},
-            "heavy": {"mass_kg": 4.0 * mass},
-        }.get(self.trouble, {})
 
 
 def case(suite: Suite, number: int) -> Case:
@@ -126,23 +133,24 @@ def case(suite: Suite, number: int) -> Case:
     scene = str(rng.choice(list(BOXES)))
     box, way = str(rng.choice(BOXES[scene])), str(rng.choice(WAYS))
     amounts = {
-        "cm": int(rng.integers(3, 13)), "deg": int(rng.integers(10, 61)),
+        "cm": int(rng.integers(3, 13)),
+        "deg": int(rng.integers(10, 61)),
         "tilt": int(rng.integers(5, 10)),
-    }  # fmt: skip
+    }
     if suite == "paper":
-        return Case(suite, number, "kitchen", PAPER[number % 3], "ice tea box")
+        return Case("kitchen", PAPER[number % 3], "ice tea box")
     if suite == "poured":
         sentence = ("pour the ice tea into the mug", "pour {ml} ml of ice tea into the mug")[
             number % 2
         ]
         said = sentence.format(ml=10 * int(rng.integers(5, 18)))
-        return Case(suite, number, "kitchen", said, "ice tea cup")
+        return Case("kitchen", said, "ice tea cup")
     if suite == "small":
         form, unit = _SMALL[int(rng.integers(len(_SMALL)))]
         amount = _TOLERANCES[unit] * 10.0 ** rng.uniform(-1.0, np.log10(3.0))
         trouble: Trouble = TROUBLES[int(rng.integers(len(TROUBLES)))]
         said = form.format(box=box, way=way, mm=float(f"{amount:.2g}"))
-        return Case(suite, number, scene, said, box, trouble)
+        return Case(scene, said, box, trouble)
     forms = USUAL if suite == "agree" else (USUAL[0], USUAL[0], "topple the {box} {way}")
     said = forms[int(rng.integers(len(forms)))].format(box=box, way=way, **amounts)
-    return Case(suite, number, scene, said, box)
+    return Case(scene, said, box)

@@ -66,8 +66,6 @@ def draw_scene_with(
     among: Sequence[ObjectModel],
     *,
     alone: bool,
-    oblique: float = 45.0,
-    vision: Vision | None = None,
 ) -> Scene:
     """Draws a scene from a generator.
 
@@ -76,8 +74,6 @@ def draw_scene_with(
         rng: the generator.
         among: models, one of which is that of the first object.
         alone: whether that is the only one.
-        oblique: largest angle between a face and the robot's directions [degrees].
-        vision: the camera; the default one if not given.
     """
     first = among[int(rng.integers(len(among)))]
     others = [model for model in pushable_models() if model.name != first.name]
@@ -88,7 +84,7 @@ def draw_scene_with(
     for model in (first, *chosen):
         spans = STANDING if standing else REACHED
         truth, fragile = draw_truth(model, rng), bool(standing) and bool(rng.random() < FRAGILE)
-        pose = free_place(model, spans, standing, rng, oblique)
+        pose = free_place(model, spans, standing, rng)
         if pose is None:
             continue
         standing.append(SeenObject(model.name, pose, model))
@@ -96,7 +92,7 @@ def draw_scene_with(
         objects.append(
             SceneObject(name=model.name, model=model.name, pose=where, truth=truth, fragile=fragile)
         )
-    return scene_of(name, objects, vision or Vision())
+    return scene_of(name, objects, Vision())
 
 
 @cache
@@ -120,7 +116,6 @@ def free_place(
     spans: tuple[tuple[float, float], ...],
     standing: Sequence[SeenObject],
     rng: Generator,
-    oblique: float = 45.0,
     apart: float = GAP,
 ) -> PlanarPose | None:
     """A free place for one more object; None if none is found.
@@ -130,13 +125,12 @@ def free_place(
         spans: least and largest x and y [m].
         standing: the others.
         rng: to draw from.
-        oblique: largest angle between a face and the robot's directions [degrees].
         apart: least distance from the others [m].
     """
     for _ in range(_TRIES):
         x, y = (float(rng.uniform(*span)) for span in spans)
         quarters = int(rng.integers(4))
-        yaw = np.radians(90.0 * quarters + oblique * float(rng.uniform(-1.0, 1.0)))
+        yaw = np.radians(90.0 * quarters + 45.0 * float(rng.uniform(-1.0, 1.0)))
         pose = PlanarPose(x, y, float(np.arctan2(np.sin(yaw), np.cos(yaw))))
         covered = footprint(SeenObject(model.name, pose, model))
         if not any(overlaps(covered, footprint(other), apart) for other in standing):

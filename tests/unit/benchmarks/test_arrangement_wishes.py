@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-from argparse import Namespace
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from benchmarks.arrangements.__main__ import chosen
-from benchmarks.arrangements.arranged_cases import KINDS, Job, draw_case
-from benchmarks.arrangements.arranged_labels import is_sensible, slides
-from benchmarks.arrangements.wishes import Kind, Placed, Wish, harm, is_met, is_told
-from benchmarks.goals.worlds import standing
+from benchmarks.goals.__main__ import chosen, parsed
+from benchmarks.goals.drawn_worlds import standing
+from benchmarks.goals.judge import TruePlace
+from benchmarks.goals.sentences import Job, Sentence, kind_of, said
+from benchmarks.goals.wish_sense import is_sensible, slides
+from benchmarks.goals.wishes import WISHED, Wish, Wished, harm, is_met, is_told
 from objectmodels import Registry
 from objectmodels.geometry.rotations import rot_x, rot_z
+from sim.truth.scene_file import Scene
 
 
-def thing(model: str, x: float, y: float, z: float = 0.0, yaw: float = 0.0) -> Placed:
-    return Placed(Registry.built_in().get(model), rot_z(yaw), np.array([x, y, z]))
+def thing(model: str, x: float, y: float, z: float = 0.0, yaw: float = 0.0) -> TruePlace:
+    return TruePlace(Registry.built_in().get(model), rot_z(yaw), np.array([x, y, z]))
 
 
 TIN, BOX, BOOK = thing("tea tin", 0.5, 0.2), thing("coffee box", 0.6, 0.0), thing("book", 0.5, -0.2)
@@ -26,12 +27,12 @@ BIN = thing("storage bin", 0.5, -0.2)
 BEFORE = {"tin": TIN, "box": BOX, "book": BOOK}
 
 
-def at(placed: Placed, x: float, y: float, z: float = 0.0) -> Placed:
-    return Placed(placed.model, placed.R_WB, np.array([x, y, z]))
+def at(placed: TruePlace, x: float, y: float, z: float = 0.0) -> TruePlace:
+    return TruePlace(placed.model, placed.R_WB, np.array([x, y, z]))
 
 
-def turned(placed: Placed, R: np.ndarray) -> Placed:
-    return Placed(placed.model, R @ placed.R_WB, placed.p_WB)
+def turned(placed: TruePlace, R: np.ndarray) -> TruePlace:
+    return TruePlace(placed.model, R @ placed.R_WB, placed.p_WB)
 
 
 # Each met, and then missed by a little more than what is allowed.
@@ -119,28 +120,34 @@ def turned(placed: Placed, R: np.ndarray) -> Placed:
     ],
 )
 def test_the_judge_tells_from_where_things_are(
-    wish: Wish, met: dict[str, Placed], missed: dict[str, Placed]
+    wish: Wish, met: dict[str, TruePlace], missed: dict[str, TruePlace]
 ) -> None:
     assert is_met(wish, BEFORE, BEFORE | met)
     assert not is_met(wish, BEFORE, BEFORE | missed)
 
 
+def drawn(seed: int, kind: Wished) -> tuple[Scene, Sentence, Wish]:
+    scene, sentence = said(Job(seed, WISHED.index(kind), "several"))
+    assert sentence.wish is not None
+    return scene, sentence, sentence.wish
+
+
 @pytest.mark.parametrize("kind", ["into", "out of"])
-def test_a_case_about_an_open_box_has_one(kind: Kind) -> None:
-    asked = draw_case(Job(5, kind, 0))
-    assert asked.wish.told == ("storage bin",)
-    inside = {item.name for item in asked.scene.objects if item.pose.z_m > 0.0}
-    assert (asked.wish.moved[0] in inside) == (kind == "out of")
+def test_a_case_about_an_open_box_has_one(kind: Wished) -> None:
+    scene, _, wish = drawn(5, kind)
+    assert wish.told == ("storage bin",)
+    inside = {item.name for item in scene.objects if item.pose.z_m > 0.0}
+    assert (wish.moved[0] in inside) == (kind == "out of")
 
 
 def test_a_case_about_an_edge_keeps_the_middle_of_the_book_over_the_table() -> None:
-    asked = draw_case(Job(404, "edge", 0))
-    assert "the right edge" in asked.text
-    assert asked.wish.edge == -asked.scene.table.extent.y_min
-    alone = {name: seen for name, seen in standing(asked.scene).items() if name == "book"}
-    assert is_sensible(asked.wish, alone)
+    scene, sentence, wish = drawn(404, "edge")
+    assert "the right edge" in sentence.text
+    assert wish.edge == -scene.table.extent.y_min
+    alone = {name: seen for name, seen in standing(scene).items() if name == "book"}
+    assert is_sensible(wish, alone)
     # Its middle is at most 133 mm from its farthest corner.
-    assert not is_sensible(replace(asked.wish, distance=0.12), alone)
+    assert not is_sensible(replace(wish, distance=0.12), alone)
 
 
 def test_an_answer_names_all_that_is_asked_for_and_nothing_else() -> None:
@@ -152,12 +159,22 @@ def test_an_answer_names_all_that_is_asked_for_and_nothing_else() -> None:
 
 
 def test_every_second_case_of_each_kind_is_carried_out() -> None:
-    options = Namespace(seed=5, seeds=2, first=0, cases=4 * len(KINDS), kinds=list(KINDS),
-                        execute_every=2, plan_only=False)  # fmt: skip
-    jobs = chosen(options)
-    assert len(set(jobs)) == 2 * options.cases
-    for kind in KINDS:
-        assert [job.executed for job in jobs if job.kind == kind] == 4 * [True, False]
+    cases = 4 * len(WISHED)
+    asked = [
+        "several",
+        "--seed",
+        "5",
+        "--seeds",
+        "2",
+        "--cases",
+        str(cases),
+        "--execute-every",
+        "2",
+    ]
+    jobs = chosen(parsed(asked))
+    assert len(set(jobs)) == 2 * cases
+    for kind in WISHED:
+        assert [job.executed for job in jobs if kind_of(job) == kind] == 4 * [True, False]
 
 
 def test_a_side_faces_what_it_is_square_to() -> None:
@@ -176,13 +193,13 @@ def test_harm_is_what_fell_or_was_stirred_and_should_not() -> None:
     assert list(harm(Wish("swap", ("tin", "box")), before, moved)) == ["book"]
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_a_case_depends_on_seed_kind_and_number_alone(kind: Kind) -> None:
-    one, other = draw_case(Job(5, kind, 0)), draw_case(Job(5, kind, 0))
-    assert (one.scene, one.text, one.wish) == (other.scene, other.text, other.wish)
-    assert one.wish.kind == kind
-    assert {*one.wish.moved, *one.wish.told} <= {item.name for item in one.scene.objects}
-    assert one.sensible == is_sensible(one.wish, standing(one.scene))
+@pytest.mark.parametrize("kind", WISHED)
+def test_a_case_depends_on_seed_kind_and_number_alone(kind: Wished) -> None:
+    scene, sentence, wish = drawn(5, kind)
+    assert drawn(5, kind) == (scene, sentence, wish)
+    assert wish.kind == sentence.kind == kind
+    assert {*wish.moved, *wish.told} <= {item.name for item in scene.objects}
+    assert sentence.sensible == is_sensible(wish, standing(scene))
 
 
 def test_what_is_tall_and_slim_would_tip() -> None:

@@ -7,21 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.conversations.__main__ import report
-from benchmarks.conversations.drawn_turns import HOPELESS, Job, Turn, draw_scene, draw_turn
-from benchmarks.conversations.talks import Said, Talk, is_told, verdict
-from benchmarks.conversations.true_places import (
-    BELOW,
-    FELL,
-    MOVED,
-    TruePlace,
-    fallen,
-    moved,
-    true_places,
-)
-from benchmarks.goals.hard_worlds import SETTINGS
+from benchmarks.goals.drawn_turns import HOPELESS, Job, Turn, draw_scene, draw_turn
+from benchmarks.goals.drawn_worlds import SETTINGS
+from benchmarks.goals.judge import BELOW, FELL, MOVED, TruePlace, fallen, moved, true_places
 from benchmarks.goals.refusal_judge import Finding
 from benchmarks.goals.refusal_judge import Verdict as RefusalVerdict
+from benchmarks.goals.talks import Said, Talk, is_told, report, verdict
 from nlcontrol import Controller, Conversation, Registry
 from nlcontrol.errors import ErrorInfo
 from nlcontrol.results.result import Result, ResultStatus
@@ -111,12 +102,10 @@ def test_what_fell_is_told_by_its_name() -> None:
 
 def test_the_report_counts_what_is_good_and_tells_the_rest() -> None:
     said = Said(kind="displace", text="a", target="tin", feasible=True, verdict="satisfied")
-    bad = said.model_copy(
-        update={"text": "b", "verdict": "failed", "stranded": ("tin",), "untold": ("tin",)}
-    )
+    bad = replace(said, text="b", verdict="failed", stranded=("tin",), untold=("tin",))
     text = report([Talk(job=Job(5, 0), turns=(said, bad))])
     total = text.splitlines()[3].split()
-    assert total == ["all", "1", "0", "0", "1", "0", "0", "1", "of", "2", "50.0%", "1", "1"]
+    assert total == ["in", "all", "1", "0", "0", "1", "0", "0", "1", "of", "2", "50.0%", "1", "1"]
     assert "5-0.1 failed “b”; stranded tin, untold tin" in text
     assert "5-0.0" not in text
 
@@ -136,7 +125,7 @@ def test_only_what_is_confirmed_is_rightly_refused_and_all_is_told(
     said = Said(kind="displace", text="a", target="tin", feasible=True, verdict="refused")
     turn = said.with_finding(Finding(judged, "by a search"))
     text = report([Talk(job=Job(5, 0, 30), turns=(turn,))])
-    good = "1 of 1 100.0%" if expected == "rightly refused" else "0 of 1  0.0%"
+    good = "1 of 1 100.0%" if expected == "rightly refused" else "0 of 1 0.0%"
     assert turn.verdict == expected
     assert good in text
     assert f"refusals judged: {'1 confirmed' if good[0] == '1' else '0 confirmed'}" in text

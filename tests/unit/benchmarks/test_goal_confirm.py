@@ -7,11 +7,18 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from benchmarks.goals import confirm as confirm_module
-from benchmarks.goals.confirm import Confirmation, Doubt, confirm, table, wrong_share
-from benchmarks.goals.refusal_judge import Verdict, likeliest
+from benchmarks.goals import refusal_judge
+from benchmarks.goals.refusal_judge import (
+    Confirmation,
+    Doubt,
+    Verdict,
+    confirm,
+    confirmations,
+    likeliest,
+    wrong_share,
+)
 from benchmarks.goals.search import Asked, Found
-from benchmarks.goals.worlds import Job
+from benchmarks.goals.sentences import Job
 from benchmarks.rollouts import OBJECT, world
 from benchmarks.worlds.drake import DrakeBench
 from benchmarks.worlds.strokes import at
@@ -55,8 +62,8 @@ def test_what_a_whole_hand_is_refused_is_planned_again_with_more_work(
     found = {}
     for text in ("lift the mug 10 cm", "lift the mug 150 cm"):
         sentence = SimpleNamespace(text=text, target="mug")
-        monkeypatch.setattr(confirm_module, "said", lambda _, it=sentence: (kitchen, it))
-        monkeypatch.setattr(confirm_module, "beliefs_of", lambda _: Registry.built_in())
+        monkeypatch.setattr(refusal_judge, "said", lambda _, it=sentence: (kitchen, it))
+        monkeypatch.setattr(refusal_judge, "beliefs_of", lambda _: Registry.built_in())
         found[text] = confirm(Doubt(case, "out_of_reach", 1)).verdict
     assert list(found.values()) == ["unconfirmed", "confirmed"]
 
@@ -67,21 +74,23 @@ def test_without_ways_nothing_works() -> None:
 
 
 def _verdict(number: int, reason: str, verdict: Verdict) -> Confirmation:
-    job = Job(7, number, False, 45.0, False)
     return Confirmation(
-        job=Doubt(job, reason, 10), verdict=verdict, text="push it", refusal="no", found="a way"
+        job=Doubt(Job(7, number), reason, 10),
+        verdict=verdict,
+        text="push it",
+        refusal="no",
+        found="a way",
     )
 
 
 @pytest.mark.parametrize("verdict", ["unlikely", "unconfirmed", "not looked for"])
 def test_whatever_is_not_confirmed_is_told_in_full(verdict: Verdict) -> None:
-    lines = table(
+    lines = confirmations(
         [_verdict(1, "blocked", "confirmed"), _verdict(2, "blocked", verdict)]
     ).splitlines()
-    head, counts, *told = lines
-    assert head.split()[:3] == ["refused", "as", "confirmed"]
+    _, counts, _, *told = lines
     assert counts.split()[0:2] == ["blocked", "1"]
-    assert counts.endswith("1, 2")
+    assert counts.endswith("7-1, 7-2")
     assert told == [f"7-2 {verdict}: “push it”: no", "  found: a way"]
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from benchmarks.goals.drawn_worlds import standing
 from benchmarks.goals.sense import sensible, tips
-from benchmarks.goals.worlds import standing
 from nlcontrol import Controller, Registry
 from nlcontrol.batches.drawn_scenes import scene_of
 from planner.types.world_state import WorldState

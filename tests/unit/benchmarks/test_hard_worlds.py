@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchmarks.goals.hard_worlds import APART, MANY, NARROW, TALL, WIDE
-from benchmarks.goals.sentences import HARD, beliefs_of, kind_of, said, setting_of
-from benchmarks.goals.worlds import Job, standing
+from benchmarks.goals.drawn_worlds import APART, MANY, NARROW, TALL, WIDE, standing
+from benchmarks.goals.sentences import HARD, Job, beliefs_of, kind_of, said, setting_of
 from nlcontrol import Controller
 from nlcontrol.batches.drawn_scenes import MASS
 from planner.problem.footprints import footprint, gap
@@ -16,18 +15,18 @@ ROUNDING = 1e-9  # of places found by a distance along edges' normals [m]
 
 
 def cases(setting: str, count: int, seed: int = 3) -> list[Job]:
-    every = (Job(seed, number, hard=True) for number in range(4 * count))
+    every = (Job(seed, number, "hard") for number in range(4 * count))
     return [job for job in every if setting_of(job) == setting]
 
 
 def test_seed_and_number_say_everything() -> None:
-    job = Job(3, 6, hard=True)
+    job = Job(3, 6, "hard")
     assert said(job) == said(job)
-    assert said(job)[0].objects != said(Job(4, 6, hard=True))[0].objects
+    assert said(job)[0].objects != said(Job(4, 6, "hard"))[0].objects
 
 
 def test_each_setting_takes_its_turn_with_each_of_its_kinds() -> None:
-    asked = {(setting_of(job), kind_of(job)) for job in (Job(0, n, hard=True) for n in range(200))}
+    asked = {(setting_of(job), kind_of(job)) for job in (Job(0, n, "hard") for n in range(200))}
     assert asked == {(setting, kind) for setting, kinds in HARD.items() for kind in kinds}
 
 

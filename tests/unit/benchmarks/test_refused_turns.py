@@ -8,14 +8,12 @@ from functools import partial
 import numpy as np
 import pytest
 
-from benchmarks.conversations import talks
-from benchmarks.conversations.copied_process import result_in_copy
-from benchmarks.conversations.drawn_turns import Job, Turn, draw_scene
-from benchmarks.conversations.refused_turns import refusal_finding
-from benchmarks.conversations.talks import Said, wait_for_rest
-from benchmarks.conversations.true_places import moved, true_places
+from benchmarks.goals import talks
 from benchmarks.goals.cases import Watched
-from benchmarks.goals.refusal_judge import Finding, Refusal, judge_refusal, patient
+from benchmarks.goals.drawn_turns import Job, Turn, draw_scene
+from benchmarks.goals.judge import moved, true_places
+from benchmarks.goals.refusal_judge import Finding, judge_refusal, patient
+from benchmarks.goals.talks import Said, refusal_finding, result_in_copy, wait_for_rest
 from planner.types.defaults import DEFAULTS
 from planner.types.refusal import Refusal as Refused
 from sim import Scene, load_scene
@@ -105,9 +103,8 @@ def test_strokes_are_not_searched_for_to_what_lies(roll: float, second: bool) ->
     lying = Pose(**(pose.model_dump() | {"roll_deg": roll}))
     robot = Watched(kitchen("coffee box", pose=lying), seed=1, planner=no)
     robot.say("push the ice tea box until it touches the coffee box", plan_only=True)
-    refusal = Refusal("ice tea box", "impossible", 1)
-    planned = Finding("confirmed", "by a plan")
-    found = judge_refusal(robot, refusal, np.random.default_rng(0), lambda: planned)
+    planned, rng = Finding("confirmed", "by a plan"), np.random.default_rng(0)
+    found = judge_refusal(robot, "ice tea box", "impossible", 1, rng, lambda: planned)
     assert (found == planned) is second
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.goals.true_judge import judged
+from benchmarks.goals.judge import judged
 from nlcontrol import Registry
 from sim.traces.trace import ContactEvent
 from tests.unit.benchmarks.box_traces import BOX, frame, trace

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from benchmarks.verdicts.redrawn_frames import with_frames
+from benchmarks.verdicts.judged_cases import with_frames
 from grammar.frames import command as g
 from nlcontrol.checks import own_verdicts
 from nlcontrol.checks.felt_pushes import Place, felt_end

@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from benchmarks.wrong_beliefs import OBJECT, believed, run
+from benchmarks.goals.fixed import OBJECT, Job, robot_of, wrongly_believed
 from nlcontrol.results.result import Result
 from sim.truth.scene_file import load_scene
 
@@ -15,7 +15,7 @@ SEED = 0
 
 def test_what_is_believed_is_wrong() -> None:
     truth = load_scene("kitchen").object(OBJECT).truth
-    model = believed(SEED)
+    model = wrongly_believed(SEED)
     assert (model.friction, model.mass) == (0.5 * truth.friction_table, 0.6 * truth.mass_kg)
     # As sure of it, relative to the value, as of the right ones.
     assert model.friction_sd / model.friction == pytest.approx(0.0689 / 0.378)
@@ -24,7 +24,8 @@ def test_what_is_believed_is_wrong() -> None:
 @pytest.mark.slow
 def test_satisfied_by_its_own_updates() -> None:
     truth = load_scene("kitchen").object(OBJECT).truth
-    result = run(SEED)
+    job = Job("wrong_beliefs", "push", SEED)
+    result = robot_of(job).say(job.text)
     assert (result.ok, result.status) == (True, "done")
     assert [check for check in result.checks if not check.ok] == []
     lessons = result.steps[0].lessons
@@ -35,7 +36,7 @@ def test_satisfied_by_its_own_updates() -> None:
     # What it slides with in the end is friction times weight, whichever of the two was wrong.
     needed = truth.friction_table * truth.mass_kg * 9.81
     assert last.force == pytest.approx(needed, rel=0.1)
-    model = believed(SEED)
+    model = wrongly_believed(SEED)
     product = {"mass": model.mass, "friction": model.friction}
     for lesson in lessons:
         product |= {c.parameter: c.after for c in lesson.changes if c.parameter in product}

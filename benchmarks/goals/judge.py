@@ -12,14 +12,21 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from grammar.frames import command as g
-from objectmodels import ObjectModel
-from objectmodels.geometry.base_shapes import Array, hull_polygon
+from nlcontrol.session.executor import Executor
+from objectmodels import ObjectModel, Registry
+from objectmodels.geometry.base_shapes import Array, Disc, hull_polygon
+from objectmodels.geometry.rotations import from_quaternion, rot_z, yaw_of
+from objectmodels.models.object_model import LEVEL
+from planner.problem.directions import angle_between
 from planner.problem.footprints import gap
 from planner.types.defaults import DEFAULTS as D
+from planner.types.world_state import PlanarPose, SeenObject
+from sim.simulated_executor import simulation
 from sim.traces.trace import Trace
 
 SLACK = 1.25
@@ -28,14 +35,124 @@ SHARE = 1.0 / 3.0
 """Most of an amount that is asked that its tolerance may be."""
 STIRRED = 0.015
 """Motion of what was not spoken of that breaks a clause which nobody has to say [m]."""
+MOVED = 0.005
+"""What moves less has stayed where it was [m]."""
+FELL = math.radians(45.0)
+"""What leans so much more than before has fallen [rad]."""
+BELOW = -0.02
+"""What lies lower has left the table [m]."""
+WAYS = {"left": (0.0, 1.0), "right": (0.0, -1.0), "away": (1.0, 0.0), "toward": (-1.0, 0.0)}
+"""Directions as they are said, in W."""
 
-_WAYS = {"away": (1.0, 0.0), "toward": (-1.0, 0.0), "left": (0.0, 1.0), "right": (0.0, -1.0)}
-_BESIDE = {"left_of": (0.0, 1.0), "right_of": (0.0, -1.0), "behind": (1.0, 0.0),
-           "in_front_of": (-1.0, 0.0)}  # fmt: skip
-_STANDS = math.radians(45.0)  # what tilts less has not toppled [rad]
+_BESIDE = {"left_of": "left", "right_of": "right", "behind": "away", "in_front_of": "toward"}
 _HANGS = 0.003  # what is higher than this above the table may hang in the hand [m]
 _ASKEW = math.radians(30.0)  # by which it may hang there [rad]
 _SPACING = 20  # samples between those at which distances are looked at
+
+
+@dataclass(frozen=True, eq=False)
+class TruePlace:
+    """An object where it truly is.
+
+    Attributes:
+        model: its shape, and what is believed of the rest.
+        R_WB, p_WB: its pose, shapes (3, 3) and (3,) [m].
+        lid: how far its lid is open; None without one.
+        fragile: whether it must not be stirred.
+        farthest: how far it was from where it stood at first [m].
+    """
+
+    model: ObjectModel
+    R_WB: Array
+    p_WB: Array
+    lid: float | None = None
+    fragile: bool = False
+    farthest: float = 0.0
+
+    @cached_property
+    def corners(self) -> Array:
+        """Corners of a prism around it in W, shape (k, 3) [m]."""
+        prism = [(x, y, z) for z in (0.0, self.model.top) for x, y in self.model.outline]
+        return np.asarray(np.array(prism) @ self.R_WB.T + self.p_WB)
+
+    @property
+    def outline(self) -> Array:
+        """What it covers, seen from above, shape (k, 2) [m]."""
+        return hull_polygon(self.corners[:, :2]).vertices
+
+    @property
+    def middle(self) -> Array:
+        """Its middle in W, shape (3,) [m]."""
+        return np.asarray(self.corners.mean(axis=0))
+
+    @property
+    def lowest(self) -> float:
+        """Height of its lowest corner [m]."""
+        return float(self.corners[:, 2].min())
+
+    @property
+    def tilt(self) -> float:
+        """Angle between its own axis and the vertical [rad]."""
+        return math.acos(float(np.clip(self.R_WB[2, 2], -1.0, 1.0)))
+
+    @property
+    def is_round(self) -> bool:
+        """Whether no heading can be told from its shape."""
+        return isinstance(self.model.base, Disc)
+
+    def way_to(self, other: TruePlace) -> float:
+        """Distance between two middles [m]."""
+        return float(np.linalg.norm(other.middle - self.middle))
+
+    def leans_against(self, other: TruePlace) -> float:
+        """Angle by which what looked up there is off the vertical here [rad]."""
+        up = self.R_WB @ other.R_WB[2]
+        return math.acos(float(np.clip(up[2], -1.0, 1.0)))
+
+    def turned_against(self, other: TruePlace) -> float:
+        """Angle by which it is turned about the vertical, less than half a turn [rad]."""
+        R = self.R_WB @ other.R_WB.T
+        return abs(angle_between(math.atan2(R[1, 0], R[0, 0]), 0.0))
+
+    def seen(self, name: str) -> SeenObject:
+        """As a camera without errors would see it."""
+        yaw = float(yaw_of(self.R_WB))
+        upright = self.R_WB[2, 2] > math.cos(LEVEL)
+        attitude = None if upright else tuple((rot_z(-yaw) @ self.R_WB).ravel().tolist())
+        pose = PlanarPose(float(self.p_WB[0]), float(self.p_WB[1]), yaw, attitude)
+        return SeenObject.lying(name, pose, self.model, lid=self.lid)
+
+
+Places = Mapping[str, TruePlace]
+
+
+def true_places(executor: Executor) -> dict[str, TruePlace]:
+    """Where everything in a simulated scene truly is now, by name."""
+    world, registry = simulation(executor).world, Registry.built_in()
+    sample = world.sample
+    return {
+        item.name: TruePlace(
+            registry.get(item.model),
+            from_quaternion(sample.poses[item.name][:4]),
+            sample.poses[item.name][4:].copy(),
+            sample.lids.get(item.name),
+        )
+        for item in world.scene.objects
+    }
+
+
+def fallen(before: Places, after: Places) -> list[str]:
+    """Names of what fell over, or off the table."""
+    return [
+        name
+        for name, now in after.items()
+        if now.leans_against(before[name]) > FELL or now.middle[2] < BELOW
+    ]
+
+
+def moved(before: Places, after: Places, most: float = MOVED) -> list[str]:
+    """Names of what lies elsewhere than before."""
+    return [name for name, now in after.items() if now.way_to(before[name]) > most]
 
 
 @dataclass(frozen=True)
@@ -60,49 +177,35 @@ def judged(frame: g.Frame, trace: Trace, models: Mapping[str, ObjectModel]) -> V
         models: shapes of what stands there, by name.
     """
     assert frame.object is not None, "what was done has an object"
-    seen = _Truth(trace, frame.object.id or frame.object.text, models)
+    seen = _Motion(trace, frame.object.id or frame.object.text, models)
     with np.errstate(invalid="ignore"):
         return Verdict(_is_met(frame, seen), tuple(_broken(frame, seen)))
 
 
-class _Truth:
+class _Motion:
     """True motion of an object among others."""
 
     def __init__(self, trace: Trace, name: str, models: Mapping[str, ObjectModel]) -> None:
-        self.trace, self.name, self._models = trace, name, models
-        self.rotations = np.array([_rotation(q) for q in trace.poses[name][:, :4]])
-        # In W, what of the object looked up at the start; it may lie on any of its faces.
-        self.upwards = self.rotations @ self._up_at_start()
-        self.tilts = np.arccos(np.clip(self.upwards[:, 2], -1.0, 1.0))
-        self.moved = self.middle(name, -1) - self.middle(name, 0)
-
-    def _up_at_start(self) -> Array:
-        """What of the object looks up as it rests, shape (3,) in B.
-
-        What hangs in the hand as its step begins may hang askew; that counts as a tilt.
-        """
-        up = np.asarray(self.rotations[0, 2])
+        self.trace, self.name, self.models = trace, name, models
+        first, self.last = self.at(name, 0), self.at(name, -1)
+        # What hangs in the hand as the step begins may hang askew; that counts as a tilt.
+        up = np.asarray(first.R_WB[2])
         upright = np.zeros(3)
         upright[np.argmax(abs(up))] = np.sign(up[np.argmax(abs(up))])
-        hangs = self.corners(self.name, 0)[:, 2].min() > _HANGS
-        return upright if hangs and up @ upright > math.cos(_ASKEW) else up
+        hangs = first.lowest > _HANGS and up @ upright > math.cos(_ASKEW)
+        # In W, what of the object looked up at the start; it may lie on any of its faces.
+        self.upwards = from_quaternion(trace.poses[name][:, :4]) @ (upright if hangs else up)
+        self.tilts = np.arccos(np.clip(self.upwards[:, 2], -1.0, 1.0))
+        self.moved = self.last.middle - first.middle
 
-    def corners(self, name: str, sample: int) -> Array:
-        """Corners of an upright prism around an object in W, shape (k, 3) [m]."""
-        pose, model = self.trace.poses[name][sample], self._models[name]
-        prism = [(x, y, z) for z in (0.0, model.top) for x, y in model.outline]
-        return np.asarray(np.array(prism) @ _rotation(pose[:4]).T + pose[4:])
-
-    def middle(self, name: str, sample: int) -> Array:
-        """Middle of an object in W, shape (3,) [m]."""
-        return np.asarray(self.corners(name, sample).mean(axis=0))
+    def at(self, name: str, sample: int) -> TruePlace:
+        """Where an object is."""
+        pose = self.trace.poses[name][sample]
+        return TruePlace(self.models[name], from_quaternion(pose[:4]), pose[4:])
 
     def apart(self, name: str, sample: int) -> float:
         """Distance between the outlines of the object and of another [m]."""
-        own, other = (
-            hull_polygon(self.corners(n, sample)[:, :2]).vertices for n in (self.name, name)
-        )
-        return gap(own, other)
+        return gap(self.at(self.name, sample).outline, self.at(name, sample).outline)
 
     @property
     def turned(self) -> float:
@@ -117,12 +220,6 @@ class _Truth:
         return np.asarray(way / np.linalg.norm(way))
 
 
-def _rotation(q: Array) -> Array:
-    w, x, y, z = (q / np.linalg.norm(q)).tolist()
-    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.asarray(np.eye(3) + 2.0 * w * K + 2.0 * K @ K)
-
-
 def _near(value: float, asked: float, tolerance: float, bound: str = "exact") -> bool:
     if bound == "exact":
         return abs(value - asked) <= SLACK * tolerance
@@ -130,7 +227,7 @@ def _near(value: float, asked: float, tolerance: float, bound: str = "exact") ->
     return past >= -(SLACK - 1.0) * tolerance
 
 
-def _is_met(frame: g.Frame, seen: _Truth) -> bool | None:
+def _is_met(frame: g.Frame, seen: _Motion) -> bool | None:
     events = [c for c in frame.constraints if isinstance(c, g.Until)]
     if events:
         return _happened(events[0], seen)
@@ -161,15 +258,14 @@ def _is_met(frame: g.Frame, seen: _Truth) -> bool | None:
             said = {None: D.lift_height, "little": D.lift_little, "lot": D.lift_lot}[amount]
             asked = height if isinstance(height, float) else said
             hangs = tilt_at_end <= SLACK * D.upright
-            base = float(seen.corners(seen.name, -1)[:, 2].min())
-            high = base if frame.goal.above == "table" else float(seen.moved[2])
+            high = seen.last.lowest if frame.goal.above == "table" else float(seen.moved[2])
             return hangs and _near(high, asked, min(D.lift_tolerance, SHARE * asked), bound)
         case g.Open():
             return _is_open(seen) and stands
     return None
 
 
-def _happened(until: g.Until, seen: _Truth) -> bool | None:
+def _happened(until: g.Until, seen: _Motion) -> bool | None:
     name = until.object.id if until.object is not None else None
     most = float(seen.tilts.max())
     match until.event:
@@ -178,13 +274,13 @@ def _happened(until: g.Until, seen: _Truth) -> bool | None:
         case "moves":
             return float(np.linalg.norm(seen.moved[:2])) >= D.moves / SLACK
         case "about_to_tip":
-            return most >= D.tips and float(seen.tilts[-1]) < _STANDS
+            return most >= D.tips and float(seen.tilts[-1]) < FELL
         case "tips":
             return float(seen.tilts[-1]) >= D.toppled / SLACK
     return None
 
 
-def _displaced(goal: g.Displace, seen: _Truth) -> bool | None:
+def _displaced(goal: g.Displace, seen: _Motion) -> bool | None:
     way = _asked_way(goal, seen)
     asked = _asked_distance(goal)
     if way is None or asked is None:
@@ -195,18 +291,18 @@ def _displaced(goal: g.Displace, seen: _Truth) -> bool | None:
     return straight and _near(along, asked, min(D.distance_tolerance, SHARE * asked), goal.bound)
 
 
-def _asked_way(goal: g.Displace, seen: _Truth) -> Array | None:
+def _asked_way(goal: g.Displace, seen: _Motion) -> Array | None:
     """Direction that is asked for in W, shape (2,); None if none is, or a part of the table."""
     if goal.direction is not None:
         ways = goal.direction if isinstance(goal.direction, tuple) else (goal.direction,)
-        total = np.sum([_WAYS[way] for way in ways], axis=0)
+        total = np.sum([WAYS[way] for way in ways], axis=0)
         return np.asarray(total / np.linalg.norm(total))
     if goal.heading is not None:
         return np.array([math.cos(goal.heading), math.sin(goal.heading)])
     other, sign = (goal.toward, 1.0) if goal.toward is not None else (goal.away_from, -1.0)
     if not isinstance(other, g.ObjectRef) or goal.fraction is not None:
         return None
-    off = (seen.middle(other.id or "", 0) - seen.middle(seen.name, 0))[:2]
+    off = (seen.at(other.id or "", 0).middle - seen.at(seen.name, 0).middle)[:2]
     return np.asarray(sign * off / np.linalg.norm(off))
 
 
@@ -217,19 +313,19 @@ def _asked_distance(goal: g.Displace) -> float | None:
     return said if goal.distance is None else goal.distance
 
 
-def _placed(goal: g.Place, seen: _Truth) -> bool | None:
-    here = seen.middle(seen.name, -1)[:2]
+def _placed(goal: g.Place, seen: _Motion) -> bool | None:
+    here = seen.last.middle[:2]
     if isinstance(goal.reference, g.Point):
         off = here - [goal.reference.x, goal.reference.y]
         return float(np.linalg.norm(off)) <= SLACK * D.place_tolerance
     if isinstance(goal.reference, str) or len(goal.reference) != 1:
         return None
     name = goal.reference[0].id or ""
-    apart, other = seen.apart(name, -1), seen.middle(name, -1)[:2]
+    apart, other = seen.apart(name, -1), seen.at(name, -1).middle[:2]
     if goal.relation == "touching":
         return apart <= 0.005
     side = _BESIDE.get(goal.relation)
-    if side is not None and float((here - other) @ side) <= 0.0:
+    if side is not None and float((here - other) @ WAYS[side]) <= 0.0:
         return False
     if goal.relation != "next_to" and side is None:
         return None
@@ -238,24 +334,25 @@ def _placed(goal: g.Place, seen: _Truth) -> bool | None:
     return _near(apart, asked, D.place_tolerance if said else D.place_gap_tolerance)
 
 
-def _is_open(seen: _Truth) -> bool:
-    lid, at = seen._models[seen.name].lid, float(seen.trace.lids[seen.name][-1])
+def _is_open(seen: _Motion) -> bool:
+    lid, at = seen.models[seen.name].lid, float(seen.trace.lids[seen.name][-1])
     if lid is None:
         return False
     return at >= D.lid_opened / SLACK if lid.kind == "flip" else lid.leaves_free(at)
 
 
 def _is_towards(way: Array, asked: str) -> bool:
-    return float(way @ _WAYS[asked]) >= math.cos(SLACK * D.side_tolerance)
+    return float(way @ WAYS[asked]) >= math.cos(SLACK * D.side_tolerance)
 
 
-def _broken(frame: g.Frame, seen: _Truth) -> Iterator[str]:
+def _broken(frame: g.Frame, seen: _Motion) -> Iterator[str]:
     """Kinds of the clauses that were broken."""
     most, turned = float(seen.tilts.max()), abs(seen.turned)
     samples = range(0, len(seen.tilts), _SPACING)
+    touches = [{event.body_a, event.body_b} for event in seen.trace.contacts]
     for clause in frame.constraints:
         match clause:
-            case g.NoTopple() if most > _STANDS:
+            case g.NoTopple() if most > FELL:
                 yield clause.kind
             case g.NoTilt() if most > SLACK * D.no_tilt:
                 yield clause.kind
@@ -264,35 +361,26 @@ def _broken(frame: g.Frame, seen: _Truth) -> Iterator[str]:
             case g.NoTurn() if turned > SLACK * D.no_turn:
                 yield clause.kind
             case g.NoTouch(object=None) if any(
-                seen.name in pair and _other(pair, seen.name) in seen.trace.poses
-                for pair in _touches(seen.trace)
+                seen.name in pair and pair <= seen.trace.poses.keys() for pair in touches
             ):
                 yield clause.kind
             case g.NoTouch(object=g.ObjectRef(id=str(name)), clearance=kept):
                 near = kept is not None and any(
                     seen.apart(name, k) < kept - SLACK * D.clear_tolerance for k in samples
                 )
-                if near or any(name in pair for pair in _touches(seen.trace)):
+                if near or any(name in pair for pair in touches):
                     yield clause.kind
-    named = {ref.id for ref in _objects_named(frame)}
+    named = {ref.id for ref in objects_named(frame)}
     for name in seen.trace.poses:
-        known = name in seen._models and name not in named and name != seen.name
-        if known and np.linalg.norm(seen.middle(name, -1) - seen.middle(name, 0)) > STIRRED:
+        known = name in seen.models and name not in named and name != seen.name
+        if known and seen.at(name, -1).way_to(seen.at(name, 0)) > STIRRED:
             yield "others"
             return
 
 
-def _touches(trace: Trace) -> list[tuple[str, str]]:
-    return [(event.body_a, event.body_b) for event in trace.contacts]
-
-
-def _other(pair: tuple[str, str], name: str) -> str:
-    return pair[1] if pair[0] == name else pair[0]
-
-
-def _objects_named(frame: g.Frame) -> Iterator[g.ObjectRef]:
+def objects_named(frame: g.Frame) -> Iterator[g.ObjectRef]:
     """Objects beside its own that the sentence brings its own to."""
     for part in (getattr(frame.goal, "reference", ()), getattr(frame.goal, "toward", None)):
-        yield from (ref for ref in (part if isinstance(part, tuple) else (part,))
-                    if isinstance(ref, g.ObjectRef))  # fmt: skip
+        refs = part if isinstance(part, tuple) else (part,)
+        yield from (ref for ref in refs if isinstance(ref, g.ObjectRef))
     yield from (c.object for c in frame.constraints if isinstance(c, g.Until) and c.object)

@@ -14,14 +14,14 @@ Labels know believed models and true poses, never a planner or a reach.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
 
-from benchmarks.conversations.true_places import TruePlace, seen_objects
-from benchmarks.goals.hard_worlds import LIDDED, SETTINGS, Setting, hard_scene
+from benchmarks.goals.drawn_worlds import LIDDED, SETTINGS, Setting, hard_scene
+from benchmarks.goals.judge import Places
 from benchmarks.goals.sense import sensible
 from benchmarks.goals.sentences import HARD, TRIES, Kind, fits, sentence_about
 from grammar.frames import command as g
@@ -106,7 +106,7 @@ class Past:
 
     turn: Turn
     frames: tuple[g.Frame, ...]
-    before: Mapping[str, TruePlace]
+    before: Places
     done: bool
 
 
@@ -120,9 +120,7 @@ def draw_scene(job: Job) -> Scene:
     return hard_scene(f"talk-{job.seed}-{job.number}", job.setting, rng, among)
 
 
-def draw_turn(
-    job: Job, index: int, talk: Conversation, now: Mapping[str, TruePlace], past: Past | None
-) -> Turn:
+def draw_turn(job: Job, index: int, talk: Conversation, now: Places, past: Past | None) -> Turn:
     """What is said next.
 
     Args:
@@ -136,7 +134,7 @@ def draw_turn(
     robot = talk.controller
     if robot.held is not None:
         return Turn("put down", "put it down", robot.held.name, feasible=True)
-    state = WorldState(seen_objects(now), robot.table)
+    state = WorldState({name: place.seen(name) for name, place in now.items()}, robot.table)
     remark, roll = None, float(rng.random())
     if past is not None and past.done:
         remark = _remark(past, now, state, roll)
@@ -155,9 +153,7 @@ def draw_turn(
     return Turn("hopeless", text, name, feasible=False)
 
 
-def _remark(
-    past: Past, now: Mapping[str, TruePlace], state: WorldState, roll: float
-) -> Turn | None:
+def _remark(past: Past, now: Places, state: WorldState, roll: float) -> Turn | None:
     name = past.turn.target
     if roll < UNDO and past.turn.kind in ("displace", "place", "rotate"):
         return Turn("undo", "undo that", name, True) if _may_return(past, now, state) else None
@@ -168,10 +164,10 @@ def _remark(
     return None
 
 
-def _may_return(past: Past, now: Mapping[str, TruePlace], state: WorldState) -> bool:
+def _may_return(past: Past, now: Places, state: WorldState) -> bool:
     """Whether an object lies as before, and its place is free."""
     name = past.turn.target
-    was, here = seen_objects({name: past.before[name]})[name], state.objects[name]
+    was, here = past.before[name].seen(name), state.objects[name]
     others_stay = all(
         math.dist(each.middle[:2], past.before[other].middle[:2]) < 0.01
         for other, each in now.items()
@@ -199,13 +195,14 @@ def _command(
         text = sentence_about(target, kind, others, rng)
         if kind == "until" and not others:
             continue
-        words = _shortened(text, name) if says_it else [text]
-        for said in words:
+        shortened = [text.replace(f"the {name}", "it", 1)] if says_it else []
+        for said in (*shortened, text):
             try:
                 frames = robot.resolve(robot.parse(said), talk.context).frames
             except ControlError:
                 continue
-            if _is_about(frames, name) and sensible(frames, state):
+            named = {frame.object.id if frame.object else None for frame in frames}
+            if named == {name} and sensible(frames, state):
                 return Turn(kind, said, name, feasible=True)
     return None
 
@@ -220,13 +217,3 @@ def _kinds(job: Job, target: SeenObject) -> Sequence[Kind]:
         for kind in ("lift", "carry", "tilt", "topple"):
             kinds.pop(kind, None)
     return tuple(kinds)
-
-
-def _shortened(text: str, name: str) -> Iterator[str]:
-    """The sentence with "it" for what was spoken of last, and the sentence as it is."""
-    yield text.replace(f"the {name}", "it", 1)
-    yield text
-
-
-def _is_about(frames: Sequence[g.Frame], name: str) -> bool:
-    return all(frame.object is not None and frame.object.id == name for frame in frames)
