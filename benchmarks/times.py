@@ -301,9 +301,8 @@ def search_work(
     A quiet core does about four units of work (`most_work`) in a millisecond. Nothing is carried
     out. What takes `slow` seconds or more is listed.
     """
-    from benchmarks.goals.worlds import Job, believed
-
-    from benchmarks.goals.sentences import said
+    from benchmarks.goals.drawn_worlds import believed
+    from benchmarks.goals.sentences import Job, said
     from nlcontrol import Controller
     from planner import plan
     from planner.problem.planning_problem import SearchBudget
