@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from benchmarks.agent_tasks import Task, tasks
-from benchmarks.scripted_agent import outcomes
+from tests.agents.agent_tasks import Task, tasks
+from tests.agents.scripted_agent import outcomes
 
 
 def test_a_seed_draws_twenty_tasks_half_of_which_ask_too_much() -> None:

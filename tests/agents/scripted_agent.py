@@ -5,9 +5,9 @@ the tool that takes a sentence, or a question; what is refused it says again in 
 with the refusal; a plan it gives to the tool that takes the identifier of a plan. So a task that is
 refused first succeeds only if the refusal says a sentence that does.
 
-    python -m benchmarks.scripted_agent [--seed 0] [--seeds 1]
+    python -m tests.agents.scripted_agent [--seed 0] [--seeds 1]
 
-A seed draws twenty tasks (`benchmarks.agent_tasks`); each has a server process and a table of its
+A seed draws twenty tasks (`tests.agents.agent_tasks`); each has a server process and a table of its
 own. The exit code is 0 if all are done: those that ask too much after a refusal, the others at
 once.
 """
@@ -24,7 +24,7 @@ import anyio
 from mcp.client.client import Client
 from mcp.client.stdio import StdioServerParameters, stdio_client
 
-from benchmarks.agent_tasks import Task, tasks
+from tests.agents.agent_tasks import Task, tasks
 
 MOST_TURNS = 5
 
