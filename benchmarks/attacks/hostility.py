@@ -1,10 +1,20 @@
-"""Values that a request should not hold, drawn at random."""
+"""What hostile callers have in common: attacks drawn by weight, their count, and odd values."""
 
 from __future__ import annotations
 
 import json
 import random
-from typing import Any
+from collections import Counter, defaultdict
+from collections.abc import Callable, Sequence
+from typing import Any, Generic, NamedTuple, TypeVar
+
+A = TypeVar("A")
+
+LISTED_FAULTS = 40
+MOST_AT_ONCE = 4
+"""Attacks of a sequence."""
+
+SEQUENCES_OF_A_SESSION = 400
 
 PATHS = (
     "../../../../etc/passwd",
@@ -25,8 +35,8 @@ PATHS = (
 )
 """Ways to what is no business of a caller."""
 
-LEAKS = (b"root:x:", b"daemon:x:", b"PRIVATE KEY", b"SQLite format 3\0", b"Traceback (most recent")
-"""Bytes that no answer may hold."""
+LEAKS = ("root:x:", "daemon:x:", "PRIVATE KEY", "SQLite format 3\0", "Traceback (most recent")
+"""What no answer may hold."""
 
 ODD_TEXTS = (
     "push the ice tea box 5 cm\u202eyawa",
@@ -51,6 +61,93 @@ ODD_TEXTS = (
     "again",
     "yes, do it",
 )
+
+
+class Attack(NamedTuple, Generic[A]):
+    """Something that is tried.
+
+    Attributes:
+        name: what it is counted as.
+        expected: codes of its answers, `ok` if it may be accepted; any if there are none.
+        weight: how often it is tried.
+        attempt: tries it, or tells what comes of it.
+    """
+
+    name: str
+    expected: tuple[str, ...]
+    weight: float
+    attempt: Callable[[A], Any]
+
+
+class Attacks(list[Attack[A]]):
+    """All attacks on something; functions become attacks by `tried`."""
+
+    def tried(
+        self, weight: float, name: str, *expected: str
+    ) -> Callable[[Callable[[A], Any]], Callable[[A], Any]]:
+        """Decorator that adds a function as an attack; see `Attack`."""
+
+        def add(attempt: Callable[[A], Any]) -> Callable[[A], Any]:
+            self.append(Attack(name, expected, weight, attempt))
+            return attempt
+
+        return add
+
+    def sequence(self, rng: random.Random) -> list[Attack[A]]:
+        """A few attacks in a row."""
+        weights = [attack.weight for attack in self]
+        return rng.choices(self, weights, k=rng.randint(1, MOST_AT_ONCE))
+
+
+class Tally:
+    """Attacks and answers.
+
+    Attributes:
+        answers: per attack, how often each answer came.
+        faults: what should not have been, per kind.
+        examples: the first of them in words.
+    """
+
+    def __init__(self) -> None:
+        self.answers: defaultdict[str, Counter[str]] = defaultdict(Counter)
+        self.faults: Counter[str] = Counter()
+        self.examples: list[str] = []
+
+    def note(self, attack: str, answer: str) -> None:
+        """Counts an answer."""
+        self.answers[attack][answer] += 1
+
+    def blame(self, kind: str, attack: str, what: str) -> None:
+        """Counts what should not have been."""
+        self.faults[kind] += 1
+        if len(self.examples) < LISTED_FAULTS:
+            self.examples.append(f"{kind}: {attack}: {what}")
+
+    def judge(
+        self, attack: str, expected: Sequence[str], code: str, call: str, content: str
+    ) -> None:
+        """Counts an answer, and blames what is unexpected or holds what is nobody's business.
+
+        Args:
+            attack: that it came to.
+            expected: codes with which it may refuse, `ok` if it may accept; any if there are none.
+            code: of the answer, or `ok`.
+            call: in words.
+            content: of the answer.
+        """
+        self.note(attack, code)
+        if expected and code not in expected:
+            self.blame("unexpected", attack, f"{call}: {code}: {content[:200]}")
+        if any(leak in content for leak in LEAKS):
+            self.blame("leak", attack, call)
+
+    def table(self) -> str:
+        """The table of what was tried, and how it was answered."""
+        lines = ["| tried | times | answers |", "|---|---|---|"]
+        for attack, answers in sorted(self.answers.items()):
+            told = ", ".join(f"`{code}` {count}" for code, count in answers.most_common())
+            lines.append(f"| {attack} | {answers.total()} | {told} |")
+        return "\n".join(lines)
 
 
 def odd_text(rng: random.Random) -> str:
