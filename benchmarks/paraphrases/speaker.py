@@ -1,30 +1,45 @@
-"""Says commands in words that judged the language before it was developed with them.
+"""Says commands in other words, those of a list.
 
-A command is drawn as phrases and said plainly; what that is read as is what a paraphrase of it has
-to be read as. Its kinds are those of `developing_speaker.py`, drawn otherwise: a sixth of the
-paraphrases have politeness on top, a mistake may be any phrase, and typing errors are those of
-keyboards and voice (letters beside each other, capitals, no punctuation).
+A command is drawn as phrases that the list has, and said plainly; what that is read as is what a
+paraphrase of it has to be read as. A sixth of the paraphrases have politeness on top, a mistake may
+be any phrase, and typing errors are those of keyboards and voice (letters beside each other,
+capitals, no punctuation).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from random import Random
-from typing import Any, cast
+from typing import Any
 
 import yaml
 
 NAMES = ("tea box", "milk carton", "blue mug", "vase", "pepper mill", "cookie jar", "stapler")
 OTHERS = ("bowl", "lamp", "teapot", "juice bottle")
+MOVING = ("push", "slide", "move", "pull")
 DIRECTIONS = ("away", "toward", "left", "right")
+DISTANCES = ("cm3", "cm12", "in2", "cm10", "cm5")
 PLACES = ("left_of", "right_of", "in_front_of", "behind", "next_to", "edge", "middle")
-HOW = ("gentle", "slow", "fast", "no_topple", "no_tilt", "no_touch", "finger1", "finger2", "n3",
-       "cms5")  # fmt: skip
-CLASHES = ({"gentle", "fast"}, {"slow", "fast"}, {"finger1", "finger2"}, {"slow", "cms5"},
-           {"fast", "cms5"}, {"no_topple", "no_tilt"}, {"until", "no_touch"})  # fmt: skip
+ANGLES = ("deg45", "deg90", "deg30")
+SENSES = ("cw", "ccw")
+HEIGHTS = ("high8", "cm10")
+HOW = (
+    *("gentle", "slow", "fast", "no_topple", "no_tilt", "no_touch"),
+    *("finger1", "finger2", "n3", "n5", "cms5"),
+)
+KEPT = {
+    "topple": ("gentle", "slow", "finger1", "n3", "n5"),
+    "lift": ("gentle", "slow", "fast", "n5"),
+}
+"""Constraints of what no other ones fit."""
+CLASHES = (
+    *({"gentle", "fast"}, {"slow", "fast"}, {"finger1", "finger2"}, {"slow", "cms5"}),
+    *({"fast", "cms5"}, {"no_topple", "no_tilt"}, {"until", "no_touch"}),
+)
 NEIGHBOURS = dict(zip("qwertyuiopasdfghjklzxcvbnm", "wqreytuipoasfdhgkjlzcxbvmn", strict=True))
+"""A key beside each."""
 
 
 @dataclass(frozen=True)
@@ -46,36 +61,43 @@ class Phrases:
     other: str
 
 
-def drawn_phrases(rng: Random) -> Phrases:
-    """A command of a kind of goal, with up to two constraints that do not contradict."""
-    direction, verb = rng.choice(DIRECTIONS), rng.choice(("push", "slide", "move", "pull"))
-    goals = (
-        (verb, (direction,)), (verb, (direction, "until")),
-        (verb, (rng.choice(("cm3", "cm12", "in2")), direction)), (verb, ("little", direction)),
-        (verb, (rng.choice(PLACES),)), (verb, (rng.choice(PLACES),)),
-        ("turn", (rng.choice(("deg45", "deg90")), rng.choice(("cw", "ccw")))),
-        rng.choice((("topple", (direction,)), ("lift", ("high8",)))),
-    )  # fmt: skip
-    verb, goal = rng.choice(goals)
-    kept = {"topple": ("gentle", "slow", "finger1", "n3"), "lift": ("gentle", "slow", "fast")}
-    how = tuple(rng.sample(kept.get(verb, HOW), rng.choice((0, 0, 1, 1, 2))))
-    if any(clash <= {*goal, *how} for clash in CLASHES):
-        how = how[:1] if "until" not in goal else ()
-    return Phrases(verb, rng.choice(NAMES), goal, how, rng.choice(OTHERS))
+class Speaker:
+    """Draws commands and says them in the words of a list.
 
+    Args:
+        words: name of the list.
+        rng: that draws.
+        known: words of the language; no typing error makes one of them.
+    """
 
-@cache
-def words_of(name: str) -> dict[str, Any]:
-    """The words of a file: those of verbs, slots, openings and so on."""
-    path = Path(__file__).with_name(f"{name}_words.yaml")
-    return cast("dict[str, Any]", yaml.safe_load(path.read_text(encoding="utf-8")))
+    def __init__(self, words: str, rng: Random, known: frozenset[str]) -> None:
+        path = Path(__file__).with_name(f"{words}_words.yaml")
+        self._words: dict[str, Any] = yaml.safe_load(path.read_text(encoding="utf-8"))
+        self._rng, self._known = rng, known
 
+    def command(self) -> Phrases:
+        """A command of a kind of goal, with up to two constraints that do not contradict."""
+        rng, said = self._rng, self._said
+        direction, verb = rng.choice(DIRECTIONS), rng.choice(MOVING)
+        goals = (
+            (verb, (direction,)),
+            (verb, (direction, *said("until"))),
+            (verb, (rng.choice(said(*DISTANCES)), direction)),
+            (verb, ("little", direction)),
+            (verb, (rng.choice(said(*PLACES)),)),
+            (verb, (rng.choice(said(*PLACES)),)),
+            ("turn", (rng.choice(said(*ANGLES)), rng.choice(said(*SENSES) or DIRECTIONS[2:]))),
+            rng.choice((("topple", (direction,)), ("lift", said(*HEIGHTS)[:1]))),
+        )
+        verb, goal = rng.choice(goals)
+        how = tuple(rng.sample(said(*KEPT.get(verb, HOW)), rng.choice((0, 0, 1, 1, 2))))
+        if any(clash <= {*goal, *how} for clash in CLASHES):
+            how = how[:1] if "until" not in goal else ()
+        return Phrases(verb, rng.choice(NAMES), goal, how, rng.choice(OTHERS))
 
-class JudgingSpeaker:
-    """Says phrases in other words, those of a file."""
-
-    def __init__(self, rng: Random, known: frozenset[str], words: str) -> None:
-        self._rng, self._known, self._words = rng, known, words_of(words)
+    def _said(self, *keys: str) -> Sequence[str]:
+        """Those keys of phrases that the list has."""
+        return tuple(key for key in keys if key in self._words["slots"])
 
     def paraphrase_of(self, said: Phrases, kind: str) -> str:
         """The command said in the way of a kind."""
@@ -201,9 +223,14 @@ class JudgingSpeaker:
         while True:
             i = rng.choice(places)
             word, k = words[i], rng.randrange(len(words[i]) - 1)
-            wrong = rng.choice((
-                word[:k] + word[k + 1] + word[k] + word[k + 2 :], word[:k] + word[k + 1 :],
-                word[: k + 1] + word[k:], word[:k] + NEIGHBOURS[word[k]] + word[k + 1 :],
-            ))  # fmt: skip
+            start, letter, after, end = word[:k], word[k], word[k + 1], word[k + 2 :]
+            wrong = rng.choice(
+                (
+                    start + after + letter + end,
+                    start + after + end,
+                    start + letter + letter + after + end,
+                    start + NEIGHBOURS[letter] + after + end,
+                )
+            )
             if wrong not in self._known and wrong != word:
                 return " ".join([*words[:i], wrong, *words[i + 1 :]])
