@@ -1,21 +1,13 @@
-"""How sentences of six more public sources are read, all of them for judging.
+"""Sentences of six more public sources, with labels made by rule before any of them is read.
 
-    python -m benchmarks.task_sentences DATA
-
-DATA holds what was fetched of six repositories, each in a folder of its name: `LIBERO`
-(Lifelong-Robot-Learning), `Metaworld` (Farama-Foundation), `cliport` (cliport), `VIMABench`
-(vimalabs), `soar` (rail-berkeley) and `ManiSkill2_real2sim` (simpler-env, with the instructions of
-RT-1 and BridgeData). No text of theirs is kept here. Labels are made by rule, as in
-`public_sentences`, before any of the sentences is read.
-
-What can be held or stood on is renamed, by the tables below, to things that stand in the scene
+What can be held or stood on is renamed, by `renamed.yaml`, to things that stand in the scene
 `kitchen`, so that what is read wrongly could be carried out. Furniture (drawers, stoves, shelves)
-keeps its name; no table has any, so what needs it may as well be refused.
+keeps its name; no table has any, so what needs it may as well be refused. No text of the sources is
+kept here.
 """
 
 from __future__ import annotations
 
-import argparse
 import ast
 import itertools
 import math
@@ -27,8 +19,11 @@ from typing import NamedTuple
 
 import yaml
 
-from benchmarks.public_sentences import Pattern, Sentence, tables
+from benchmarks.public_sentences.template_sources import Pattern, Sentence
 
+_NAMES: Mapping[str, Mapping[str, str]] = yaml.safe_load(
+    Path(__file__).with_name("renamed.yaml").read_text(encoding="utf-8")
+)
 _FURNITURE = re.compile(
     r"\b(stove|cabinet|drawer|microwave|caddy|rack|shelf|machine|faucet|dial|door|window|hole|peg"
     r"|goal|pallet|stand|kit|drying)"
@@ -142,38 +137,13 @@ def _labelled(source: str, text: str) -> Sentence:
 
 # --- LIBERO, SOAR, SimplerEnv -----------------------------------------------------------------
 
-_LIBERO_NAMES = {
-    "akita black bowl": "mug", "black bowl": "mug", "white bowl": "mug", "bowl": "mug",
-    "yellow and white mug": "ice tea cup", "white mug": "mug", "red mug": "mug",
-    "moka pot": "ice tea", "moka pots": "cartons", "frying pan": "coffee box",
-    "wine bottle": "ice tea", "book": "coffee box", "plate": "cereal box",
-    "basket": "ice tea cup", "tray": "ice tea cup", "ramekin": "ice tea cup",
-    "cookies box": "ice tea box", "alphabet soup": "coffee box", "cream cheese": "cereal box",
-    "cream cheese box": "cereal box", "tomato sauce": "ice tea", "butter": "ice tea box",
-    "chocolate pudding": "coffee box", "ketchup": "ice tea", "milk": "ice tea",
-    "orange juice": "mug", "salad dressing": "ice tea box", "bbq sauce": "mug",
-}  # fmt: skip
-_SOAR_NAMES = {
-    "mushroom": "coffee box", "green block": "coffee box", "green spoon": "cereal box",
-    "carrot": "ice tea", "lemon": "mug", "purple eggplant": "coffee box",
-    "blue bowl": "mug", "brown bowl": "ice tea cup", "silver pot": "mug", "blue tray": "cereal box",
-}  # fmt: skip
-_SIMPLER_NAMES = {
-    "blue plastic bottle": "ice tea box", "pepsi can": "ice tea", "orange": "coffee box",
-    "7up can": "ice tea cup", "apple": "cereal box", "sponge": "mug", "coke can": "ice tea",
-    "redbull can": "ice tea cup", "sprite can": "mug", "fanta can": "coffee box",
-    "spoon": "coffee box", "towel": "cereal box", "carrot": "ice tea", "plate": "cereal box",
-    "green block": "coffee box", "yellow block": "ice tea box", "eggplant": "mug",
-    "yellow basket": "ice tea cup",
-}  # fmt: skip
-
 
 def _libero(data: Path) -> Iterator[Sentence]:
     texts = set()
     for path in (data / "LIBERO").rglob("*.bddl"):
         said = re.search(r"\(:language ([^)]*)\)", path.read_text(encoding="utf-8"))
         if said:
-            texts.add(_renamed(said[1].strip().lower(), _LIBERO_NAMES))
+            texts.add(_renamed(said[1].strip().lower(), _NAMES["LIBERO"]))
     for text in sorted(texts):
         yield _labelled("LIBERO", text)
 
@@ -182,7 +152,7 @@ def _soar(data: Path) -> Iterator[Sentence]:
     texts = set()
     for path in (data / "soar").rglob("task_definition.yaml"):
         tasks = yaml.safe_load(path.read_text(encoding="utf-8"))["task_list"]
-        texts |= {_renamed(task.strip(), _SOAR_NAMES) for task in tasks}
+        texts |= {_renamed(task.strip(), _NAMES["SOAR"]) for task in tasks}
     for text in sorted(texts):
         yield _labelled("SOAR", text)
 
@@ -192,7 +162,7 @@ def _simpler(data: Path) -> Iterator[Sentence]:
     grasps = (scenes / "grasp_single_in_scene.py").read_text(encoding="utf-8")
     near = (scenes / "move_near_in_scene.py").read_text(encoding="utf-8")
     held = {_as_name(name) for name in re.findall(r'"model_ids"\] = \["([a-z0-9_]+)"', grasps)}
-    held &= set(_SIMPLER_NAMES)
+    held &= set(_NAMES["SimplerEnv"])
     texts = {f"pick {name}" for name in held}
     triplets = ast.literal_eval(_first(r"self\.triplets = (\[.*?\n        \])", near))
     for triplet in triplets:
@@ -203,7 +173,7 @@ def _simpler(data: Path) -> Iterator[Sentence]:
     for drawer in ("top", "middle", "bottom"):
         texts |= {f"open {drawer} drawer", f"close {drawer} drawer"}
         texts |= {f"place {name} into {drawer} drawer" for name in ("apple", "sponge")}
-    for text in sorted({_renamed(text, _SIMPLER_NAMES) for text in texts}):
+    for text in sorted({_renamed(text, _NAMES["SimplerEnv"]) for text in texts}):
         yield _labelled("SimplerEnv", text)
 
 
@@ -218,9 +188,6 @@ def _first(pattern: str, text: str) -> str:
 
 # --- Meta-World -------------------------------------------------------------------------------
 
-_META_WORLD_NAMES = {
-    "puck": "coffee box", "plate": "cereal box", "nut": "mug", "ring": "mug", "bin": "ice tea cup",
-}  # fmt: skip
 _META_WORLD: dict[str, Pattern] = {
     "Push": {"kind": {"place", "displace"}}, "Pull": {"kind": {"place", "displace"}},
     "Pick&place": {"kind": {"place", "displace"}}, "Pull mug": {"kind": {"place", "displace"}},
@@ -244,7 +211,7 @@ def _meta_world(data: Path) -> Iterator[Sentence]:
     path = next((data / "Metaworld").rglob("task_descriptions.md"))
     tasks = re.findall(r"^## (.+)\n([^.]+\.)", path.read_text(encoding="utf-8"), re.MULTILINE)
     for task, said in tasks:
-        text, goal = _renamed(said, _META_WORLD_NAMES), _META_WORLD.get(task)
+        text, goal = _renamed(said, _NAMES["Meta-World"]), _META_WORLD.get(task)
         meant: list[list[Pattern]] = [[{"goal": goal}]] if goal else []
         meant += [[{"action": "lift"}, *meant[0]]] if goal else []
         family = "furniture" if goal else "out of the domain"
@@ -256,7 +223,6 @@ def _meta_world(data: Path) -> Iterator[Sentence]:
 _COLOURS = ("blue", "red", "green", "orange", "purple", "pink", "white")
 _NEXT = tuple(zip(_COLOURS, _COLOURS[1:] + _COLOURS[:1], strict=True))
 _SHAPES = ("triangle", "star", "ring", "flower", "heart")
-_CLIPORT_NAMES = {"bowl": "mug", "brown box": "ice tea cup", "blocks": "boxes", "block": "box"}
 _IN: Pattern = {"kind": "place", "relation": "in"}
 _ON: Pattern = {"kind": "place", "relation": "on"}
 _CLIPORT: dict[str, tuple[Iterable[Mapping[str, str]], Pattern | None]] = {
@@ -302,7 +268,7 @@ def _cliport(data: Path) -> Iterator[Sentence]:
         refusable = not goal or task in _NOT_HERE
         family = "out of the domain" if not goal else "furniture" if refusable else "things"
         for slot in slots:
-            text = _renamed(template.format(**slot), _CLIPORT_NAMES)
+            text = _renamed(template.format(**slot), _NAMES["CLIPort"])
             yield Sentence("CLIPort", family, text, meant, refusable)
 
 
@@ -344,17 +310,3 @@ def _vima(data: Path) -> Iterator[Sentence]:
 
 
 SOURCES = (_libero, _soar, _simpler, _meta_world, _cliport, _vima)
-
-
-def main() -> None:
-    """Read all sentences and print the tables."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("data", type=Path, help="folder with the fetched repositories")
-    options = parser.parse_args()
-    for source in SOURCES:
-        for line in tables(source(options.data), show=False):
-            print(line)
-
-
-if __name__ == "__main__":
-    main()
