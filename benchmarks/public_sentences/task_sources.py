@@ -1,6 +1,6 @@
 """Sentences of six more public sources, with labels made by rule before any of them is read.
 
-What can be held or stood on is renamed, by `renamed.yaml`, to things that stand in the scene
+What can be held or stood on is renamed, by `task_labels.yaml`, to things that stand in the scene
 `kitchen`, so that what is read wrongly could be carried out. Furniture (drawers, stoves, shelves)
 keeps its name; no table has any, so what needs it may as well be refused. No text of the sources is
 kept here.
@@ -12,18 +12,17 @@ import ast
 import itertools
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import yaml
 
 from benchmarks.public_sentences.template_sources import Pattern, Sentence
 
-_NAMES: Mapping[str, Mapping[str, str]] = yaml.safe_load(
-    Path(__file__).with_name("renamed.yaml").read_text(encoding="utf-8")
-)
+_LABELS = yaml.safe_load(Path(__file__).with_name("task_labels.yaml").read_text(encoding="utf-8"))
+_NAMES: Mapping[str, Mapping[str, str]] = _LABELS["names"]
 _FURNITURE = re.compile(
     r"\b(stove|cabinet|drawer|microwave|caddy|rack|shelf|machine|faucet|dial|door|window|hole|peg"
     r"|goal|pallet|stand|kit|drying)"
@@ -181,6 +180,13 @@ def _as_name(model: str) -> str:
     return re.sub(r"^(baked_)?(opened_)?", "", model).replace("_", " ")
 
 
+def _meant(goal: Mapping[str, Any] | None) -> list[list[Pattern]]:
+    """The meanings of a label: a frame with its goal, of any of several values; none without."""
+    if goal is None:
+        return []
+    return [[{"goal": {k: set(v) if isinstance(v, list) else v for k, v in goal.items()}}]]
+
+
 def _first(pattern: str, text: str) -> str:
     found = re.search(pattern, text, re.DOTALL)
     return found[1] if found else ""
@@ -188,86 +194,29 @@ def _first(pattern: str, text: str) -> str:
 
 # --- Meta-World -------------------------------------------------------------------------------
 
-_META_WORLD: dict[str, Pattern] = {
-    "Push": {"kind": {"place", "displace"}}, "Pull": {"kind": {"place", "displace"}},
-    "Pick&place": {"kind": {"place", "displace"}}, "Pull mug": {"kind": {"place", "displace"}},
-    "Slide plate": {"kind": "place", "relation": "in"},
-    "Slide plate side": {"kind": "place", "relation": "in"},
-    "Retrieve plate": {"kind": {"place", "lift", "displace", "hand_over"}},
-    "Retrieve plate side": {"kind": {"place", "lift", "displace", "hand_over"}},
-    "Pick out of hole": {"kind": {"lift", "place"}}, "Disassemble nut": {"kind": {"lift", "place"}},
-    "Place onto shelf": {"kind": "place", "relation": "on"},
-    "Assemble nut": {"kind": "place", "relation": "on"},
-    "Pick bin": {"kind": "place", "relation": "in"},
-    "Turn on faucet": {"kind": "rotate", "sense": "ccw"},
-    "Turn off faucet": {"kind": "rotate", "sense": "cw"}, "Turn dial": {"kind": "rotate"},
-    **{f"{verb} {thing}": {"kind": {verb.lower(), "displace"}}
-       for verb in ("Open", "Close") for thing in ("drawer", "door", "window", "box")},
-}  # fmt: skip
-"""Task → the goal of its sentence; others are out of the domain."""
-
 
 def _meta_world(data: Path) -> Iterator[Sentence]:
     path = next((data / "Metaworld").rglob("task_descriptions.md"))
     tasks = re.findall(r"^## (.+)\n([^.]+\.)", path.read_text(encoding="utf-8"), re.MULTILINE)
     for task, said in tasks:
-        text, goal = _renamed(said, _NAMES["Meta-World"]), _META_WORLD.get(task)
-        meant: list[list[Pattern]] = [[{"goal": goal}]] if goal else []
-        meant += [[{"action": "lift"}, *meant[0]]] if goal else []
-        family = "furniture" if goal else "out of the domain"
+        text, meant = _renamed(said, _NAMES["Meta-World"]), _meant(_LABELS["Meta-World"].get(task))
+        meant += [[{"action": "lift"}, *meant[0]]] if meant else []
+        family = "furniture" if meant else "out of the domain"
         yield Sentence("Meta-World", family, text, meant, refusable=True)
 
 
 # --- CLIPort ----------------------------------------------------------------------------------
 
-_COLOURS = ("blue", "red", "green", "orange", "purple", "pink", "white")
-_NEXT = tuple(zip(_COLOURS, _COLOURS[1:] + _COLOURS[:1], strict=True))
-_SHAPES = ("triangle", "star", "ring", "flower", "heart")
-_IN: Pattern = {"kind": "place", "relation": "in"}
-_ON: Pattern = {"kind": "place", "relation": "on"}
-_CLIPORT: dict[str, tuple[Iterable[Mapping[str, str]], Pattern | None]] = {
-    "put_block_in_bowl": ([{"pick": a, "place": b} for a, b in _NEXT], _IN),
-    "stack_block_pyramid_seq": (
-        [{"pick": a, "place": f"the {b}"} for a, b in zip(
-            _COLOURS, ("lightest brown block", "middle brown block", "darkest brown block",
-                       "blue and red blocks", "red and green blocks", "orange and purple blocks"),
-            strict=False)], _ON),
-    "towers_of_hanoi_seq": (
-        [{"obj": a, "loc": loc} for a, loc in zip(
-            _COLOURS, ("lighter brown side", "middle of the stand", "darker brown side"),
-            strict=False)], {"kind": {"place", "displace"}}),
-    "packing_boxes": ([{}], _IN),
-    "packing_boxes_pairs": ([{"colors": f"{a} and {b}"} for a, b in _NEXT], _IN),
-    "packing_shapes": ([{"obj": shape} for shape in _SHAPES], _IN),
-    "packing_google_objects": ([{"obj": o} for o in ("hammer", "dog statue", "crayon box")], _IN),
-    "assembling_kits": ([{}], _IN),
-    "assembling_kits_seq": (
-        [{"color": a, "obj": shape, "loc": loc} for a, shape, loc in zip(
-            _COLOURS, _SHAPES, ("", "top ", "bottom ", "left ", "right "), strict=False)], _IN),
-    "block_insertion": ([{}], _IN), "palletizing_boxes": ([{}], _ON),
-    "sweeping_piles": ([{}], {"kind": {"place", "displace"}}),
-    "separating_piles": (
-        [{"block_color": a, "square_color": b} for a, b in _NEXT[:3]],
-        {"kind": {"place", "displace"}}),
-    "align_box_corner": ([{}], None),
-    "align_rope": ([{"direction": "front left tip to front right tip"}], None),
-    "manipulating_rope": ([{}], None), "towers_of_hanoi": ([{}], None),
-    "stack_block_pyramid": ([{"row": "bottom", "blocks": "the green and blue blocks"}], None),
-}  # fmt: skip
-"""Task → the slots of its template, and the goal; none if it is out of the domain."""
-_NOT_HERE = ("towers_of_hanoi_seq", "sweeping_piles", "separating_piles", "assembling_kits",
-             "assembling_kits_seq", "block_insertion", "palletizing_boxes")  # fmt: skip
-"""Tasks with stands, piles, holes and pallets, which no table has."""
-
 
 def _cliport(data: Path) -> Iterator[Sentence]:
-    for task, (slots, goal) in _CLIPORT.items():
+    for task, labelled in _LABELS["CLIPort"].items():
+        label = labelled or {}
         path = data / "cliport" / "cliport" / "tasks" / f"{task}.py"
         template = _first(r'self\.lang_template = "([^"]+)"', path.read_text(encoding="utf-8"))
-        meant: list[list[Pattern]] = [[{"goal": goal}]] if goal else []
-        refusable = not goal or task in _NOT_HERE
-        family = "out of the domain" if not goal else "furniture" if refusable else "things"
-        for slot in slots:
+        meant = _meant(label.get("goal"))
+        refusable = not meant or "furniture" in label
+        family = "out of the domain" if not meant else "furniture" if refusable else "things"
+        for slot in label.get("slots", [{}]):
             text = _renamed(template.format(**slot), _NAMES["CLIPort"])
             yield Sentence("CLIPort", family, text, meant, refusable)
 
@@ -276,6 +225,7 @@ def _cliport(data: Path) -> Iterator[Sentence]:
 
 _VIMA_THINGS = ("coffee box", "mug", "ice tea cup", "ice tea")
 _VIMA_ANGLES = (30, 60, 90, 120, 150)
+_IN: Pattern = {"kind": "place", "relation": "in"}
 
 
 def _vima(data: Path) -> Iterator[Sentence]:
