@@ -1,6 +1,6 @@
 """Sentences of six more public sources, with labels made by rule before any of them is read.
 
-What can be held or stood on is renamed, by `task_labels.yaml`, to things that stand in the scene
+What can be held or stood on is renamed, by `labels.yaml`, to things that stand in the scene
 `kitchen`, so that what is read wrongly could be carried out. Furniture (drawers, stoves, shelves)
 keeps its name; no table has any, so what needs it may as well be refused. No text of the sources is
 kept here.
@@ -19,10 +19,9 @@ from typing import Any, NamedTuple
 
 import yaml
 
-from benchmarks.public_sentences.template_sources import Pattern, Sentence
+from benchmarks.public_sentences.template_sources import LABELS, Pattern, Sentence
 
-_LABELS = yaml.safe_load(Path(__file__).with_name("task_labels.yaml").read_text(encoding="utf-8"))
-_NAMES: Mapping[str, Mapping[str, str]] = _LABELS["names"]
+_NAMES: Mapping[str, Mapping[str, str]] = LABELS["names"]
 _FURNITURE = re.compile(
     r"\b(stove|cabinet|drawer|microwave|caddy|rack|shelf|machine|faucet|dial|door|window|hole|peg"
     r"|goal|pallet|stand|kit|drying)"
@@ -199,7 +198,7 @@ def _meta_world(data: Path) -> Iterator[Sentence]:
     path = next((data / "Metaworld").rglob("task_descriptions.md"))
     tasks = re.findall(r"^## (.+)\n([^.]+\.)", path.read_text(encoding="utf-8"), re.MULTILINE)
     for task, said in tasks:
-        text, meant = _renamed(said, _NAMES["Meta-World"]), _meant(_LABELS["Meta-World"].get(task))
+        text, meant = _renamed(said, _NAMES["Meta-World"]), _meant(LABELS["Meta-World"].get(task))
         meant += [[{"action": "lift"}, *meant[0]]] if meant else []
         family = "furniture" if meant else "out of the domain"
         yield Sentence("Meta-World", family, text, meant, refusable=True)
@@ -209,7 +208,7 @@ def _meta_world(data: Path) -> Iterator[Sentence]:
 
 
 def _cliport(data: Path) -> Iterator[Sentence]:
-    for task, labelled in _LABELS["CLIPort"].items():
+    for task, labelled in LABELS["CLIPort"].items():
         label = labelled or {}
         path = data / "cliport" / "cliport" / "tasks" / f"{task}.py"
         template = _first(r'self\.lang_template = "([^"]+)"', path.read_text(encoding="utf-8"))

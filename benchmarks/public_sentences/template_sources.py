@@ -22,6 +22,12 @@ Pattern = Mapping[str, Any]
 """Part of a frame as JSON: what it says has to be there; of a set, any of its values."""
 
 
+LABELS: Mapping[str, Any] = yaml.safe_load(
+    Path(__file__).with_name("labels.yaml").read_text(encoding="utf-8")
+)
+"""Names and goals of sources, as data."""
+
+
 class Sentence(NamedTuple):
     """A sentence with its label.
 
@@ -219,20 +225,6 @@ def _perhaps_held(name: str, goal: Pattern) -> list[list[Pattern]]:
 
 # --- RLBench ----------------------------------------------------------------------------------
 
-_OPENED = {"box", "door", "drawer", "fridge", "grill", "jar", "laptop_lid", "microwave", "oven",
-           "washing_machine", "window", "wine_bottle"}  # fmt: skip
-"""What tasks open and close."""
-
-_TASKS: dict[str, set[str]] = {
-    "pick_up_cup": {"lift"}, "pick_and_lift": {"lift"}, "pick_and_lift_small": {"lift"},
-    "lift_numbered_block": {"lift"}, "pour_from_cup_to_cup": {"pour"},
-    "take_lid_off_saucepan": {"open"}, "slide_cabinet_open": {"open"},
-    "slide_block_to_target": {"place", "displace"}, "weighing_scales": {"parameters", "place"},
-    "phone_on_base": {"place"}, "meat_off_grill": {"place"}, "hang_frame_on_hanger": {"place"},
-    "put_knife_on_chopping_board": {"place"},
-}  # fmt: skip
-"""Task → goals that its sentences are about."""
-
 _TAKEN: Pattern = {"goal": {"kind": "place", "relation": {"off", "out_of"}}}
 """What a thing stands in or on it is taken from first: "slide it out of the block, and …"."""
 
@@ -253,9 +245,9 @@ def _rlbench(data: Path) -> Iterator[Sentence]:
 
 def _goals_of_task(task: str) -> set[str]:
     verb, _, thing = task.partition("_")
-    if verb in ("open", "close") and thing in _OPENED:
+    if verb in ("open", "close") and thing in LABELS["RLBench"]["opened"]:
         return {verb, "displace"}
-    return _TASKS.get(task, set())
+    return set(LABELS["RLBench"]["goals"].get(task, ()))
 
 
 def _returned_texts(path: Path) -> Iterator[str]:
