@@ -18,9 +18,10 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from random import Random
-from typing import Any, Literal
+from typing import Literal
 
 from benchmarks.paraphrases.speaker import MOVING, NAMES, OTHERS, Speaker
+from benchmarks.sentences import without_spans
 from grammar import ParseError, parse
 from grammar.frames.command import Frame
 from grammar.words.lexicon import default_lexicon
@@ -69,7 +70,7 @@ def _meaning(frames: Sequence[Frame]) -> str:
     """
     plain = []
     for frame in frames:
-        dumped = _without_spans(frame.model_dump(exclude_defaults=True))
+        dumped = without_spans(frame.model_dump(exclude_defaults=True))
         dumped["constraints"] = sorted(map(repr, dumped.get("constraints", ())))
         if frame.goal.kind == "lift" and frame.goal.above == "table":
             del dumped["goal"]["above"]
@@ -77,15 +78,6 @@ def _meaning(frames: Sequence[Frame]) -> str:
             dumped["action"] = "move"
         plain.append(dumped)
     return repr(plain)
-
-
-def _without_spans(value: Any) -> Any:
-    """A copy without spans, and with quantities to nine digits."""
-    if isinstance(value, dict):
-        return {k: _without_spans(v) for k, v in sorted(value.items()) if k != "spans"}
-    if isinstance(value, list | tuple):
-        return [_without_spans(v) for v in value]
-    return round(value, 9) if isinstance(value, float) else value
 
 
 def paraphrases(words: str, seed: int, count: int) -> Iterator[tuple[str, str, Reading]]:

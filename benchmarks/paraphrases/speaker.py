@@ -8,7 +8,6 @@ capitals, no punctuation).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from random import Random
@@ -95,7 +94,7 @@ class Speaker:
             how = how[:1] if "until" not in goal else ()
         return Phrases(verb, rng.choice(NAMES), goal, how, rng.choice(OTHERS))
 
-    def _said(self, *keys: str) -> Sequence[str]:
+    def _said(self, *keys: str) -> tuple[str, ...]:
         """Those keys of phrases that the list has."""
         return tuple(key for key in keys if key in self._words["slots"])
 
