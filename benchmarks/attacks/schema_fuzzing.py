@@ -78,8 +78,8 @@ def fuzz(requests: int, seed: int, *, briefly: bool = False) -> Fuzzing:
     """
     with tempfile.TemporaryDirectory() as name, attacker_of_service(Path(name)) as attacker:
         folder = Path(name)
-        attacker.open_session()
-        config = f'[parameters]\n"path.session_id" = "{attacker.session}"\n'
+        session = attacker.call("POST", "/v1/sessions", json={})["session_id"]
+        config = f'[parameters]\n"path.session_id" = "{session}"\n'
         (folder / "schemathesis.toml").write_text(config)
         paths = attacker.call("GET", "/v1/openapi.json")["paths"].values()
         operations = sum(
