@@ -1,11 +1,7 @@
-"""Saves of models by processes that are killed, and by many at once: nothing is lost, nothing half.
-
-`python -m benchmarks.saves --kills 100 --writes 500 --seed 0`
-"""
+"""Saves of models, killed or by many processes at once: nothing is lost, nothing is half."""
 
 from __future__ import annotations
 
-import argparse
 import os
 import signal
 import tempfile
@@ -99,21 +95,17 @@ def _add_and_remove(number: int, rounds: int) -> None:
         remove_model(f"own_{number}_{k}")
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--kills", type=int, default=100)
-    parser.add_argument("--writes", type=int, default=500)
-    parser.add_argument("--seed", type=int, default=0)
-    given = parser.parse_args()
-    with tempfile.TemporaryDirectory() as folder:
-        left = kill_saves(Path(folder), given.kills, given.seed)
-        print(
-            f"{given.kills} saves killed: all files whole, {left} temporary files left and removed"
-        )
-    with tempfile.TemporaryDirectory() as folder:
-        kept = write_at_once(Path(folder), given.writes)
-        print(f"{given.writes} writes by {WRITERS} processes: {kept} models, none lost")
+def prove_saves_whole(kills: int, seed: int) -> bool:
+    """Kills so many saves, makes five times as many at once, and prints what came of it.
 
-
-if __name__ == "__main__":
-    main()
+    Raises:
+        AssertionError: something is lost or half.
+    """
+    writes = 5 * kills
+    with tempfile.TemporaryDirectory() as folder:
+        left = kill_saves(Path(folder), kills, seed)
+        print(f"{kills} saves killed: all files whole, {left} temporary files left and removed")
+    with tempfile.TemporaryDirectory() as folder:
+        kept = write_at_once(Path(folder), writes)
+        print(f"{writes} writes by {WRITERS} processes: {kept} models, none lost")
+    return True

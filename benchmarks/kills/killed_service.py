@@ -1,7 +1,5 @@
 """The planning service and its processes are killed at random moments; what had ended is there.
 
-`python -m benchmarks.service_kills --kills 30 --seed 0`
-
 Two listeners at a time open sessions and say sentences, some that move something and some that do
 not. After a random time the server is killed, or one of its processes. Then every run whose end
 somebody was told is in the store, with the same result, all of its events and a trace that can be
@@ -10,15 +8,11 @@ read; every other run is marked; the database is sound; no half file and no proc
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 import os
 import random
-import shutil
 import signal
 import sqlite3
-import subprocess
-import sys
 import tempfile
 import threading
 import time
@@ -33,6 +27,8 @@ import httpx
 from nlcontrol.service.run_store import RunStore
 from objectmodels.files.yaml_documents import PREFIX
 from sim import Trace
+from tests.patience import PATIENCE, wait_until
+from tests.service_process import LastingServer
 from tests.unit.nlcontrol.service.processes import descendants, parent
 
 SENTENCES = (
@@ -42,13 +38,8 @@ SENTENCES = (
     "push the mug 2 cm to the right",
 )
 
-SERVE = (sys.executable, "-m", "nlcontrol", "serve", "--port", "0", "--workers", "2")
-
 LONGEST = 12.0
 """Time after which something has been killed [s]; a push takes some 6 s."""
-
-PATIENCE = 600.0
-"""Time in which whatever should happen has happened [s]."""
 
 
 @dataclass
@@ -57,42 +48,6 @@ class Told:
 
     results: dict[str, Any] = field(default_factory=dict)
     unfinished: set[str] = field(default_factory=set)
-
-
-class Server:
-    """The command `nlcontrol serve`, on a store."""
-
-    def __init__(self, folder: Path) -> None:
-        begun = time.monotonic()
-        self.process = subprocess.Popen(
-            (*SERVE, "--store", str(folder)),
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            text=True,
-        )
-        assert self.process.stdout is not None
-        self.url = self.process.stdout.readline().split()[-1]
-        self.start_time = time.monotonic() - begun
-
-    def workers(self) -> list[int]:
-        """Processes below it, that from which the others are forked among them."""
-        return sorted(descendants(self.process.pid))
-
-    def kill(self) -> float:
-        """Kills it, and returns after how long all that it had started were gone [s]."""
-        workers = self.workers()
-        self.process.kill()
-        self.process.wait()
-        begun = time.monotonic()
-        _wait_until(lambda: all(parent(pid) is None for pid in workers), "orphans end")
-        return time.monotonic() - begun
-
-
-def _wait_until(holds: Any, what: str) -> None:
-    end = time.monotonic() + PATIENCE
-    while not holds():
-        assert time.monotonic() < end, f"{what}: not within {PATIENCE} s"
-        time.sleep(0.02)
 
 
 def say_sentences(url: str, seed: int, told: Told, ended: threading.Event) -> None:
@@ -110,9 +65,9 @@ def say_sentences(url: str, seed: int, told: Told, ended: threading.Event) -> No
             answer = http.post(f"{place}/say", json={"text": rng.choice(SENTENCES)})
             if answer.status_code != 202:  # the session was lost
                 return
-            run_id = answer.json()["run_id"]
-            told.unfinished.add(run_id)
             run = answer.json()
+            run_id = run["run_id"]
+            told.unfinished.add(run_id)
             while run["state"] in ("queued", "running"):
                 time.sleep(0.02)
                 run = http.get(f"/v1/runs/{run_id}").raise_for_status().json()
@@ -155,57 +110,58 @@ def require_whole(folder: Path, told: Told) -> Counter[str]:
     return Counter(run.state for run in runs)
 
 
-def kill_at_random(folder: Path, kills: int, seed: int) -> None:
-    """Kills, checks and prints what came of it."""
-    rng, told, server = random.Random(seed), Told(), Server(folder)
-    killed: Counter[str] = Counter()
+def _orphans_end(workers: set[int]) -> float:
+    """Time until none of the processes is there any more [s]."""
+    begun = time.monotonic()
+    wait_until(lambda: all(parent(pid) is None for pid in workers), "the end of orphans")
+    return time.monotonic() - begun
+
+
+def prove_ends_kept(kills: int, seed: int) -> bool:
+    """Kills, checks and prints what came of it.
+
+    Raises:
+        AssertionError: something is lost, half or left over.
+    """
+    rng, told, killed = random.Random(seed), Told(), Counter[str]()
     slowest_end = slowest_start = 0.0
-    for number in range(kills):
-        ended = threading.Event()
-        with ThreadPoolExecutor() as pool:
-            listeners = [
-                pool.submit(say_sentences, server.url, 2 * number + n, told, ended)
-                for n in range(2)
-            ]
-            time.sleep(rng.uniform(0.0, LONGEST))
-            of_server = rng.random() < 0.5
+    with tempfile.TemporaryDirectory(prefix="service-kills-") as name:
+        folder = Path(name)
+        server = LastingServer(folder, ("--workers", "2"))
+        server.start()
+        for number in range(kills):
+            ended = threading.Event()
+            with ThreadPoolExecutor() as pool:
+                listeners = [
+                    pool.submit(say_sentences, server.url, 2 * number + n, told, ended)
+                    for n in range(2)
+                ]
+                time.sleep(rng.uniform(0.0, LONGEST))
+                workers = descendants(server.pid)
+                of_server = rng.random() < 0.5
+                if of_server:
+                    server.kill()
+                    slowest_end = max(slowest_end, _orphans_end(workers))
+                else:
+                    os.kill(rng.choice(sorted(workers)), signal.SIGKILL)
+                    time.sleep(1.0)
+                    ended.set()
+                for listener in listeners:
+                    listener.result(PATIENCE)
+            killed["server" if of_server else "process"] += 1
             if of_server:
-                slowest_end = max(slowest_end, server.kill())
-            else:
-                os.kill(rng.choice(server.workers()), signal.SIGKILL)
-                time.sleep(1.0)
-                ended.set()
-            for listener in listeners:
-                listener.result(PATIENCE)
-        killed["server" if of_server else "process"] += 1
-        if of_server:
-            require_whole(folder, told)
-            server = Server(folder)
-            slowest_start = max(slowest_start, server.start_time)
-        print(f"{number + 1}: {dict(killed)}, {len(told.results)} runs have ended", flush=True)
-    workers = server.workers()
-    server.process.send_signal(signal.SIGTERM)
-    server.process.wait(PATIENCE)
-    _wait_until(lambda: all(parent(pid) is None for pid in workers), "its processes end with it")
-    states = require_whole(folder, told)
+                require_whole(folder, told)
+                begun = time.monotonic()
+                server.start()
+                slowest_start = max(slowest_start, time.monotonic() - begun)
+            print(f"{number + 1}: {dict(killed)}, {len(told.results)} runs have ended", flush=True)
+        workers = descendants(server.pid)
+        server.close()
+        _orphans_end(workers)
+        states = require_whole(folder, told)
     print(
         f"{kills} kills ({dict(killed)}): {len(told.results)} runs of whose end somebody was told "
         f"are all there and whole, {states['cut_off']} are marked as cut off; no process is left "
         f"after {slowest_end:.2f} s, the service is back within {slowest_start:.1f} s"
     )
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--kills", type=int, default=30)
-    parser.add_argument("--seed", type=int, default=0)
-    given = parser.parse_args()
-    folder = Path(tempfile.mkdtemp(prefix="service-kills-"))
-    try:
-        kill_at_random(folder, given.kills, given.seed)
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
-
-
-if __name__ == "__main__":
-    main()
+    return True

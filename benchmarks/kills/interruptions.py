@@ -1,7 +1,5 @@
 """Control-C and SIGTERM at random times over `say`, `explore` and `map`.
 
-    python -m benchmarks.interruptions --runs 100 --seed 0
-
 Each run must end with the exit code of its signal (or as usual, if it was done before), with one
 document of code `interrupted`, and leave neither a process nor a file behind. A signal is sent once
 the program takes signals: until then they are Python's.
@@ -9,7 +7,6 @@ the program takes signals: until then they are Python's.
 
 from __future__ import annotations
 
-import argparse
 import collections
 import json
 import os
@@ -26,6 +23,7 @@ from typing import Any
 
 from nlcontrol.interruption import EXIT_CODES
 from nlcontrol.parallel_tasks import run_all
+from tests.patience import PATIENCE
 
 COMMANDS: tuple[tuple[float, tuple[str, ...]], ...] = (
     (8.0, ("say", "push the ice tea box away", "--json", "--replay", "run.html")),
@@ -38,9 +36,6 @@ COMMANDS: tuple[tuple[float, tuple[str, ...]], ...] = (
 
 WRITTEN = {"run.html", "box.yaml", "map.json", "map.touches.jsonl"}
 """Files that the commands may leave, each of them whole."""
-
-PATIENCE = 600.0
-"""Longest time that a command, or a process that it leaves, may take to end [s]."""
 
 
 @dataclass(frozen=True)
@@ -198,30 +193,20 @@ def faults(case: Case, ending: Ending, left: set[str]) -> Iterator[str]:
         yield f"files {', '.join(sorted(left - WRITTEN))} left"
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--runs", type=int, default=100)
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--workers", type=int)
-    options = parser.parse_args()
-    drawn = cases(options.runs, options.seed)
+def prove_commands_end(runs: int, seed: int, workers: int | None = None) -> bool:
+    """Interrupts commands and prints what came of it; False if an end was not as documented."""
+    drawn = cases(runs, seed)
     times: dict[int, list[float]] = collections.defaultdict(list)
     failed, finished = 0, 0
-    endings = run_all(run, drawn, workers=options.workers)
-    for case, (ending, wrong) in zip(drawn, endings, strict=True):
+    for case, (ending, wrong) in zip(drawn, run_all(run, drawn, workers=workers), strict=True):
         times[case.command].append(ending.wall_time)
         failed += bool(wrong)
         finished += ending.code is None
         if wrong:
             print(f"{case}: {'; '.join(wrong)}\n{ending.error[-500:]}", flush=True)
-    for number, (_, command) in enumerate(COMMANDS):
-        ends = sorted(times[number])
-        if ends:
-            middle = ends[len(ends) // 2]
-            print(f"{' '.join(command[:2])}: to the end {middle:.1f} s, at most {ends[-1]:.1f} s")
+    for number, ends in sorted(times.items()):
+        told = " ".join(COMMANDS[number][1][:2])
+        middle = sorted(ends)[len(ends) // 2]
+        print(f"{told}: to the end {middle:.1f} s, at most {max(ends):.1f} s")
     print(f"{len(drawn)} runs, {finished} done before the signal, {failed} not as documented")
-    return int(failed > 0)
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+    return not failed

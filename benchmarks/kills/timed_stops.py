@@ -100,34 +100,11 @@ def let_go_time(trace: Trace, events: Sequence[Told]) -> float:
     return float(np.max(np.append(moving, back)))
 
 
-class BareEndpoint:
-    """An endpoint that does nothing, asked on a connection of its own.
-
-    Attributes:
-        times: that it took to answer [s].
-    """
-
-    def __init__(self, url: str) -> None:
-        self._http = httpx.Client(base_url=f"{url}/v1", timeout=PATIENCE)
-        self._threads = ThreadPoolExecutor(1)
-        self.times: list[float] = []
-        self.ask()
-        self.times.clear()
-
-    def ask(self) -> float:
-        """Asks it, and returns how long that took [s]."""
-        began = time.perf_counter()
-        self._http.get("/health").raise_for_status()
-        self.times.append(time.perf_counter() - began)
-        return self.times[-1]
-
-    def beside(self, call: Callable[[], object]) -> tuple[float, float]:
-        """How long a call takes, and how long this one does at the same moment [s]."""
-        asked = self._threads.submit(self.ask)
-        began = time.perf_counter()
-        call()
-        taken = time.perf_counter() - began
-        return taken, asked.result()
+def _time_of(call: Callable[[], object]) -> float:
+    """How long a call takes [s]."""
+    began = time.perf_counter()
+    call()
+    return time.perf_counter() - began
 
 
 class OtherSessions:
@@ -188,10 +165,15 @@ class StoppedRobot:
         self._rng = random.Random(seed)
         self._trace = folder / "trace.npz"
         self._http = httpx.Client(base_url=f"{url}/v1", timeout=PATIENCE)
-        self._bare = BareEndpoint(url)
-        self.bare_times = self._bare.times
+        self._line = httpx.Client(base_url=f"{url}/v1", timeout=PATIENCE)
+        self._beside = ThreadPoolExecutor(1)
+        self._ask_bare()
         opened = self._http.post("/sessions", json={}).raise_for_status().json()
         self._place = f"/sessions/{opened['session_id']}"
+
+    def _ask_bare(self) -> None:
+        """Asks an endpoint that does nothing, on a connection of its own."""
+        self._line.get("/health").raise_for_status()
 
     def timed_stop(self) -> TimedStop:
         """A stop of a run that has touched something, or is about to."""
@@ -204,11 +186,14 @@ class StoppedRobot:
         with httpx.Client(base_url=http.base_url, timeout=PATIENCE) as line:  # noqa: SIM117 - one after the other
             with line.stream("GET", f"{place}/events") as stream:
                 for event in _data(stream):
-                    events.append(_told(event))
+                    told = event["wall_time"], event["time"], event.get("phase")
+                    events.append(Told(time.perf_counter(), *told))
                     wait -= event["kind"] == "force"
                     if wait < 0 and not asked:
                         asked = time.perf_counter()
-                        answer, bare = self._bare.beside(lambda: http.post(stop).raise_for_status())
+                        asked_bare = self._beside.submit(_time_of, self._ask_bare)
+                        answer = _time_of(lambda: http.post(stop).raise_for_status())
+                        bare = asked_bare.result()
         result = http.get(place).json()["result"]
         assert result["status"] == "cancelled", f"a run that was stopped is {result['status']}"
         self._trace.write_bytes(http.get(f"{place}/trace").raise_for_status().content)
@@ -264,8 +249,3 @@ def _data(stream: httpx.Response) -> Any:
     for line in stream.iter_lines():
         if line.startswith("data:"):
             yield json.loads(line[5:])["event"]
-
-
-def _told(event: dict[str, Any]) -> Told:
-    phase = event.get("phase")
-    return Told(time.perf_counter(), event["wall_time"], event["time"], phase)

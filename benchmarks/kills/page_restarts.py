@@ -12,16 +12,9 @@ from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tests.browser.lasting_server import (
-    PHASE,
-    PLANNED,
-    RESTING,
-    STATE,
-    LastingServer,
-    plan,
-    session_of,
-)
+from tests.browser.lasting_page import PHASE, PLANNED, RESTING, STATE, plan, session_of
 from tests.browser.open_page import FLAGS, OpenPage, found_browser
+from tests.service_process import LastingServer
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser

@@ -14,8 +14,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, suppress
 from pathlib import Path
 
-from benchmarks.service_faults.drawn_calls import DrawnCall
-from benchmarks.service_faults.service_under_fault import ServiceUnderFault
+from benchmarks.kills.service_under_fault import DrawnCall, ServiceUnderFault
 
 Fault = Callable[[ServiceUnderFault, DrawnCall], AbstractContextManager[None]]
 """Of a service, beside a call that is made in it."""
@@ -58,27 +57,16 @@ def worker_hung(service: ServiceUnderFault, _: DrawnCall) -> Iterator[None]:
 
 @contextmanager
 def store_locked(service: ServiceUnderFault, _: DrawnCall) -> Iterator[None]:
-    """Another program holds the database, for longer than the call or not."""
+    """Another program holds the database, all through the call or until it begins."""
+    held_for = service.rng.choice((0.3, 1.0, LONGEST_LOCK))
     with service.database() as other:
         other.execute("BEGIN IMMEDIATE")
-        free = threading.Event()
-        held_for = service.rng.choice((0.3, 1.0, LONGEST_LOCK))
-        done = threading.Event()
-
-        def let_go() -> None:
-            free.wait(held_for)
-            done.set()
-
-        waiter = threading.Thread(target=let_go)
-        waiter.start()
         try:
             if held_for < LONGEST_LOCK:
-                done.wait()
+                time.sleep(held_for)
                 other.execute("ROLLBACK")
             yield
         finally:
-            free.set()
-            waiter.join()
             if other.in_transaction:
                 other.execute("ROLLBACK")
 
@@ -172,8 +160,7 @@ def server_killed(service: ServiceUnderFault, _: DrawnCall) -> Iterator[None]:
         yield
     finally:
         timer.join()
-        service.server.kill()
-        service.server.start()
+        service.restart()
 
 
 @contextmanager
@@ -239,23 +226,11 @@ def _garbled(
         yield
     finally:
         if before is not None:
-            _mend(service, f"UPDATE {table} SET {column} = ", (before[0], bad), where, put, values)
-
-
-def _mend(
-    service: ServiceUnderFault,
-    update: str,
-    cells: tuple[object, object],
-    where: str,
-    put: str,
-    values: tuple[str, ...],
-) -> None:
-    """Puts a cell back, unless the service has written it anew."""
-    before, bad = cells
-    old = "CAST(? AS TEXT)" if isinstance(before, bytes) else "?"
-    column = update.split()[3]
-    with service.database() as other, suppress(sqlite3.IntegrityError):
-        other.execute(f"{update}{old} WHERE {where} AND {column} IS {put}", (before, *values, bad))
+            old = "CAST(? AS TEXT)" if isinstance(before[0], bytes) else "?"
+            mend = f"UPDATE {table} SET {column} = {old} WHERE {where} AND {column} IS {put}"
+            # Where the service has written the cell anew, it stays.
+            with service.database() as other, suppress(sqlite3.IntegrityError):
+                other.execute(mend, (before[0], *values, bad))
 
 
 def _newest(service: ServiceUnderFault) -> str:
