@@ -1,19 +1,19 @@
 """How many turns of whole dialogues are understood as they are meant.
 
-    python -m benchmarks.dialogues developing
-    python -m benchmarks.dialogues eighth_developing --simulate
+    python -m benchmarks.dialogues judging
+    python -m benchmarks.dialogues developing --sets eighth ninth --simulate
 
-Dialogues stand in `tests/data/dialogues`, each turn with what is meant; their first lines say how.
-They take place in the scene `kitchen`, if they do not name another one.
-Without `--simulate` everything is planned and nothing moves. Of dialogues that judge, those with
-`judging` in their name, only counts are printed. A turn at which the program fails is not right.
+Dialogues stand in `tests/data/dialogues`, in sets, each turn with what is meant; the first lines of
+`developing.yaml` say how. They take place in the scene `kitchen`, if they do not name another one.
+Without `--simulate` everything is planned and nothing moves. Of the dialogues that judge only
+counts are printed. A turn at which the program fails is not right.
 """
 
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import yaml
 
@@ -90,15 +90,32 @@ def acts_wrongly(result: Result, turn: dict[str, Any]) -> bool:
     return result.status != "not_understood" and not set(acts) <= meant
 
 
-def main() -> None:
-    options = argparse.ArgumentParser(description="How turns of dialogues are understood.")
-    options.add_argument("dialogues", choices=sorted(p.stem for p in DIALOGUES.glob("*")))
-    options.add_argument("--simulate", action="store_true")
-    options.add_argument("--show", action="store_true", help="print the turns that are not right")
-    chosen = options.parse_args()
-    text = (DIALOGUES / f"{chosen.dialogues}.yaml").read_text(encoding="utf-8")
+class Count(NamedTuple):
+    """Turns of a set of dialogues.
+
+    Attributes:
+        turns: all of them.
+        right: those whose result is what they mean.
+        wrong: those at which something is done with an object that was not meant.
+        failed: those at which the program failed.
+    """
+
+    turns: int
+    right: int
+    wrong: int
+    failed: int
+
+    def __str__(self) -> str:
+        return (
+            f"{self.right} of {self.turns} turns right, {self.wrong} with an object that was not "
+            f"meant, {self.failed} at which the program failed"
+        )
+
+
+def count_of(dialogues: list[Any], *, simulate: bool, show: bool) -> Count:
+    """Says the turns of a set of dialogues and counts; with `show` prints those not right."""
     right = wrong = turns = failed = 0
-    for dialogue in yaml.safe_load(text):
+    for dialogue in dialogues:
         scene, said = "kitchen", dialogue
         if isinstance(dialogue, dict):
             scene, said = dialogue["scene"], dialogue["turns"]
@@ -106,19 +123,35 @@ def main() -> None:
         for turn in said:
             turns += 1
             try:
-                result = conversation.say(turn["say"], plan_only=not chosen.simulate)
+                result = conversation.say(turn["say"], plan_only=not simulate)
             except Exception:  # whatever it is, it is counted, and the rest is said
                 failed += 1
                 continue
             good = is_right(result, turn)
             right, wrong = right + good, wrong + acts_wrongly(result, turn)
-            if chosen.show and not good and "judging" not in chosen.dialogues:
+            if show and not good:
                 told = (
                     result.error.message if result.error else result.answer and result.answer.text
                 )
                 print(f"{turn['say']!r}: {result.status} {result.paraphrase!r} {told or ''}")
-    print(f"{right} of {turns} turns right, {wrong} with an object that was not meant")
-    print(f"{failed} at which the program failed")
+    return Count(turns, right, wrong, failed)
+
+
+def main() -> None:
+    options = argparse.ArgumentParser(description="How turns of dialogues are understood.")
+    options.add_argument("dialogues", choices=("developing", "judging"))
+    options.add_argument("--sets", nargs="*", help="names of sets; all if not given")
+    options.add_argument("--simulate", action="store_true")
+    options.add_argument("--show", action="store_true", help="print the turns that are not right")
+    chosen = options.parse_args()
+    text = (DIALOGUES / f"{chosen.dialogues}.yaml").read_text(encoding="utf-8")
+    sets = yaml.safe_load(text)
+    show = chosen.show and chosen.dialogues != "judging"
+    counts = []
+    for name in chosen.sets or sets:
+        counts.append(count_of(sets[name], simulate=chosen.simulate, show=show))
+        print(f"{name}: {counts[-1]}", flush=True)
+    print(f"all: {Count(*map(sum, zip(*counts, strict=True)))}")
 
 
 if __name__ == "__main__":

@@ -1,9 +1,10 @@
-"""The sentences of the test set, for the benchmarks of the language."""
+"""The sentences of the test set, and what is read compared, for the benchmarks of the language."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import yaml
 
@@ -26,3 +27,12 @@ def _texts(*, refused: bool) -> Iterator[str]:
     for path in sorted(COMMANDS.glob("*.yaml")):
         if (path.stem in REFUSED) == refused:
             yield from (case["text"] for case in yaml.safe_load(path.read_text(encoding="utf-8")))
+
+
+def without_spans(value: Any) -> Any:
+    """A copy of frames as data, without where their words stand, and quantities to nine digits."""
+    if isinstance(value, dict):
+        return {k: without_spans(v) for k, v in sorted(value.items()) if k != "spans"}
+    if isinstance(value, list | tuple):
+        return [without_spans(v) for v in value]
+    return round(value, 9) if isinstance(value, float) else value

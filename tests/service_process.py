@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import os
+import socket
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
+
+import httpx
 
 from nlcontrol.service.run_store import STORE_VARIABLE
 from nlcontrol.service.service_settings import ServiceSettings
@@ -19,6 +22,9 @@ from tests.fakes.counted_executor import FOLDER_VARIABLE, first_poses, write_pos
 from tests.patience import PATIENCE
 
 ROOT = Path(__file__).parents[1]
+
+MOST_SESSIONS = 3
+"""Of a lasting server, if it is not told otherwise."""
 
 
 def patient_settings(**given: Any) -> ServiceSettings:
@@ -112,3 +118,52 @@ def serving_counted_robot(
         environment={FOLDER_VARIABLE: str(folder), **(environment or {})},
     ) as server:
         yield replace(server, folder=folder)
+
+
+class LastingServer:
+    """A service that is killed and started again, at one address and with one store.
+
+    Args:
+        store: its folder.
+        options: of `nlcontrol serve`.
+        environment: of it, beside ours.
+    """
+
+    def __init__(
+        self,
+        store: Path,
+        options: Sequence[str] = ("--sessions", str(MOST_SESSIONS)),
+        environment: Mapping[str, str] | None = None,
+    ) -> None:
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            self.port = free.getsockname()[1]
+        self.url = f"http://127.0.0.1:{self.port}"
+        self.store = store
+        self._options, self._environment = options, dict(environment or {})
+        self._running = ExitStack()
+
+    def start(self) -> None:
+        options = ("--port", str(self.port), *self._options)
+        environment = {STORE_VARIABLE: str(self.store), **self._environment}
+        self._server = self._running.enter_context(serving(*options, environment=environment))
+
+    @property
+    def pid(self) -> int:
+        return self._server.process.pid
+
+    def log(self) -> str:
+        return self._server.log.read_text()
+
+    def kill(self) -> None:
+        self._server.process.kill()
+        self._running.close()
+
+    def close(self) -> None:
+        self._running.close()
+
+    def get(self, path: str) -> Any:
+        return httpx.get(f"{self.url}/v1/{path}", timeout=PATIENCE).json()
+
+    def session_ids(self) -> set[str]:
+        return {each["session_id"] for each in self.get("sessions")["sessions"]}

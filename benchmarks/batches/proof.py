@@ -1,4 +1,4 @@
-"""The same rows in every way, while workers and the batch itself are killed.
+"""The same rows in every way, on a Dask cluster of this machine too, while processes are killed.
 
 Each way is the command line in a process of its own. When a third of the results are there,
 something is killed; a batch that has ended is resumed. In the end each way has to have one line for
@@ -12,14 +12,24 @@ import os
 import signal
 import subprocess
 import sys
-import time
-from collections.abc import Callable, Collection, Sequence
-from contextlib import nullcontext
+from collections.abc import Callable, Collection, Iterator, Sequence
+from contextlib import contextmanager, nullcontext
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from benchmarks.batches.cluster import local_cluster, worker_pids
+from tests.patience import wait_until
+from tests.unit.nlcontrol.service.processes import descendants, parent
+
+SETTINGS = {
+    "MALLOC_TRIM_THRESHOLD_": "134217728",
+    "DASK_DISTRIBUTED__WORKER__PROFILE__ENABLED": "False",
+    "DASK_DISTRIBUTED__ADMIN__TICK__INTERVAL": "500ms",
+}
+"""Settings of a cluster whose workers keep the memory that the next plan needs, and whose processes
+look after themselves less often (docs/batch.md)."""
+
+_LONGEST_END = 20.0  # seconds; now and then a worker's guard waits for a worker that was killed
 
 Kill = Callable[[subprocess.Popen[bytes]], None]
 
@@ -66,7 +76,11 @@ def _carry_out(
     total = len(rows.read_text("utf-8").splitlines())
     with _started(rows, output, *options) as batch:
         if kill is not None:
-            _await_lines(output, total // 3, batch)
+            wait_until(lambda: batch.poll() is not None or _lines_of(output) >= total // 3)
+            if batch.poll() is not None:
+                raise RuntimeError(
+                    f"{output.name}: it ended before {total // 3} results were there"
+                )
             kill(batch)
         ended = batch.wait(_LONGEST)
     if ended:
@@ -76,33 +90,25 @@ def _carry_out(
     return [json.loads(line) for line in output.read_text("utf-8").splitlines()]
 
 
+def _lines_of(output: Path) -> int:
+    return output.read_bytes().count(b"\n") if output.exists() else 0
+
+
 def _started(rows: Path, output: Path, *options: str) -> subprocess.Popen[bytes]:
     command = (sys.executable, "-m", "nlcontrol", "batch", str(rows), "--output", str(output))
     return subprocess.Popen((*command, "--brief", "--events", *options), stderr=subprocess.DEVNULL)
 
 
-def _await_lines(output: Path, number: int, batch: subprocess.Popen[bytes]) -> None:
-    deadline = time.monotonic() + _LONGEST
-    while batch.poll() is None and time.monotonic() < deadline:
-        if output.exists() and output.read_bytes().count(b"\n") >= number:
-            return
-        time.sleep(0.01)
-    raise RuntimeError(f"{output.name}: it ended before {number} results were there")
-
-
 def _kill_worker(_: str, batch: subprocess.Popen[bytes]) -> None:
-    workers = [pid for pid in child_pids(batch.pid) if b"spawn_main" in _command_line(pid)]
+    below = sorted(descendants(batch.pid))
+    workers = [pid for pid in below if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()]
     os.kill(workers[0], signal.SIGKILL)
 
 
 def _kill_batch(_: str, batch: subprocess.Popen[bytes]) -> None:
-    workers = child_pids(batch.pid)
+    workers = descendants(batch.pid)
     batch.kill()
-    deadline = time.monotonic() + 30.0
-    while any(Path(f"/proc/{pid}").exists() for pid in workers):
-        if time.monotonic() > deadline:
-            raise RuntimeError("a worker has outlived its batch")
-        time.sleep(0.05)
+    wait_until(lambda: all(parent(pid) is None for pid in workers), "the end of its workers")
 
 
 def _interrupt_batch(_: str, batch: subprocess.Popen[bytes]) -> None:
@@ -125,11 +131,47 @@ KILLS = {
 """Ways to carry rows out, and what is killed there."""
 
 
-def child_pids(pid: int) -> list[int]:
-    """Processes that a process has begun."""
-    tasks = Path(f"/proc/{pid}/task").glob("*/children")
-    return [int(child) for task in tasks for child in task.read_text("ascii").split()]
+@contextmanager
+def local_cluster(folder: Path, workers: int = 2) -> Iterator[str]:
+    """Context with the address of a scheduler that has so many workers, of one thread each."""
+    where = folder / "scheduler.json"
+    common = ("--scheduler-file", str(where), "--no-dashboard")
+    local = ("--host", "127.0.0.1")
+    environment = os.environ | SETTINGS
+    started = []
+    with (folder / "cluster.log").open("wb") as log:
+
+        def start(role: str, *options: str) -> None:
+            command = (sys.executable, "-m", f"distributed.cli.dask_{role}", *common, *options)
+            started.append(subprocess.Popen(command, stdout=log, stderr=log, env=environment))
+
+        try:
+            start("scheduler", *local, "--port", "0")
+            wait_until(lambda: _address_in(where), "a scheduler")
+            start("worker", "--nworkers", str(workers), "--nthreads", "1")
+            yield str(_address_in(where))
+        finally:
+            for process in reversed(started):
+                process.terminate()
+            for process in started:
+                try:
+                    process.wait(_LONGEST_END)
+                except subprocess.TimeoutExpired:
+                    process.kill()
+                    process.wait()
 
 
-def _command_line(pid: int) -> bytes:
-    return Path(f"/proc/{pid}/cmdline").read_bytes()
+def worker_pids(address: str) -> list[int]:
+    """Process of each worker."""
+    from distributed import Client
+
+    with Client(address, set_as_default=False) as client:
+        client.wait_for_workers(1)
+        return list(client.run(os.getpid).values())
+
+
+def _address_in(file: Path) -> str | None:
+    try:
+        return str(json.loads(file.read_text("utf-8"))["address"])
+    except (OSError, ValueError, KeyError):
+        return None

@@ -6,20 +6,27 @@
 
 Commands are said in other ways by the kinds of paraphrase that make vision-language models stumble:
 other words, another structure, politeness, disfluency, another order, typing errors. A paraphrase
-is read as the same, refused, or read as something else.
+is read as the same, refused, or read as something else. Of typing errors one that is refused where
+it stands counts as read, since nothing is guessed. A name that is none of those on the table is
+refused when it is looked up, so it counts as refused.
 """
 
 from __future__ import annotations
 
 import argparse
+import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from random import Random
+from typing import Literal
 
-from benchmarks.paraphrases import developing_speaker as developing
-from benchmarks.paraphrases import judging_speaker as judging
-from benchmarks.paraphrases.readings import Reading, reading
+from benchmarks.paraphrases.speaker import MOVING, NAMES, OTHERS, Speaker
+from benchmarks.sentences import without_spans
+from grammar import ParseError, parse
+from grammar.frames.command import Frame
 from grammar.words.lexicon import default_lexicon
+
+Reading = Literal["same", "refused", "differently"]
 
 KINDS = ("lexical", "structural", "politeness", "disfluency", "order", "typing")
 
@@ -29,31 +36,63 @@ def known_words() -> frozenset[str]:
     lexicon = default_lexicon()
     terminals = [*lexicon.terminals, *lexicon.verb_words]
     known = {w for t in terminals for phrase in lexicon.phrases_of(t) for w in phrase.split()}
-    names = (*developing.NAMES, *developing.OTHERS, *judging.NAMES, *judging.OTHERS)
-    return frozenset(known | lexicon.reserved_words | {w for n in names for w in n.split()})
+    return frozenset(known | lexicon.reserved_words | set(" ".join((*NAMES, *OTHERS)).split()))
+
+
+def reading(text: str, plain: str, kind: str) -> Reading:
+    """What a paraphrase is read as, beside the plain words of the command.
+
+    Args:
+        text: the paraphrase.
+        plain: the command in plain words, which are read as it is meant.
+        kind: of the paraphrase.
+    """
+    meant = parse(plain).frames
+    try:
+        frames = parse(text).frames
+    except ParseError as error:
+        start, end = error.span or (0, len(text))
+        wrong = set(re.findall(r"[a-z]+", text)) - set(re.findall(r"[a-z]+", plain))
+        located = any(word in text[max(0, start - 20) : end + 20] for word in wrong)
+        return "same" if kind == "typing" and located else "refused"
+    said = _meaning(frames)
+    if said == _meaning(meant):
+        return "same"
+    if set(re.findall(r"'text': [\"'](.+?)[\"'][,}]", said)) <= {*NAMES, *OTHERS, "it", "its"}:
+        return "differently"
+    return "same" if kind == "typing" else "refused"
+
+
+def _meaning(frames: Sequence[Frame]) -> str:
+    """Frames without the places of their words; constraints in any order, moving in any way.
+
+    All things stand on the table, so that "8 cm above the table" is as high as "8 cm".
+    """
+    plain = []
+    for frame in frames:
+        dumped = without_spans(frame.model_dump(exclude_defaults=True))
+        dumped["constraints"] = sorted(map(repr, dumped.get("constraints", ())))
+        if frame.goal.kind == "lift" and frame.goal.above == "table":
+            del dumped["goal"]["above"]
+        if dumped.get("action") in MOVING and frame.goal.kind != "none":
+            dumped["action"] = "move"
+        plain.append(dumped)
+    return repr(plain)
 
 
 def paraphrases(words: str, seed: int, count: int) -> Iterator[tuple[str, str, Reading]]:
     """For each paraphrase its kind, its text, and what it is read as."""
-    rng, known = Random(seed), known_words()
+    speaker = Speaker(words, Random(seed), known_words())
     for i in range(count):
-        kind = KINDS[i % len(KINDS)]
-        if words != "developing":
-            said = judging.drawn_phrases(rng)
-            speaker = judging.JudgingSpeaker(rng, known, f"{words}_developing")
-            text, plain = speaker.paraphrase_of(said, kind), speaker.plain(said)
-            names = {*judging.NAMES, *judging.OTHERS}
-        else:
-            case, by = developing.drawn_case(rng), developing.DevelopingSpeaker(rng, known)
-            text, plain = by.paraphrase_of(case, kind), by.plain(case)
-            names = {*developing.NAMES, *developing.OTHERS}
-        yield kind, text, reading(text, plain, kind, names)
+        kind, said = KINDS[i % len(KINDS)], speaker.command()
+        text = speaker.paraphrase_of(said, kind)
+        yield kind, text, reading(text, speaker.plain(said), kind)
 
 
 def main() -> None:
     options = argparse.ArgumentParser(description="How paraphrases of a command are read.")
-    options.add_argument("words", nargs="?", choices=("developing", "second", "third"),
-                         default="developing")  # fmt: skip
+    lists = ("developing", "second", "third")
+    options.add_argument("words", nargs="?", choices=lists, default="developing")
     options.add_argument("--seed", type=int, default=0)
     options.add_argument("--count", type=int, default=4200)
     options.add_argument("--show", type=int, default=0, help="failures of each kind to print")

@@ -20,12 +20,12 @@ from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
 from random import Random
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import yaml
 from pydantic import BaseModel
 
-from benchmarks.sentences import understood
+from benchmarks.sentences import understood, without_spans
 from grammar.errors import ParseError
 from grammar.frames.command import Command, ObjectRef, Span, references_in
 from grammar.paraphrasing.sentence_sampler import random_sentences
@@ -98,7 +98,8 @@ def cases(name: str, seed: int) -> Iterator[Case]:
 
 def acts_against_words(read: Command, case: Case) -> bool:
     """Check for a command of which the effective words of a case have set nothing."""
-    if _without_places(read) == _without_places(case.command):
+    meant, frames = (without_spans(c.model_dump()["frames"]) for c in (case.command, read))
+    if frames == meant:
         return True
     setting = (span for frame in read.frames for span in _spans_that_set(frame))
     return not any(start < case.effect[1] and case.effect[0] < end for start, end in setting)
@@ -138,17 +139,6 @@ def _said_together(command: Command, clause: Clause) -> str | None:
 
 def _moves(command: Command) -> bool:
     return any(f.query is None and f.dialogue not in SILENT for f in command.frames)
-
-
-def _without_places(command: Command) -> list[Any]:
-    """The frames as data, without where their words stand."""
-    return [_plain(frame.model_dump()) for frame in command.frames]
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _plain(each) for key, each in value.items() if key != "spans"}
-    return [_plain(each) for each in value] if isinstance(value, list | tuple) else value
 
 
 def _spans_that_set(part: BaseModel) -> Iterator[Span]:

@@ -8,18 +8,10 @@ from typing import TYPE_CHECKING, Any
 import httpx
 import pytest
 
-from tests.browser.lasting_server import (
-    MOST_SESSIONS,
-    PHASE,
-    PLANNED,
-    RESTING,
-    STATE,
-    LastingServer,
-    plan,
-    session_of,
-)
+from tests.browser.lasting_page import PHASE, PLANNED, RESTING, STATE, plan, session_of
 from tests.browser.open_page import OpenPage
 from tests.patience import PATIENCE, wait_until
+from tests.service_process import MOST_SESSIONS, LastingServer
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Request, Route

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from benchmarks.interruptions import Ending, cases, interrupted, run
+from benchmarks.kills.interruptions import Ending, cases, interrupted, run
 from nlcontrol.cli.console import robot_stop
 from nlcontrol.errors import OK
 from nlcontrol.interruption import EXIT_CODES, Interrupted, Signals, Terminated

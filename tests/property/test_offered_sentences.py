@@ -12,9 +12,9 @@ from itertools import islice
 import numpy as np
 import pytest
 
-from benchmarks.agent_tasks import Task, tasks
 from nlcontrol import Controller
 from sim.truth.scene_file import Scene, load_scene
+from tests.agents.agent_tasks import Task, tasks
 from tests.sizes import ALL
 
 SEEDS = range(301, 311) if ALL else range(301, 302)

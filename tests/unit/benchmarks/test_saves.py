@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.saves import kill_saves, write_at_once
+from benchmarks.kills.saves import kill_saves, write_at_once
 
 
 @pytest.mark.slow

@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from benchmarks.task_sentences import _clause, _labelled, _renamed
+from benchmarks.public_sentences.task_sources import _clause, _labelled, _renamed
 
 IN_CUP = {"kind": "place", "relation": "in", "reference": [{"text": "cup"}]}
 

@@ -9,6 +9,7 @@ import ast
 import re
 from collections.abc import Iterable, Iterator
 from functools import cache
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -34,10 +35,10 @@ def _sentences() -> set[str]:
     said = set[str]()
     for path in (TESTS / "data" / "commands").glob("*.yaml"):
         said |= {case["text"] for case in yaml.safe_load(path.read_text("utf-8"))}
-    for path in (TESTS / "data" / "dialogues").glob("*developing.yaml"):
-        for dialogue in yaml.safe_load(path.read_text("utf-8")):
-            turns: list[Any] = dialogue["turns"] if isinstance(dialogue, dict) else dialogue
-            said |= {turn["say"] for turn in turns}
+    path = TESTS / "data" / "dialogues" / "developing.yaml"
+    for dialogue in chain.from_iterable(yaml.safe_load(path.read_text("utf-8")).values()):
+        turns: list[Any] = dialogue["turns"] if isinstance(dialogue, dict) else dialogue
+        said |= {turn["say"] for turn in turns}
     for folder in ("grammar", "nlcontrol/session", "nlcontrol/reports"):
         for path in (TESTS / "unit" / folder).rglob("test_*.py"):
             said |= set(_strings(path.read_text("utf-8")))

@@ -12,7 +12,7 @@ from typing import Any, ParamSpec, TypeVar
 
 import pytest
 
-from benchmarks.batches.cluster import local_cluster
+from benchmarks.batches.proof import local_cluster
 from nlcontrol import BatchRow, ControlError, Controller, DrawnScene, Registry, batch
 from nlcontrol.batches import batch as batches
 from nlcontrol.batches.batch import BatchProgress, dask_executor, read_outcomes, summarise

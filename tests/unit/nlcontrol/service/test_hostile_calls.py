@@ -6,26 +6,22 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.schema_fuzzing import fuzz
-from benchmarks.service_attacks import door_attacks
-from benchmarks.service_attacks.__main__ import attack
-from benchmarks.service_attacks.attack_tally import Tally
-from benchmarks.service_attacks.attacked_server import attacked_server
-from benchmarks.service_attacks.attacker import Attacker
-from benchmarks.service_attacks.tool_attacks import attack_tools
+from benchmarks.attacks.schema_fuzzing import fuzz
+from benchmarks.attacks.service_attacks import ATTACKS, attacker_of_service
+from benchmarks.attacks.tool_attacks import attack_tools
 from tests.fakes.counted_executor import FOLDER_VARIABLE
 
 
 @pytest.mark.slow
 def test_nothing_moves_without_a_fresh_plan(tmp_path: Path) -> None:
-    with attacked_server(tmp_path) as server:
-        tally = Tally(server.openapi())
-        attacker = Attacker(server, tally, seed=0)
-        attack(attacker, 150)
-        door_attacks.try_flood(attacker)
-        door_attacks.try_many_listeners(attacker)
+    with attacker_of_service(tmp_path, seed=0) as attacker:
+        attacker.attack(150)
+        for attack in ATTACKS:
+            if attack.name in ("flood of requests", "more listeners than there may be"):
+                attacker.attempt(attack)
         attacker.settle("floods")
-        assert server.motions() > 0
+        assert attacker.motions() > 0
+    tally = attacker.tally
     assert not tally.faults, tally.examples
     assert tally.answers["flood of requests"].keys() == {"ok", "queue_full"}
     assert tally.answers["more listeners than there may be"].keys() == {"ok", "too_many_requests"}

@@ -1,0 +1,1 @@
+"""Hostile calls to the service and to the tools of agents."""

@@ -1,0 +1,1 @@
+"""The service, its page and its commands outlive kills, signals and faults."""

@@ -1,0 +1,1 @@
+"""Sentences of public sources, read beside what they mean by rule."""

@@ -1,1 +1,0 @@
-"""Hostile sequences of calls to the planning service, over HTTP and over the tools of agents."""

@@ -1,1 +1,0 @@
-"""Proofs that the service and its page outlive their users: sessions, stops, restarts, faults."""
