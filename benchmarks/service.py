@@ -81,7 +81,8 @@ def measure_beside_simulations(url: str, tables: int, seeds: Sequence[int]) -> N
     """Prints latencies of warm plans at drawn tables while two other sessions simulate."""
     caller = Caller(url)
     for task in DRAWN:
-        plan_latencies(
+        # The planners warm up.
+        plan_latencies(caller, task, len(TASKS[task].scenes), max(seeds) + 1)
             caller, task, len(TASKS[task].scenes), max(seeds) + 1
         )  # the planners warm up
     simulators = [Simulator(url, seed) for seed in (1, 2)]
