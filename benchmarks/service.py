@@ -83,8 +83,6 @@ def measure_beside_simulations(url: str, tables: int, seeds: Sequence[int]) -> N
     for task in DRAWN:
         # The planners warm up.
         plan_latencies(caller, task, len(TASKS[task].scenes), max(seeds) + 1)
-            caller, task, len(TASKS[task].scenes), max(seeds) + 1
-        )  # the planners warm up
     simulators = [Simulator(url, seed) for seed in (1, 2)]
     for simulator in simulators:
         simulator.start()
