@@ -195,7 +195,7 @@ class _Pool(ExitStack, Generic[T, R]):
             bundle, future = self._waiting.popleft()
             self._held -= len(bundle)
             self._require_executor(future)
-            lost = _is_lost(future) or _has_lost_workers(future)
+            lost = _is_lost(future) or (type(_reason(future)).__name__ == "KilledWorker")
             if lost or (future.exception() and len(bundle) > 1):
                 yield from self._tried_alone(bundle, quietly=lost or self._given is None)
             else:
@@ -217,7 +217,9 @@ class _Pool(ExitStack, Generic[T, R]):
         except BrokenExecutor:
             if self._given is not None:
                 raise
-            self._renew()
+            self.close()
+            self._executor = self._new_processes()
+            self._executor.submit(_results, self._function, ()).result()
             future = self._executor.submit(_results, self._function, bundle)
         self._under_way += 1
         future.add_done_callback(self._done.put)
@@ -227,12 +229,6 @@ class _Pool(ExitStack, Generic[T, R]):
         """Raises `BrokenExecutor` if the caller's executor has ended at a bundle."""
         if self._given is not None and _is_lost(future):
             raise BrokenExecutor("the executor has ended") from _reason(future)
-
-    def _renew(self) -> None:
-        """Begins new processes; raises `BrokenExecutor` if they do not come to their first task."""
-        self.close()
-        self._executor = self._new_processes()
-        self._executor.submit(_results, self._function, ()).result()
 
     def _new_processes(self) -> Executor:
         return self.enter_context(worker_processes(self._workers, self._initializer))
@@ -257,11 +253,6 @@ def _futures(done: Future[list[R]]) -> Generator[Future[R]]:
 
 def _is_lost(future: Future[R]) -> bool:
     return future.cancelled() or isinstance(future.exception(), BrokenExecutor)
-
-
-def _has_lost_workers(future: Future[R]) -> bool:
-    """Check for a task that Dask gave up since workers ended that had it, whoever ended them."""
-    return type(_reason(future)).__name__ == "KilledWorker"
 
 
 def _reason(future: Future[R]) -> BaseException | None:

@@ -49,7 +49,8 @@ def others(e: Evidence) -> Iterator[Check]:
         yield object_name(_Implied(), "touched on the way", "none", None)
         return
     allowed = {frozenset((e.name, name)) for name in _to_be_touched(e)}
-    begun = _new_contacts(e.trace)
+    touching = np.flatnonzero(measures.during(e.trace, ("touch", "push", "grasp", "lid")))
+    begun = float(e.trace.time[touching[0]]) if len(touching) else float("inf")
     touched: set[str] = set()
     for contact in e.trace.contacts:
         pair = frozenset((contact.body_a, contact.body_b))
@@ -75,12 +76,6 @@ def _to_be_touched(e: Evidence) -> Iterator[str]:
     for clause in e.frame.constraints:
         if isinstance(clause, g.Until) and clause.event == "touching" and clause.object:
             yield clause.object.id or clause.object.text
-
-
-def _new_contacts(trace: Trace) -> float:
-    """When the robot began to touch anything [s]."""
-    touching = np.flatnonzero(measures.during(trace, ("touch", "push", "grasp", "lid")))
-    return float(trace.time[touching[0]]) if len(touching) else float("inf")
 
 
 def until(clause: g.Until, e: Evidence) -> Iterator[Check]:

@@ -226,14 +226,10 @@ def has_fallen(clause: Clause, e: Evidence) -> Check:
     return compare(clause, "at_least", "tilt at the end", e.defaults.toppled, tilt, 0.0, "rad")
 
 
-def _falls(e: Evidence) -> bool:
-    """True if it is to be pushed until it tips over."""
-    return any(isinstance(c, g.Until) and c.event == "tips" for c in e.frame.constraints)
-
-
 def _still_stands(clause: Clause, e: Evidence) -> Iterator[Check]:
     """It stands at the end, unless the sentence says so itself or wants it to fall."""
-    if not _falls(e) and not e.has("no_topple"):
+    falls = any(isinstance(c, g.Until) and c.event == "tips" for c in e.frame.constraints)
+    if not falls and not e.has("no_topple"):
         yield stands_on_base(clause, e)
 
 

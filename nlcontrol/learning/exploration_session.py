@@ -163,7 +163,13 @@ def explore(
     models[name] = start
 
     def learn(touched: Touched) -> None:
-        models[name] = _belief_after(models[name], touched.trials)
+        model = models[name]
+        for trial in touched.trials:
+            try:
+                model = apply_lesson(model, trial).model
+            except ModelError:
+                continue
+        models[name] = model
         if told is not None:
             told(touched, models[name])
 
@@ -254,16 +260,6 @@ def kinds_for(parameters: Sequence[str]) -> tuple[Kind, ...]:
     needed = {kind for name in parameters for kind in NEEDS[name]}
     order: tuple[Kind, ...] = ("tilt", "slide", "off-centre slide", "rub")
     return tuple(kind for kind in order if kind in needed)
-
-
-def _belief_after(model: ObjectModel, trials: Sequence[Trial]) -> ObjectModel:
-    """The belief after the trials of one touch; those that no values explain do not count."""
-    for trial in trials:
-        try:
-            model = apply_lesson(model, trial).model
-        except ModelError:
-            continue
-    return model
 
 
 def _touch_repeatedly(

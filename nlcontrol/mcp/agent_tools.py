@@ -329,6 +329,12 @@ def run_answer(info: RunInfo, detail: bool) -> ToolAnswer:
 def _result_answer(result: Result, detail: bool) -> ToolAnswer:
     """The outcome of a sentence."""
     answer = _outcome(result)
+    # The trace in a few numbers, and what the sentence left open.
+    facts: dict[str, Any] = {}
+    if result.execution is not None:
+        facts["execution"] = result.execution.model_dump(mode="json", exclude_none=True)
+    if result.defaults:
+        facts["defaults"] = [default.model_dump(mode="json") for default in result.defaults]
     return answer.model_copy(
         update={
             "ok": result.ok,
@@ -340,7 +346,7 @@ def _result_answer(result: Result, detail: bool) -> ToolAnswer:
                 *result.notes,
                 *(learnt.text for step in result.steps for learnt in step.lessons),
             ],
-            "facts": answer.facts | _execution_facts(result),
+            "facts": answer.facts | facts,
             "document": result.model_dump(mode="json", exclude_none=True) if detail else None,
         }
     )
@@ -385,16 +391,6 @@ def _verdict(check: Check, text: str) -> dict[str, Any]:
     fields = check.model_dump(mode="json", exclude={"spans"}, exclude_none=True)
     fields["asked"] = fields.pop("expected")
     return {**fields, "words": words(text, check.spans)} if check.spans else fields
-
-
-def _execution_facts(result: Result) -> dict[str, Any]:
-    """The trace in a few numbers, and what the sentence left open."""
-    facts: dict[str, Any] = {}
-    if result.execution is not None:
-        facts["execution"] = result.execution.model_dump(mode="json", exclude_none=True)
-    if result.defaults:
-        facts["defaults"] = [default.model_dump(mode="json") for default in result.defaults]
-    return facts
 
 
 @document_answer.register

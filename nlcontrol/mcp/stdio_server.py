@@ -26,7 +26,7 @@ from grammar.frames.constraints import CONSTRAINTS, Limit, new_constraint
 from grammar.frames.goals import GOALS
 from grammar.paraphrasing.command_wording import paraphrase
 from grammar.words.lexicon import default_lexicon
-from nlcontrol.errors import ErrorInfo, error, exception_info
+from nlcontrol.errors import error, exception_info
 from nlcontrol.mcp.agent_tools import (
     TOOLS,
     AgentTool,
@@ -225,8 +225,17 @@ def tool_server(tools: AgentTools) -> Server[Any]:
         try:
             answer = await _answer(tools, context, asked.name, given)
         except Exception as raised:
-            answer = error_answer(_told_failure(raised))
-        return _call_result(answer, tools.names, detail=given.get("detail") is True)
+            info = exception_info(raised)
+            if info.code == "internal":
+                print(info.message, file=sys.stderr)
+            answer = error_answer(info)
+        return protocol.CallToolResult(
+            content=[protocol.TextContent(type="text", text=answer.summary(tools.names))],
+            structured_content=answer.structured_content(
+                tools.names, detail=(given.get("detail") is True)
+            ),
+            is_error=answer.status == "error",
+        )
 
     return Server(
         "nlcontrol",
@@ -253,24 +262,6 @@ def _listing(tool: AgentTool) -> protocol.Tool:
             open_world_hint=False,
         ),
     )
-
-
-def _call_result(
-    answer: ToolAnswer, names: ForeignNames, *, detail: bool
-) -> protocol.CallToolResult:
-    return protocol.CallToolResult(
-        content=[protocol.TextContent(type="text", text=answer.summary(names))],
-        structured_content=answer.structured_content(names, detail=detail),
-        is_error=answer.status == "error",
-    )
-
-
-def _told_failure(raised: Exception) -> ErrorInfo:
-    """A failure as data; of a defect the place is told on standard error alone."""
-    info = exception_info(raised)
-    if info.code == "internal":
-        print(info.message, file=sys.stderr)
-    return info
 
 
 async def _answer(

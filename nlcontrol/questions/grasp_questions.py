@@ -107,7 +107,14 @@ def spill_answer(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answe
         ControlError: `unsupported` if it is no container; as `push_asked_about` for a push.
     """
     target = target_of(frame, state)
-    _require_container(target, frame)
+    if target.model.vessel is None:
+        raise error(
+            "unsupported",
+            f"the model of the {target.name} does not say that it holds anything",
+            span=frame.object.spans[0] if frame.object and frame.object.spans else None,
+            capability=f"knowing what is in the {target.name}",
+            suggestions=("add a `container` block to its model",),
+        )
     if isinstance(frame.goal, g.Tilt):
         angle = frame.goal.angle or tilt_goal(frame.goal, target.model, defaults)[0]
         heading = HEADINGS[frame.goal.direction or "away"]
@@ -135,17 +142,6 @@ def spill_answer(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answe
     )
     told = _spill_text(target, _ON_ITS_SIDE, heading, fallen, p, defaults)
     return told.model_copy(update={"push": push.push_in_answer})
-
-
-def _require_container(target: SeenObject, frame: g.Frame) -> None:
-    if target.model.vessel is None:
-        raise error(
-            "unsupported",
-            f"the model of the {target.name} does not say that it holds anything",
-            span=frame.object.spans[0] if frame.object and frame.object.spans else None,
-            capability=f"knowing what is in the {target.name}",
-            suggestions=("add a `container` block to its model",),
-        )
 
 
 def _spill_text(

@@ -409,7 +409,11 @@ def where_answer(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answe
     """The places of a face where an event is sure, with the map that shows them."""
     event, push = wanted_event(frame), push_asked_about(frame, state, defaults)
     found = event_places(push, event, defaults.probability)
-    numbers = {"probability": defaults.probability} | _flip(push)
+    middle, normals = push.face.points_at([0.0], [push.height])
+    height = push.target.model.cone_thresholds(middle, normals, yaw=False).critical_height[0]
+    numbers = {"probability": defaults.probability} | (
+        {"critical_height": float(height)} if np.isfinite(height) else {}
+    )
     if found.sure.any():
         heights = found.chart.height[found.sure]
         numbers |= {"lowest": float(heights.min()), "highest": float(heights.max())}
@@ -462,13 +466,6 @@ def most_favourable(push: Inquiry, event: g.Event, defaults: Defaults) -> Inquir
         best = int(np.lexsort((aside, -found.likely.round(4)))[0])
     chart = found.chart
     return replace(push, lateral=float(chart.lateral[best]), height=float(chart.height[best]))
-
-
-def _flip(push: Inquiry) -> dict[str, float]:
-    """The height that separates sliding from toppling, if the object topples at all."""
-    middle, normals = push.face.points_at([0.0], [push.height])
-    height = push.target.model.cone_thresholds(middle, normals, yaw=False).critical_height[0]
-    return {"critical_height": float(height)} if np.isfinite(height) else {}
 
 
 def _places_text(push: Inquiry, event: g.Event, found: Places, numbers: dict[str, float]) -> str:

@@ -37,7 +37,6 @@ from nlcontrol.questions.push_prediction import (
 )
 from nlcontrol.questions.push_questions import (
     EVENTS,
-    Inquiry,
     figures,
     how_hard,
     most_favourable,
@@ -140,7 +139,9 @@ def _predict(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answer:
     goal_event = EVENTS.get(frame.goal.kind, "moves")
     push = most_favourable(push_asked_about(frame, state, defaults), goal_event, defaults)
     found = push.push_prediction()
-    turns = _turns(push, found)
+    model = push.target.model
+    r, u = np.array(found.push.point) - np.array(model.com), found.push.direction
+    turns = bool(abs(r[0] * u[1] - r[1] * u[0]) > TURNING_ARM * model.friction_radius)
     with_force = "" if push.force is None else f" with {force_text(push.force)}"
     start = f"Pushed{with_force} {push.where}"
     if frame.event is None:
@@ -183,13 +184,6 @@ def _probability(event: g.Event, found: PushPrediction, turns: bool) -> float:
         "stays_upright": 1.0 - p["topple"],
         "holds": 1.0 - p["slide"] - p["topple"],
     }[event]
-
-
-def _turns(push: Inquiry, found: PushPrediction) -> bool:
-    """True if the push has the arm to turn the object about the vertical as it slides."""
-    model = push.target.model
-    r, u = np.array(found.push.point) - np.array(model.com), found.push.direction
-    return bool(abs(r[0] * u[1] - r[1] * u[0]) > TURNING_ARM * model.friction_radius)
 
 
 def _state(found: PushPrediction, event: g.Event | None, turns: bool) -> str:

@@ -252,7 +252,12 @@ def with_attribute(
     if quality in SHADES:
         return [s for s in seen if s.colour is not None and quality in colour_names(s.colour)]
     if quality == "middle":
-        return _middle_ones(seen)
+        # The middle one of a row, or of a file if they are spread farther along x.
+        places = np.array([s.pose.p_WB[:2] for s in seen])
+        along = places[:, int(np.ptp(places, axis=0).argmax())]
+        row = np.sort(along)
+        low, high = row[(len(row) - 1) // 2] - SAME_PLACE, row[len(row) // 2] + SAME_PLACE
+        return [s for s, place in zip(seen, along, strict=True) if low < place < high]
     if quality in {"near", "far"} and beside:
         sign = 1 if quality == "far" else -1
         return _extreme_ones(seen, _Scale(lambda s: _farthest_gap(s, beside), sign, _same_place))
@@ -284,15 +289,6 @@ def _extreme_ones(seen: Sequence[SeenObject], scale: _Scale) -> list[SeenObject]
         return abs(scale.value(s) - scale.value(best)) < scale.tie(s, best)
 
     return [s for s in seen if s is best or is_close(s)]
-
-
-def _middle_ones(seen: Sequence[SeenObject]) -> list[SeenObject]:
-    """The middle one of a row, or of a file if they are spread farther along x."""
-    places = np.array([s.pose.p_WB[:2] for s in seen])
-    along = places[:, int(np.ptp(places, axis=0).argmax())]
-    row = np.sort(along)
-    low, high = row[(len(row) - 1) // 2] - SAME_PLACE, row[len(row) // 2] + SAME_PLACE
-    return [s for s, place in zip(seen, along, strict=True) if low < place < high]
 
 
 def stands_in_relation(relation: Relation, s: SeenObject, to: Sequence[SeenObject]) -> bool:

@@ -507,7 +507,12 @@ class _Binder:
             case ObjectRef():
                 return self.bind_reference(value)
             case RelativeLength():
-                return self._length_in_metres(value)
+                model = self.around.model(self._measuring_object(value.of))
+                shorter, longer = sorted(model.extents[:2])
+                side = {"length": longer, "width": shorter, "height": model.top}[
+                    value.side or "width"
+                ]
+                return value.value * side
             case BaseModel():
                 return self.fill_part(value)
             case tuple():
@@ -536,12 +541,6 @@ class _Binder:
             return None
         opened = [name for name in names if self.around.model(name).inside is not None]
         return opened[0] if len(opened) == 1 else None
-
-    def _length_in_metres(self, length: RelativeLength) -> float:
-        model = self.around.model(self._measuring_object(length.of))
-        shorter, longer = sorted(model.extents[:2])
-        side = {"length": longer, "width": shorter, "height": model.top}[length.side or "width"]
-        return length.value * side
 
     def _measuring_object(self, ref: ObjectRef) -> str:
         """The object that a length is measured in: the frame's own, wherever that fits."""

@@ -380,7 +380,10 @@ def find_object(
         ControlError: `unknown_object`, `ambiguous_object`, `not_on_table` or `no_antecedent`.
     """
     if ref.id is not None:
-        return _object_by_id(ref.id, ref, around, alone)
+        known = tuple(model.name for model in around.known) if alone else ()
+        if ref.id in (*around.names, *known):
+            return ref.id
+        return _model_elsewhere(ObjectRef(text=ref.id, spans=ref.spans), around, alone)
     if ref.pronoun and not set(_SPOKEN) & set(ref.qualities):
         return _pronoun_object(ref, around, spoken, alone)
     if not _objects_named(ref, around):
@@ -438,7 +441,10 @@ def find_several(ref: ObjectRef, around: Surroundings, spoken: Spoken) -> list[s
     """
     of_them = ref.quantifier == "all" and ref.text.split()[-1] in _THEM
     if ref.pronoun or (of_them and len(spoken.group) > 1):
-        return _those_spoken_of(ref, spoken)
+        names = list(spoken.doubt or spoken.group)
+        if len(names) > 1:
+            return names
+        raise no_group_error(ref, spoken)
     excepted = {other.id for other in ref.exceptions}
     excepted |= set(spoken.latest) if ref.quantifier == "rest" else set()
     found = [c.name for c in matching_objects(ref, around, spoken) if c.name not in excepted]
@@ -456,14 +462,6 @@ def find_several(ref: ObjectRef, around: Surroundings, spoken: Spoken) -> list[s
     )
 
 
-def _those_spoken_of(ref: ObjectRef, spoken: Spoken) -> list[str]:
-    """Names of "them", if several were handled or named together."""
-    names = list(spoken.doubt or spoken.group)
-    if len(names) > 1:
-        return names
-    raise no_group_error(ref, spoken)
-
-
 def no_group_error(ref: ObjectRef, spoken: Spoken) -> ControlError:
     """The error of "them" where no objects were spoken of together."""
     return error(
@@ -472,14 +470,6 @@ def no_group_error(ref: ObjectRef, spoken: Spoken) -> ControlError:
         span=whole_span(ref.spans),
         suggestions=tuple(f"the {name}" for name in spoken.it) or ("all of them",),
     )
-
-
-def _object_by_id(name: str, ref: ObjectRef, around: Surroundings, alone: bool) -> str:
-    """The object that is named exactly, whatever words there are for it."""
-    known = tuple(model.name for model in around.known) if alone else ()
-    if name in (*around.names, *known):
-        return name
-    return _model_elsewhere(ObjectRef(text=name, spans=ref.spans), around, alone)
 
 
 def matching_objects(ref: ObjectRef, around: Surroundings, spoken: Spoken) -> list[Candidate]:

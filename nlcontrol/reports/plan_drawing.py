@@ -185,7 +185,13 @@ def _draw_table(axes: Axes, step: Step, plan: Plan, state: WorldState) -> None:
     for seen in state.objects.values():
         _draw_object(axes, seen, moved=seen is target)
         if seen is not target:
-            kept = _grown(footprint(seen), _clearance(seen, step, plan))
+            # Distance that is kept from another object [m].
+            assert step.basis is not None, "what is planned has an object"
+            defaults = step.basis.defaults
+            usual = defaults.clearance_fragile if seen.fragile else defaults.clearance
+            kept = _grown(
+                footprint(seen), max(dict(plan.limits.clear_of).get(seen.name, 0.0), usual)
+            )
             style = {"color": GREY, "linestyle": ":", "linewidth": 1.2}
             drawn.append(_outline(axes, kept, "distance kept", **style))
     for ghost in end_poses([step]):
@@ -209,14 +215,6 @@ def _draw_table(axes: Axes, step: Step, plan: Plan, state: WorldState) -> None:
             linestyle="none",
         )
     _frame(axes, np.concatenate(drawn), state)
-
-
-def _clearance(seen: SeenObject, step: Step, plan: Plan) -> float:
-    """Distance that is kept from another object [m]."""
-    assert step.basis is not None, "what is planned has an object"
-    defaults = step.basis.defaults
-    usual = defaults.clearance_fragile if seen.fragile else defaults.clearance
-    return max(dict(plan.limits.clear_of).get(seen.name, 0.0), usual)
 
 
 def _draw_object(axes: Axes, seen: SeenObject, *, moved: bool) -> None:

@@ -393,21 +393,19 @@ def report_lines(report: RerunReport) -> Iterator[str]:
     else:
         yield f"It came out otherwise: “{report.text}”."
     for each in report.differences:
-        yield f"  {each.part} {each.place}: {_difference_text(each)}"
+        told = []
+        if each.recorded is not None or each.repeated is not None:
+            told.append(
+                f"{each.recorded or 'nothing'} in the bundle, {each.repeated or 'nothing'} now"
+            )
+        if each.largest is not None:
+            told.append(f"up to {each.largest:.3g} {each.unit or ''}".rstrip())
+        if each.begins is not None:
+            told.append(f"from {each.begins:.3f} s on")
+        yield f"  {each.part} {each.place}: {', '.join(told)}"
     untold = report.found - sum(each.part != "version" for each in report.differences)
     if untold > 0:
         yield f"  and {untold} more"
-
-
-def _difference_text(each: Difference) -> str:
-    told = []
-    if each.recorded is not None or each.repeated is not None:
-        told.append(f"{each.recorded or 'nothing'} in the bundle, {each.repeated or 'nothing'} now")
-    if each.largest is not None:
-        told.append(f"up to {each.largest:.3g} {each.unit or ''}".rstrip())
-    if each.begins is not None:
-        told.append(f"from {each.begins:.3f} s on")
-    return ", ".join(told)
 
 
 # --- run request ----------------------------------------------------------------------------------
@@ -576,7 +574,16 @@ def read_bundle(path: Path) -> RunBundle:
             request = RunRequest.model_validate_json(_member(members, "request.json"))
             return RunBundle(request, _result_in(members), _trace_in(members))
     except (*_BROKEN, KeyError, NotImplementedError, RecursionError, ControlError) as raised:
-        raise _bad_bundle(path, raised) from raised
+        message = str(raised)
+        if isinstance(raised, ValidationError):
+            first = raised.errors(include_url=False, include_input=False)[0]
+            message = f"request.json: {'.'.join(map(str, first['loc']))}: {first['msg']}"
+        bad_bundle = error(
+            "bad_bundle",
+            f"{path} is no bundle of a run: {printable(message[:300])}",
+            suggestions=("give a file that `say --bundle` or the service has written",),
+        )
+        raise bad_bundle from raised
 
 
 def _member(members: zipfile.ZipFile, name: str) -> bytes:
@@ -606,15 +613,3 @@ def _trace_in(members: zipfile.ZipFile) -> Trace | None:
         file.flush()
         with known_errors_raised():
             return Trace.load(file.name)
-
-
-def _bad_bundle(path: Path, raised: Exception) -> ControlError:
-    message = str(raised)
-    if isinstance(raised, ValidationError):
-        first = raised.errors(include_url=False, include_input=False)[0]
-        message = f"request.json: {'.'.join(map(str, first['loc']))}: {first['msg']}"
-    return error(
-        "bad_bundle",
-        f"{path} is no bundle of a run: {printable(message[:300])}",
-        suggestions=("give a file that `say --bundle` or the service has written",),
-    )

@@ -39,7 +39,6 @@ if TYPE_CHECKING:
     from nlcontrol.results.result import Result
     from nlcontrol.service.documents import Source
     from nlcontrol.session.frame_execution import Proposal
-    from planner.types.actions import Vector3
     from planner.types.world_state import SeenObject, WorldState
     from sim.robots.cell_description import CellDescription, Vision
 
@@ -135,7 +134,13 @@ def require_unchanged(then: WorldState, now: WorldState, tolerances: Tolerances)
     numbers: dict[str, float] = {}
     told = list(_changes(then, now, tolerances, numbers))
     if told:
-        raise _stale(told, numbers)
+        stale = error(
+            "stale_plan",
+            f"since it was planned, {', '.join(told)}",
+            suggestions=("plan it again: the new plan goes by what is seen now",),
+            numbers=numbers,
+        )
+        raise stale
 
 
 def _changes(
@@ -176,15 +181,6 @@ def _attitude(seen: SeenObject) -> Any:
     return seen.pose.R_WB if seen.attitude is None else np.reshape(seen.attitude, (3, 3))
 
 
-def _stale(told: list[str], numbers: dict[str, float]) -> ControlError:
-    return error(
-        "stale_plan",
-        f"since it was planned, {', '.join(told)}",
-        suggestions=("plan it again: the new plan goes by what is seen now",),
-        numbers=numbers,
-    )
-
-
 # --- offer drawing --------------------------------------------------------------------------------
 #
 # Drawing of an offer: what its plan predicts, or what stands in its way.
@@ -200,9 +196,11 @@ def offer_drawing(result: Result) -> Drawing | None:
         return None
     target, plan = step.basis.target, step.plan
     normal_W = plan.push.normal_W if plan is not None and plan.pushes else _TO_ROBOT
+    faces, n = face_names(target.model, target.pose.yaw), target.pose.R_WB.T @ normal_W
+    faces_towards = tuple(sorted(faces, key=lambda name: -float(np.dot(faces[name].normal, n))))
     return Drawing(
         object=target.name,
-        faces=_faces_towards(target, normal_W),
+        faces=faces_towards,
         lines=tuple(prediction_lines(step)),
         ghosts=tuple(end_poses([step])),
         contacts=tuple(
@@ -210,12 +208,6 @@ def offer_drawing(result: Result) -> Drawing | None:
         ),
         marks=step.marks,
     )
-
-
-def _faces_towards(target: SeenObject, normal_W: Vector3) -> tuple[str, ...]:
-    """Names of its side faces; those first whose normals are next to a direction."""
-    faces, n = face_names(target.model, target.pose.yaw), target.pose.R_WB.T @ normal_W
-    return tuple(sorted(faces, key=lambda name: -float(np.dot(faces[name].normal, n))))
 
 
 # --- offered plans --------------------------------------------------------------------------------

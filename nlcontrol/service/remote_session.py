@@ -119,7 +119,12 @@ class ServiceConnection:
         timeout: float = 120.0,
         transport: httpx.BaseTransport | None = None,
     ) -> None:
-        _require_httpx()
+        if importlib.util.find_spec("httpx") is None:
+            raise error(
+                "missing_extra",
+                "a client of the planning service needs httpx",
+                suggestions=("install from the checkout: pip install '.[serve]'",),
+            )
         import httpx
 
         try:
@@ -238,15 +243,6 @@ class ServiceConnection:
             f"{self.url} cannot be reached: {raised or type(raised).__name__}",
             suggestions=(f"`nlcontrol serve` starts one; see that it runs at {self.url}",),
         ) from raised
-
-
-def _require_httpx() -> None:
-    if importlib.util.find_spec("httpx") is None:
-        raise error(
-            "missing_extra",
-            "a client of the planning service needs httpx",
-            suggestions=("install from the checkout: pip install '.[serve]'",),
-        )
 
 
 # --- remote run -----------------------------------------------------------------------------------

@@ -191,9 +191,18 @@ def open_database(path: Path) -> sqlite3.Connection:
             connection.execute("PRAGMA journal_mode = WAL")
             connection.execute("PRAGMA synchronous = NORMAL")
             connection.execute("PRAGMA foreign_keys = ON")
-            _require_sound(connection)
+            (told,) = connection.execute("PRAGMA quick_check(1)").fetchone()
+            if told != "ok":
+                raise ValueError(f"is damaged: {told}")
             _migrate(connection)
-            _require_tables(connection)
+            # Looks for the tables that the steps have made.
+            there = {name for (name,) in connection.execute("SELECT name FROM sqlite_master")}
+            said = (statement.split() for step in MIGRATIONS for statement in step)
+            missing = sorted(
+                {words[2] for words in said if words[:2] == ["CREATE", "TABLE"]} - there
+            )
+            if missing:
+                raise ValueError(f"is damaged: its table {missing[0]} is gone")
         except sqlite3.Error as raised:
             raise store_error(path, "cannot be opened", raised) from raised
         except ValueError as raised:
@@ -260,21 +269,6 @@ def unwritable(message: str) -> ControlError:
 def _read_text(content: bytes) -> str:
     """Text of a cell; bytes that are none cost that cell, which is then no document."""
     return content.decode("utf-8", "replace")
-
-
-def _require_sound(connection: sqlite3.Connection) -> None:
-    (told,) = connection.execute("PRAGMA quick_check(1)").fetchone()
-    if told != "ok":
-        raise ValueError(f"is damaged: {told}")
-
-
-def _require_tables(connection: sqlite3.Connection) -> None:
-    """Looks for the tables that the steps have made."""
-    there = {name for (name,) in connection.execute("SELECT name FROM sqlite_master")}
-    said = (statement.split() for step in MIGRATIONS for statement in step)
-    missing = sorted({words[2] for words in said if words[:2] == ["CREATE", "TABLE"]} - there)
-    if missing:
-        raise ValueError(f"is damaged: its table {missing[0]} is gone")
 
 
 def _migrate(connection: sqlite3.Connection) -> None:

@@ -30,7 +30,7 @@ from nlcontrol.session.remarks import remark_aims as aims
 from nlcontrol.session.remarks import remark_aims as spoken
 from nlcontrol.session.remarks import unread_turns as unread
 from nlcontrol.session.remarks.remark_aims import nothing_before, says_something
-from nlcontrol.session.remarks.undo_frames import PastPush, WayBack, undo_frames, undo_text
+from nlcontrol.session.remarks.undo_frames import PastPush, undo_frames, undo_text
 from nlcontrol.session.turns import in_turn
 
 if TYPE_CHECKING:
@@ -321,21 +321,18 @@ class Conversation:
             approval=approval,
         )
         if meant.back is not None:
-            return self._remember_undoing(meant.undone, meant.back, result)
+            # Remembers what came of an undoing, and returns that with its notes.
+            self._last = result_with(result, trace=None)
+            self.context = spoken.context_after(self.context, result)
+            done = [meant.back.undoes[step.frame] for step in result.steps if step.status == "done"]
+            if len(done) < len(meant.back.frames):
+                # What takes two steps is undone when both are done.
+                self._forget([push for push in done if push not in meant.back.undoes[len(done) :]])
+                return result_with(result, notes=meant.back.notes + result.notes)
+            self._forget(meant.undone)
+            notes = (f"undone: “{meant.undone[-1].of.text}”", *meant.back.notes, *result.notes)
+            return result_with(result, notes=notes)
         result = result_with(result, notes=meant.notes + result.notes)
-        self._remember(meant, result, proposed=proposed)
-        return result
-
-    def _plain_result(
-        self, command: g.Command, answer: Answer, status: Literal["done", "answered"]
-    ) -> Result:
-        result = self.controller.empty_result(command.text, command)
-        return result_with(result, ok=True, status=status, answer=answer)
-
-    # --- memory ------------------------------------------------------------------------------
-
-    def _remember(self, meant: Intention, result: Result, *, proposed: bool) -> None:
-        # Remarks are about what was said and what came of it; a trace is megabytes.
         self._last = self._said = kept = result_with(result, trace=None)
         self._unread = unread.UnreadTurns()
         if not proposed and any(frame.query is None for frame in kept.frames):
@@ -352,6 +349,15 @@ class Conversation:
         self.context = spoken.with_moved(self.context, self.past, self._deeds)
         cell, models = self.controller.cell, self.controller.models
         self.context = unread.context_with_refused(self.context, kept, cell, models)
+        return result
+
+    def _plain_result(
+        self, command: g.Command, answer: Answer, status: Literal["done", "answered"]
+    ) -> Result:
+        result = self.controller.empty_result(command.text, command)
+        return result_with(result, ok=True, status=status, answer=answer)
+
+    # --- memory ------------------------------------------------------------------------------
 
     def _note_unread(
         self, text: str, code: str, named: list[str], offered: g.Command | None
@@ -391,21 +397,6 @@ class Conversation:
         words = f"to undo “{text}”, {undo_text(back.frames)}"
         command = command.model_copy(update={"frames": back.frames, "paraphrase": words})
         return Intention(command, undone=tuple(pushed), back=back)
-
-    def _remember_undoing(
-        self, pushed: Sequence[PastPush], back: WayBack, result: Result
-    ) -> Result:
-        """Remembers what came of an undoing, and returns that with its notes."""
-        self._last = result_with(result, trace=None)
-        self.context = spoken.context_after(self.context, result)
-        done = [back.undoes[step.frame] for step in result.steps if step.status == "done"]
-        if len(done) < len(back.frames):
-            # What takes two steps is undone when both are done.
-            self._forget([push for push in done if push not in back.undoes[len(done) :]])
-            return result_with(result, notes=back.notes + result.notes)
-        self._forget(pushed)
-        notes = (f"undone: “{pushed[-1].of.text}”", *back.notes, *result.notes)
-        return result_with(result, notes=notes)
 
     def _to_undo(self, command: g.Command) -> list[PastPush]:
         """The pushes of the last sentence, or the last push of the object that is named."""

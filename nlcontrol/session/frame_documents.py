@@ -93,7 +93,17 @@ def command_of(said: str | Frames, parser: Parser, before: Sequence[str] | None 
         if not text:
             kept = tuple(without_spans(f, lambda ref: ref) for f in command.frames)
             command = command.model_copy(update={"frames": kept, "asides": ()})
-        _require_spans_within(command, text)
+        spans = [
+            (f"frames[{index}]", span)
+            for index, frame in enumerate(command.frames)
+            for part in parts_within(frame)
+            for span in getattr(part, "spans", ())
+        ]
+        for path, (start, end) in (*spans, *(("asides", span) for span in command.asides)):
+            if not 0 <= start < end <= len(text):
+                message = f"found span {[start, end]}, expected a place in the text"
+                hint = f"spans lie within 0 and {len(text)}; they may be left out"
+                raise _bad_frame(path, message, hint)
         with known_errors_raised():
             said = sensible_frames(command.frames, parser)
     except RecursionError as raised:
@@ -132,20 +142,6 @@ def _validated_command(document: dict[str, Any]) -> Command:
         message = f"found {len(command.frames)} frames, expected 1 to {MOST_FRAMES}"
         raise _bad_frame("frames", message, "give a frame for each thing that is to be done")
     return command
-
-
-def _require_spans_within(command: Command, text: str) -> None:
-    spans = [
-        (f"frames[{index}]", span)
-        for index, frame in enumerate(command.frames)
-        for part in parts_within(frame)
-        for span in getattr(part, "spans", ())
-    ]
-    for path, (start, end) in (*spans, *(("asides", span) for span in command.asides)):
-        if not 0 <= start < end <= len(text):
-            message = f"found span {[start, end]}, expected a place in the text"
-            hint = f"spans lie within 0 and {len(text)}; they may be left out"
-            raise _bad_frame(path, message, hint)
 
 
 # --- what has not the form of frames -----------------------------------------------------------

@@ -499,7 +499,19 @@ class FrameRun:
         self.traces.append(trace)
         self.supervisor.stop.check()
         if not made.pushes:
-            return self._learn_by_hand(made, trace)
+            # Learn what the hand found out; return True if all was done.
+            from nlcontrol.learning.lessons import TRIED_AGAIN, lessons_from_hand
+
+            models, lessons = lessons_from_hand(made, self.controller.models, trace)
+            self.controller.models.update(models)
+            for lesson in lessons:
+                self._keep_lesson(lesson)
+            if trace.end in TRIED_AGAIN:
+                self.failed.append(FailedHold(made, trace.detail))
+                return False
+            if trace.end not in PLANNED_ENDS:
+                self._note(stuck=trace.detail)
+            return True
         explained = self._learn(made, state, trace)
         if trace.end in FAILURES or not explained:
             self.failed.append(FailedPush(made.push, trace.detail))
@@ -529,21 +541,6 @@ class FrameRun:
         self._keep_lesson(lesson)
         if lesson.contradicts:
             self.supervisor("learn", float(trace.time[-1]), lesson.text)
-        return True
-
-    def _learn_by_hand(self, made: Plan, trace: Trace) -> bool:
-        """Learn what the hand found out; return True if all was done."""
-        from nlcontrol.learning.lessons import TRIED_AGAIN, lessons_from_hand
-
-        models, lessons = lessons_from_hand(made, self.controller.models, trace)
-        self.controller.models.update(models)
-        for lesson in lessons:
-            self._keep_lesson(lesson)
-        if trace.end in TRIED_AGAIN:
-            self.failed.append(FailedHold(made, trace.detail))
-            return False
-        if trace.end not in PLANNED_ENDS:
-            self._note(stuck=trace.detail)
         return True
 
     def _keep_lesson(self, lesson: Lesson) -> None:

@@ -220,8 +220,13 @@ def command(
         click.echo(
             f"On the table: {_object_list(controller)}. “help” shows examples, “exit” leaves."
         )
+        from grammar.words.lexicon_plugins import installed_lexicon
+
+        lexicon, _ = installed_lexicon()
         with closing(
-            prompt_lines("nlcontrol> ", controller.cell.names, _line_beginnings())
+            prompt_lines(
+                "nlcontrol> ", controller.cell.names, (*WORDS, *sorted(lexicon.verb_words["VERB"]))
+            )
         ) as lines:
             status = _answer_lines(
                 conversation, lines, detail, as_json=as_json, motion=motion, at_prompt=True
@@ -306,10 +311,3 @@ def _help_text(controller: Controller) -> str:
 
 def _object_list(controller: Controller) -> str:
     return ", ".join(controller.cell.names) or "nothing"
-
-
-def _line_beginnings() -> tuple[str, ...]:
-    from grammar.words.lexicon_plugins import installed_lexicon
-
-    lexicon, _ = installed_lexicon()
-    return (*WORDS, *sorted(lexicon.verb_words["VERB"]))

@@ -81,10 +81,12 @@ def lines_within(line: str, columns: int) -> str:
     """The line in as many lines as it takes; those after the first stand below its last column."""
     if len(line) <= columns:
         return line
+    indent = len(line) - len(line.lstrip())
+    gaps = [gap.end() for gap in re.finditer(r"(?<=\S) {2,}", line) if gap.end() <= columns / 2]
     filled = textwrap.fill(
         _UNIT.sub(_KEPT, line),
         max(columns, _LEAST),
-        subsequent_indent=" " * _hanging(line, columns),
+        subsequent_indent=" " * max(gaps, default=indent + 2),
         break_on_hyphens=False,
     )
     return filled.replace(_KEPT, " ")
@@ -92,13 +94,6 @@ def lines_within(line: str, columns: int) -> str:
 
 _KEPT = "\N{NO-BREAK SPACE}"
 _UNIT = re.compile(r"(?<=\d) (?=(mm|m|N|s|kg|ml|%)(\W|$))|(?<=±) ")  # a number stays with its unit
-
-
-def _hanging(line: str, columns: int) -> int:
-    """Indentation below a line: of the last column of a table, else two more than its own."""
-    indent = len(line) - len(line.lstrip())
-    gaps = [gap.end() for gap in re.finditer(r"(?<=\S) {2,}", line) if gap.end() <= columns / 2]
-    return max(gaps, default=indent + 2)
 
 
 def with_style(text: str) -> str:

@@ -18,12 +18,11 @@ from objectmodels.errors import printable, suggest
 from objectmodels.files.yaml_documents import classes_in, short_text
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
     from typing import Any
 
     from fastapi import APIRouter, FastAPI
     from starlette.requests import Request
-    from starlette.types import Scope
 
 MEDIA_TYPE = "application/problem+json"
 
@@ -132,7 +131,21 @@ def answer_problems(app: FastAPI, routers: Sequence[APIRouter]) -> None:
 
     async def answer_http_exception(request: Request, raised: Exception) -> Response:
         assert isinstance(raised, HTTPException), "it is registered for these"
-        return _http_problem(raised, _allowed_methods(routers, request.scope))
+        # Methods of all routes of a path; the framework names those of the first alone.
+        found = {
+            method
+            for router in routers
+            for route in router.routes
+            if isinstance(route, Route) and route.matches(request.scope)[0] is not Match.NONE
+            for method in route.methods or ()
+        }
+        allowed = sorted({*found, "HEAD"} if "GET" in found else found)
+        code, hint = OF_REQUESTS.get(raised.status_code, OF_REQUESTS[400])
+        info = ErrorInfo(code=code, message=str(raised.detail), suggestions=(hint,))
+        headers = dict(raised.headers or {})
+        if raised.status_code == HTTPStatus.METHOD_NOT_ALLOWED:
+            headers["Allow"] = ", ".join(allowed)
+        return problem_response(problem_of(info, status=raised.status_code), headers)
 
     app.add_exception_handler(ControlError, _answer_error)
     app.add_exception_handler(RequestValidationError, _answer_faults)
@@ -147,27 +160,6 @@ async def _answer_error(_: Request, raised: Exception) -> Response:
 
 async def _answer_defect(_: Request, raised: Exception) -> Response:
     return problem_response(defect())  # which is raised on, for the guard to log it
-
-
-def _http_problem(raised: HTTPException, allowed: Iterable[str]) -> Response:
-    code, hint = OF_REQUESTS.get(raised.status_code, OF_REQUESTS[400])
-    info = ErrorInfo(code=code, message=str(raised.detail), suggestions=(hint,))
-    headers = dict(raised.headers or {})
-    if raised.status_code == HTTPStatus.METHOD_NOT_ALLOWED:
-        headers["Allow"] = ", ".join(allowed)
-    return problem_response(problem_of(info, status=raised.status_code), headers)
-
-
-def _allowed_methods(routers: Iterable[APIRouter], scope: Scope) -> list[str]:
-    """Methods of all routes of a path; the framework names those of the first alone."""
-    found = {
-        method
-        for router in routers
-        for route in router.routes
-        if isinstance(route, Route) and route.matches(scope)[0] is not Match.NONE
-        for method in route.methods or ()
-    }
-    return sorted({*found, "HEAD"} if "GET" in found else found)
 
 
 async def _answer_faults(request: Request, raised: Exception) -> Response:

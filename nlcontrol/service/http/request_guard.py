@@ -186,7 +186,13 @@ class RequestGuard:
         answer = _Answer(send, is_head=scope["method"] == "HEAD")
         try:
             headers = Headers(scope=scope)
-            self._require_host(headers)
+            names = headers.getlist("host")
+            if len(names) != 1 or _host_name(names[0]) not in self._hosts:
+                raise error(
+                    "wrong_host",
+                    "the header Host does not name this service",
+                    suggestions=("call it by the URL that `nlcontrol serve` has printed",),
+                )
             opens_page = scope["method"] in _READING and scope["path"] in _PAGES
             _require_own_page(headers, opens_page=opens_page)
             async with self._room(scope["path"], headers).entered():
@@ -205,7 +211,19 @@ class RequestGuard:
                 if answer.status == 0:
                     await problem_response(defect())(scope, receive, answer.send)
         finally:
-            _log(scope, answer)
+            # Logs a request without its query, headers and body, where sentences and secrets stand.
+            LOGGER.info(
+                "request",
+                extra={
+                    "fields": {
+                        "method": scope["method"],
+                        "path": scope["path"][:_LONGEST_PATH],
+                        "status": answer.status,
+                        "seconds": round(time.monotonic() - answer.began, 4),
+                        "client": (scope.get("client") or ("",))[0],
+                    }
+                },
+            )
 
     def _room(self, path: str, headers: Headers) -> _Room:
         """Where a request may wait: who has the token is kept out by nobody who has not.
@@ -225,15 +243,6 @@ class RequestGuard:
                 ),
             )
         return self._strangers
-
-    def _require_host(self, headers: Headers) -> None:
-        names = headers.getlist("host")
-        if len(names) != 1 or _host_name(names[0]) not in self._hosts:
-            raise error(
-                "wrong_host",
-                "the header Host does not name this service",
-                suggestions=("call it by the URL that `nlcontrol serve` has printed",),
-            )
 
     def _bears_token(self, headers: Headers) -> bool:
         """It bears the token, or the cookie of a login."""
@@ -427,19 +436,3 @@ def _require_json(headers: Headers, body: bytes) -> None:
             f"the body is no JSON document: {raised}",
             suggestions=("send one JSON object, in UTF-8, and finite numbers alone",),
         ) from None
-
-
-def _log(scope: Scope, answer: _Answer) -> None:
-    """Logs a request without its query, headers and body, where sentences and secrets stand."""
-    LOGGER.info(
-        "request",
-        extra={
-            "fields": {
-                "method": scope["method"],
-                "path": scope["path"][:_LONGEST_PATH],
-                "status": answer.status,
-                "seconds": round(time.monotonic() - answer.began, 4),
-                "client": (scope.get("client") or ("",))[0],
-            }
-        },
-    )

@@ -280,7 +280,19 @@ class LiveRuns:
             return
         match topic:
             case "event":
-                self._note_event(run, Event.model_validate_json(content))
+                event = Event.model_validate_json(content)
+                with self._lock:
+                    assert run.info is not None, "it was begun"
+                    number = run.info.events + 1
+                    run.info = run.info.model_copy(update={"events": number})
+                    run.unwritten.append(NumberedEvent(number=number, event=event))
+                run.is_ending = event.kind == "ended"
+                try:
+                    self._store.add_events(run.run_id, run.unwritten)
+                    run.unwritten.clear()
+                except ControlError as raised:
+                    LOGGER.error("events of a run are kept for later: %s", raised.info.message)
+                run.changed.ring()
             case "trace" | "request":
                 with self._store.write_file(run.run_id, topic) as path:
                     path.write_bytes(content)
@@ -360,20 +372,6 @@ class LiveRuns:
             if run is not None and run.info is not None and run.info.state == "queued":
                 run.info = run.info.model_copy(update={"place": place})
                 run.changed.ring()
-
-    def _note_event(self, run: LiveRun, event: Event) -> None:
-        with self._lock:
-            assert run.info is not None, "it was begun"
-            number = run.info.events + 1
-            run.info = run.info.model_copy(update={"events": number})
-            run.unwritten.append(NumberedEvent(number=number, event=event))
-        run.is_ending = event.kind == "ended"
-        try:
-            self._store.add_events(run.run_id, run.unwritten)
-            run.unwritten.clear()
-        except ControlError as raised:
-            LOGGER.error("events of a run are kept for later: %s", raised.info.message)
-        run.changed.ring()
 
     def _end(self, run: LiveRun, state: RunState, end: RunEnd) -> None:
         """Ends a run; who sees that it has ended may begin the next one."""

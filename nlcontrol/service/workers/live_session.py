@@ -160,7 +160,10 @@ class LiveSession:
         self._calls.add(call)
 
         def give_up() -> None:
-            self._note_given_up(method)
+            if method == "begin_run":
+                self._is_undone.clear()
+            elif method == "ask":  # it may have the robot touch something
+                self.process.command("give_up_answer")
             try:
                 answer.set_exception(time_limit_error(limit))
             except InvalidStateError:  # it has just been answered
@@ -183,24 +186,15 @@ class LiveSession:
                 else:
                     answer.set_exception(self._cause(raised))
             except InvalidStateError:  # it was given up
-                self._undo(method, is_done=raised is None)
+                is_done = raised is None
+                if method == "begin_run" and is_done:
+                    dropped = self.process.command("drop_run")
+                    dropped.add_done_callback(lambda _: self._is_undone.set())
+                elif method == "begin_run":
+                    self._is_undone.set()
 
         call.add_done_callback(settle)
         return answer
-
-    def _note_given_up(self, method: str) -> None:
-        if method == "begin_run":
-            self._is_undone.clear()
-        elif method == "ask":  # it may have the robot touch something
-            self.process.command("give_up_answer")
-
-    def _undo(self, method: str, *, is_done: bool) -> None:
-        """Undoes what was given up: a run that was begun would wait for its turn for ever."""
-        if method == "begin_run" and is_done:
-            dropped = self.process.command("drop_run")
-            dropped.add_done_callback(lambda _: self._is_undone.set())
-        elif method == "begin_run":
-            self._is_undone.set()
 
     def wait_undone(self, timeout: float) -> None:
         """Waits [s] until a run whose beginning was given up has ended."""

@@ -409,7 +409,10 @@ class SessionHost:
                 self.session.give_up_answer()
                 return b"{}"
             case "drop_run":
-                return self._drop_run()
+                self._stop(session=False)
+                if self._run is not None:
+                    self._run.join()
+                return b"{}"
             case "geometry":
                 return self.poses.geometry().model_dump_json().encode()
             case "tell_poses":
@@ -480,13 +483,6 @@ class SessionHost:
         elif self._run is not None:
             self._run.stop()
         self._turn.set()
-        return b"{}"
-
-    def _drop_run(self) -> bytes:
-        """Ends a run that is not to begin, before anything has moved."""
-        self._stop(session=False)
-        if self._run is not None:
-            self._run.join()
         return b"{}"
 
     def _tell_event(self, turn: threading.Event, event: Event) -> None:

@@ -180,7 +180,9 @@ def repeat_frames(before: Sequence[g.Frame], said: g.Frame) -> tuple[g.Frame, ..
     if not (said.query or says_something(said)):
         return tuple(map(without_spans, before))
     if said.object and said.object.quantifier == "rest" and isinstance(before[-1].goal, g.Pour):
-        return (_with_rest_poured(without_spans(before[-1])),)
+        last = without_spans(before[-1])
+        goal = without_fields(last.goal, ("amount", "fraction", "volume", "fill"))
+        return (last.model_copy(update={"goal": goal}),)
     of_one = len({frame.object and frame.object.id for frame in before}) == 1
     in_turn = of_one and said.dialogue == "same" and said.goal.kind == "none" and not said.action
     meant = list(before) if in_turn else frames_about(before, said)
@@ -194,12 +196,6 @@ def repeat_frames(before: Sequence[g.Frame], said: g.Frame) -> tuple[g.Frame, ..
         return tuple(merged)
     asked = {"query": said.query, "event": said.event, "negated": said.negated}
     return tuple(frame.model_copy(update=asked) for frame in merged)
-
-
-def _with_rest_poured(last: g.Frame) -> g.Frame:
-    """The frame of "and the rest" after some was poured: all that is left in it."""
-    goal = without_fields(last.goal, ("amount", "fraction", "volume", "fill"))
-    return last.model_copy(update={"goal": goal})
 
 
 def _says_place(said: g.Frame) -> bool:

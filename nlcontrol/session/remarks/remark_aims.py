@@ -116,7 +116,8 @@ def merge_frames(last: g.Frame, said: g.Frame) -> g.Frame:
     if fresh & set(FAR_FIELDS):
         dropped |= HOW_FAR
     if goal.kind != last.goal.kind:
-        dropped |= _dropped_by(goal)
+        _, limit = FORBIDS_BELOW.get(goal.kind, ("", ""))
+        dropped |= FORBIDS.get(goal.kind, frozenset()) | {limit} - HOW_FAR
     kept = [c for c in last.constraints if c.kind not in dropped]
     if fresh & set(_WHERE):
         kept = [c for c in map(_without_face, kept) if c is not None]
@@ -132,12 +133,6 @@ def merge_frames(last: g.Frame, said: g.Frame) -> g.Frame:
             "spans": said.spans,
         }
     )
-
-
-def _dropped_by(goal: g.Goal) -> frozenset[str]:
-    """Constraints that a new goal of another kind cannot keep, those of the distance left out."""
-    _, limit = FORBIDS_BELOW.get(goal.kind, ("", ""))
-    return FORBIDS.get(goal.kind, frozenset()) | {limit} - HOW_FAR
 
 
 def _without_face(clause: g.Constraint) -> g.Constraint | None:
@@ -485,7 +480,8 @@ def context_after(
     frames = result.frames
     parts = (part for frame in reversed(frames) for part in parts_within(frame))
     names = [ref.id for ref in parts if isinstance(ref, g.ObjectRef) and ref.id is not None]
-    told = _told_objects(result)
+    asks = not _WHICH.isdisjoint(result.text.casefold().replace("'", " ").split())
+    told = result.answer.objects if result.answer and asks else ()
     group = tuple(dict.fromkeys(name for frame in frames for name in names_together(frame)))
     if joins:
         group = tuple(dict.fromkeys((*context.group, *group)))
@@ -526,12 +522,6 @@ def with_objects_of(context: Context, command: g.Command) -> Context:
     """What was spoken of once a resolved command was asked about."""
     named = [frame.object.id for frame in command.frames if frame.object and frame.object.id]
     return replace(context, last=tuple(dict.fromkeys((*named, *context.last))), doubt=None)
-
-
-def _told_objects(result: Result) -> tuple[str, ...]:
-    """What the answer to a question with "which" names."""
-    asks = not _WHICH.isdisjoint(result.text.casefold().replace("'", " ").split())
-    return result.answer.objects if result.answer and asks else ()
 
 
 def _doubt_after(result: Result, told: tuple[str, ...]) -> tuple[str, ...] | None:
