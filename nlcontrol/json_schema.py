@@ -29,7 +29,6 @@ _ANSWERS = (
     RowResult,
     BatchSummary,
 )
-_SCHEMA = "https://json-schema.org/draft/2020-12/schema"
 
 
 class DescribedSchema(GenerateJsonSchema):
@@ -103,7 +102,7 @@ def schema() -> dict[str, Any]:
             "additionalProperties": True,
         }
     return {
-        "$schema": _SCHEMA,
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
         **definitions,
         "anyOf": [{"$ref": f"#/$defs/{name}"} for name in answers],
     }

@@ -41,16 +41,12 @@ MEMBERS = 40
 WORKED_ON = ("touch", "push", "grasp", "lift", "carry", "pour", "set_down", "lid")
 """Phases in which an object is worked on."""
 
-COMES_TO_REST = 0.3
-"""Time for which it may still move when the hand is home [s]."""
 
 LEAVES = 1.5
 """Time for which it may still move when the hand leaves it; what falls takes so long [s]."""
 
 NEAR = 0.01
 """Outlines that came nearer than this may have touched, if what was near moved [m]."""
-
-_IN_HAND = ("grasp", "lift", "carry", "pour")
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,7 +144,8 @@ def _stretches(trace: Trace, name: str, model: ObjectModel | None) -> list[Stret
         left = float(trace.time[last])
         leaving = np.flatnonzero(trace.phase[last + 1 :] != "retreat")
         home = float(trace.time[last + 1 + leaving[0]]) if len(leaving) else left + LEAVES
-        end = min(left + LEAVES, home + COMES_TO_REST)
+        # It may still move for 0.3 s when the hand is home.
+        end = min(left + LEAVES, home + 0.3)
         if trace.end == "toppled":
             end = max(end, left + LEAVES)
         since = found[-1].end if found else -np.inf
@@ -158,7 +155,9 @@ def _stretches(trace: Trace, name: str, model: ObjectModel | None) -> list[Stret
         place = place.after(felt) if place and felt else None
         if begin <= since:
             begin, felt = found.pop().begin, None
-        found.append(Stretch(begin, end, str(trace.phase[last]) in _IN_HAND, felt))
+        found.append(
+            Stretch(begin, end, str(trace.phase[last]) in ("grasp", "lift", "carry", "pour"), felt)
+        )
     return found
 
 

@@ -108,10 +108,6 @@ class ForeignNames:
 
 
 MOST_BYTES = 2000
-MOST_SUMMARY = 300
-
-_DISPENSABLE = ("notes", "facts", "numbers", "from_others", "verdicts", "suggestions", "say")
-"""Parts that are shortened if there is no room for all, the first ones first."""
 
 
 class ToolAnswer(BaseModel):
@@ -177,7 +173,7 @@ class ToolAnswer(BaseModel):
     def summary(self, names: ForeignNames) -> str:
         """The answer in some 300 characters: status, what decided, what would do instead."""
         head = f"{self.status} ({self.code})" if self.code else self.status
-        text = short_text(f"{head}: {names.sentence_with_marks(self.message)}", MOST_SUMMARY - 40)
+        text = short_text(f"{head}: {names.sentence_with_marks(self.message)}", 300 - 40)
         if text[-1] not in ".?!…":
             text += "."
         return " ".join([text, *map(names.sentence_with_marks, self._next_steps())])
@@ -239,7 +235,8 @@ def _fitted(content: dict[str, Any]) -> dict[str, Any]:
     for key in ("message", "understood"):
         if key in content:
             content[key] = short_text(content[key], 600)
-    for key in _DISPENSABLE:
+    # Parts that are shortened if there is no room for all, the first ones first.
+    for key in ("notes", "facts", "numbers", "from_others", "verdicts", "suggestions", "say"):
         while content.get(key) and _size(content) > MOST_BYTES:
             whole = content[key]
             content[key] = _first_half(whole)
@@ -446,16 +443,11 @@ def _affordance_text(found: Affordance) -> str:
 # --- agent tools ----------------------------------------------------------------------------------
 
 
-KEPT_RUNS = 20
-"""Runs whose verdict can still be asked for."""
-
 Sentence = Annotated[str, Field(min_length=1, max_length=1000)]
 Identifier = Annotated[str, Field(min_length=1, max_length=200)]
 
 _Detail = Annotated[bool, Field(description="show the whole document, which may have 10 kB")]
 
-_SENTENCES = ("text",)
-"""Fields that hold a sentence: a tool takes no frames in its place."""
 
 _NOT_FOR_TOOLS = ("frames", "explain", "objects")
 
@@ -530,7 +522,8 @@ class AgentTools:
             )
         run = self.session.execute(asked.plan_id)
         self._runs[run.run_id] = run
-        for old in list(self._runs)[:-KEPT_RUNS]:
+        # The verdict of the last 20 can still be asked for.
+        for old in list(self._runs)[:-20]:
             del self._runs[old]
         return run
 
@@ -620,7 +613,8 @@ def _arguments_of(question: Question) -> type[Arguments]:
     fields: dict[str, Any] = {}
     for name, field in _taken(question).items():
         of_body = question.asks.model_fields[field]
-        is_sentence = field in _SENTENCES
+        # Fields that hold a sentence: a tool takes no frames in its place.
+        is_sentence = field == "text"
         kind = Sentence if is_sentence else of_body.annotation
         taken = (kind, Field(description=told[field]), *of_body.metadata)
         fields[name] = (

@@ -57,7 +57,6 @@ if TYPE_CHECKING:
 _BOX, _MUG = g.ObjectRef(text="box"), g.ObjectRef(text="mug")
 _VALUES = {"rad": 0.17453292519943295, "N": 5.0, "m/s": 0.05, "s": 20.0, "m": 0.1}
 
-_MOST_VERBS = 10  # of a kind; it knows more
 
 _GOAL_FIELDS: dict[str, dict[str, Any]] = {
     "displace": {"direction": "away", "distance": 0.1},
@@ -118,7 +117,8 @@ def _lines() -> Iterator[str]:
 
 def _verbs(kind: str) -> str:
     said = [word for word, verb in default_lexicon().verbs.items() if verb.goal == kind]
-    return ", ".join(said[:_MOST_VERBS])
+    # Ten of a kind; it knows more.
+    return ", ".join(said[:10])
 
 
 def _goal_example(kind: str) -> str:

@@ -21,11 +21,6 @@ if TYPE_CHECKING:
     from planner.types.robot import Robot
     from planner.types.world_state import WorldState
 
-MOST_ASKED = 30
-"""Plans that are asked for to find one ability."""
-
-_WORK = 600
-"""Work of all of these: what can be done mostly shows soon."""
 
 _Goal = Callable[[tuple[g.ObjectRef, ...]], g.Goal]
 _ABILITIES: tuple[tuple[str, g.Action, int, _Goal], ...] = (
@@ -77,8 +72,10 @@ def _is_found(
     action: g.Action, others: int, goal: _Goal, state: WorldState, robot: Robot, defaults: Defaults
 ) -> bool:
     """Return True if there is a plan for an ability with any of the things."""
-    budget = SearchBudget(_WORK)
-    frames = islice(_frames(action, others, goal, state), MOST_ASKED)
+    # The work of all plans together: what can be done mostly shows soon.
+    budget = SearchBudget(600)
+    # At most 30 plans are asked for to find one ability.
+    frames = islice(_frames(action, others, goal, state), 30)
     made = (plan(frame, state, robot, defaults=defaults, budget=budget) for frame in frames)
     return any(isinstance(each, Plan) for each in made)
 

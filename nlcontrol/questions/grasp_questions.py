@@ -41,7 +41,6 @@ if TYPE_CHECKING:
 
 
 _NOTHING = 1e-6  # less than this is not spilled [m³]
-_ON_ITS_SIDE = math.pi / 2.0
 
 
 def possible_answer(made: Plan) -> Answer:
@@ -140,7 +139,7 @@ def spill_answer(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answe
     fallen = (
         f"{start}, the {target.name} would topple (probability {probability_text(p)}); on its side"
     )
-    told = _spill_text(target, _ON_ITS_SIDE, heading, fallen, p, defaults)
+    told = _spill_text(target, math.pi / 2.0, heading, fallen, p, defaults)
     return told.model_copy(update={"push": push.push_in_answer})
 
 

@@ -225,9 +225,6 @@ TOUCHING = 0.01
 BESIDE = 0.30
 """Gap up to which an object is next to another one [m]."""
 
-_ROUNDING = 1e-9
-"""Lengths below it are zero [m]."""
-
 
 class _Scale(NamedTuple):
     """Figure that a quality compares; by its sign most or least of it is meant."""
@@ -326,7 +323,8 @@ def _farthest_gap(s: SeenObject, others: Sequence[SeenObject]) -> float:
 def _off_line(s: SeenObject, a: SeenObject, b: SeenObject) -> float:
     """Distance of an object's middle from the line through two others' [m]."""
     (x, y, _), (u, v, _) = s.pose.p_WB - a.pose.p_WB, b.pose.p_WB - a.pose.p_WB
-    return float(abs(x * v - y * u) / max(math.hypot(u, v), _ROUNDING))
+    # Lengths below 1e-9 m are zero.
+    return float(abs(x * v - y * u) / max(math.hypot(u, v), 1e-9))
 
 
 def _prism_volume(s: SeenObject) -> float:

@@ -76,8 +76,6 @@ if TYPE_CHECKING:
 
 
 _MUTUAL = ("in_row", "together", "stacked", "place_of", "back")
-_ROOM = 0.06
-"""Gap between the objects of a row, in which a finger has room [m]."""
 
 
 def arranged_frames(
@@ -202,7 +200,8 @@ def _spots_of_row(own: Sequence[SeenObject], others: Sequence[SeenObject]) -> np
     order = np.argsort(at[:, along], kind="stable")
     middle = at[:, along].mean()
     for before, after in pairwise(order):
-        least = at[before, along] + half[before] + _ROOM + half[after]
+        # In a gap of 60 mm between the objects of a row a finger has room.
+        least = at[before, along] + half[before] + 0.06 + half[after]
         at[after, along] = max(at[after, along], least)
     if not others:
         at[:, along] += middle - at[:, along].mean()  # as far to the one side as to the other

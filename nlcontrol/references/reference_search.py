@@ -418,10 +418,6 @@ def _with_doubtful(
     return [*found, *parts] if len(parts) == 1 and parts[0] not in found else list(found)
 
 
-_THEM = ("them", "these", "those")
-"""Last words of "each of them", which are those that were spoken of together, if any were."""
-
-
 def with_number(ref: ObjectRef, around: Surroundings) -> ObjectRef:
     """A reference to "the boxes" as one to all of them, where nothing is called so."""
     noun = singular(reference_noun(ref))
@@ -439,7 +435,8 @@ def find_several(ref: ObjectRef, around: Surroundings, spoken: Spoken) -> list[s
     Raises:
         ControlError: `unknown_object` if there is none, or two are meant and there are not two.
     """
-    of_them = ref.quantifier == "all" and ref.text.split()[-1] in _THEM
+    # Last words of "each of them", which are those that were spoken of together, if any were.
+    of_them = ref.quantifier == "all" and ref.text.split()[-1] in ("them", "these", "those")
     if ref.pronoun or (of_them and len(spoken.group) > 1):
         names = list(spoken.doubt or spoken.group)
         if len(names) > 1:

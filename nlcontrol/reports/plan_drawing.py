@@ -129,7 +129,6 @@ def _grasp_marks(grasp: GraspAction | None, R_WN: Array) -> Iterator[_Mark]:
 BLUE, ORANGE, PURPLE, GREY, DARK = "#0072b2", "#d55e00", "#a0307a", "#8a8a8a", "#222222"
 _MARGIN = 0.06  # of the picture around what is drawn [m]
 _ROUND = np.linspace(0.0, 2.0 * np.pi, 33)
-_WRAP = 150  # characters of a line below the picture
 
 
 def save_plan(result: Result, state: WorldState, path: Path) -> None:
@@ -160,7 +159,8 @@ def plan_figure(result: Result, state: WorldState) -> Figure:
     _draw_table(above, step, step.plan, state)
     handles, labels = above.get_legend_handles_labels()
     entries = dict(zip(labels, handles, strict=True))
-    told = "\n".join(fill(line.strip(), _WRAP) for line in list(plan_lines(step.plan))[:2])
+    # 150 characters of a line fit below the picture.
+    told = "\n".join(fill(line.strip(), 150) for line in list(plan_lines(step.plan))[:2])
     figure.legend(
         entries.values(),
         entries.keys(),
@@ -383,13 +383,13 @@ def _draw_face(axes: Axes, push: PushAction, seen: SeenObject) -> None:
 LINE = 1.35
 """Distance of lines as a share of the size of the letters."""
 
-_POINT = 1.0 / 72.0  # [in]
 _DPI = 150
 
 
 def line_height(size: float) -> float:
     """Height of a line of text [in], by the size of its letters in points."""
-    return LINE * size * _POINT
+    # 72 points are an inch.
+    return LINE * size * (1.0 / 72.0)
 
 
 class Sheet:

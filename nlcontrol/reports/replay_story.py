@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from planner.plan_explanation import Row
     from sim.traces.trace import Trace
 
-_BEGINS = ("touch", "grasp")  # phases with which the hand begins to touch what it was to touch
-
 
 def replay_story(result: Result) -> RunStory:
     """The story of a result that has a trace or a plan."""
@@ -115,7 +113,8 @@ def _attempts(trace: Trace) -> Iterator[tuple[int, int]]:
     first, touch = 0, None
     for phase, members in groupby(trace.phase.tolist()):
         last = first + len(list(members)) - 1
-        if phase in _BEGINS and touch is None:
+        # With these phases the hand begins to touch what it was to touch.
+        if phase in ("touch", "grasp") and touch is None:
             touch = first
         if touch is not None and (phase == "retreat" or last == len(trace.phase) - 1):
             yield touch, last

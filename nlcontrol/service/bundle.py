@@ -45,9 +45,6 @@ if TYPE_CHECKING:
     from sim.supervision import Progress
 
 
-_NOT_COMPARED = ("files", "explanation")
-"""Fields of a result that tell of its reports and not of the run."""
-
 _LONGEST = 200  # characters of a place or a value; a bundle may come from anybody
 
 
@@ -90,7 +87,8 @@ def result_differences(
 ) -> Iterator[Difference]:
     """Fields of two results, as JSON, that are not the same."""
     for key in dict.fromkeys((*recorded, *repeated)):
-        if key not in _NOT_COMPARED:
+        # Fields of a result that tell of its reports and not of the run.
+        if key not in ("files", "explanation"):
             yield from _value_differences(key, recorded.get(key), repeated.get(key))
 
 
@@ -306,10 +304,6 @@ def _bad_recipe(message: str) -> ControlError:
 # A run repeated from its bundle: the same to the digit, or what came out otherwise.
 
 
-MOST_DIFFERENCES = 50
-"""Differences that are told."""
-
-
 class RerunReport(Document):
     """Comparison of a run with its repetition.
 
@@ -362,11 +356,12 @@ def rerun(bundle: RunBundle, progress: Progress | None = None) -> RerunReport:
             trace_differences(bundle.trace, trace),
         )
     )
+    # The first 50 differences are told.
     return RerunReport(
         ok=not came_out,
         text=printable(request.text),
         samples=0 if bundle.trace is None else len(bundle.trace.time),
-        differences=(*others, *came_out[:MOST_DIFFERENCES]),
+        differences=(*others, *came_out[:50]),
         found=len(came_out),
         error=_differs(len(came_out), others) if came_out else None,
     )
@@ -476,7 +471,6 @@ def run_request(controller: Controller, result: Result, digest: str | None = Non
 
 
 _MOST_MEMBERS = 100
-_DIRECTORY_ENTRY = b"PK\x01\x02"
 _BROKEN = (zipfile.BadZipFile, zlib.error, ValueError, EOFError, OSError, RuntimeError)
 
 
@@ -568,7 +562,7 @@ def read_bundle(path: Path) -> RunBundle:
         content = read_bytes(path, "bundle_file")
     try:
         # Its list of members is read as a whole, so it may not be long.
-        if content.count(_DIRECTORY_ENTRY) > _MOST_MEMBERS:
+        if content.count(b"PK\x01\x02") > _MOST_MEMBERS:
             raise ValueError(f"it has more than {_MOST_MEMBERS} members")
         with zipfile.ZipFile(io.BytesIO(content)) as members:
             request = RunRequest.model_validate_json(_member(members, "request.json"))

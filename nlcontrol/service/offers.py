@@ -43,9 +43,7 @@ if TYPE_CHECKING:
     from sim.robots.cell_description import CellDescription, Vision
 
 
-_DEVIATIONS = 6.0
 _LEAST_MOVE, _LEAST_TURN = 0.001, math.radians(0.5)
-_LEAST_LID = math.radians(2.0)
 
 
 @dataclass(frozen=True)
@@ -65,10 +63,10 @@ class Tolerances:
     @classmethod
     def of(cls, vision: Vision) -> Tolerances:
         """Those of a camera, after a look."""
-        share = _DEVIATIONS * math.sqrt(2.0 / max(vision.rate_hz * LOOK, 1.0))
+        share = 6.0 * math.sqrt(2.0 / max(vision.rate_hz * LOOK, 1.0))
         move = share * vision.position_noise_m
         turn = share * math.radians(vision.angle_noise_deg)
-        return cls(max(move, _LEAST_MOVE), max(turn, _LEAST_TURN), max(turn, _LEAST_LID))
+        return cls(max(move, _LEAST_MOVE), max(turn, _LEAST_TURN), max(turn, math.radians(2.0)))
 
 
 def table_view(state: WorldState, cell: CellDescription, time: float, source: Source) -> TableView:
@@ -186,16 +184,14 @@ def _attitude(seen: SeenObject) -> Any:
 # Drawing of an offer: what its plan predicts, or what stands in its way.
 
 
-_TO_ROBOT = (-1.0, 0.0, 0.0)  # where a front face looks, in W
-
-
 def offer_drawing(result: Result) -> Drawing | None:
     """The drawing of a plan or of a refusal; None if no object on the table is meant."""
     step = result.steps[-1] if result.steps else None
     if step is None or step.basis is None:
         return None
     target, plan = step.basis.target, step.plan
-    normal_W = plan.push.normal_W if plan is not None and plan.pushes else _TO_ROBOT
+    # A front face looks towards the robot, along -x of W.
+    normal_W = plan.push.normal_W if plan is not None and plan.pushes else (-1.0, 0.0, 0.0)
     faces, n = face_names(target.model, target.pose.yaw), target.pose.R_WB.T @ normal_W
     faces_towards = tuple(sorted(faces, key=lambda name: -float(np.dot(faces[name].normal, n))))
     return Drawing(
@@ -222,8 +218,6 @@ MOST_OFFERED = 100
 """Plans that wait at a time; before one more, the oldest expires."""
 
 _DROPPED = "the session was stopped or reset since"
-_MOST_PAST = 10_000
-"""Identifiers of plans that are over, of which it is still told why."""
 
 
 class OfferedPlan(NamedTuple):
@@ -330,7 +324,8 @@ class OfferedPlans:
     def _end(self, plan_id: str, reason: ControlError) -> None:
         self._waiting.pop(plan_id, None)
         self._past[plan_id] = reason
-        if len(self._past) > _MOST_PAST:
+        # It is told why the last 10,000 are over.
+        if len(self._past) > 10_000:
             del self._past[next(iter(self._past))]
 
 

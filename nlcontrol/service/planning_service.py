@@ -48,13 +48,6 @@ if TYPE_CHECKING:
 # Files of a run: its trace, its replay, and all of it in one bundle; made when asked for.
 
 
-_OF_DAMAGE = ("bad_trace", "unreadable_file")
-"""Codes of a trace that cannot be read; it was written here, so that no caller is to blame."""
-
-_OF_DISK = ("system_error", "cannot_write")
-"""Codes of a process that could not write its file into the store."""
-
-
 class RunFiles:
     """Files of the runs of a store.
 
@@ -112,9 +105,11 @@ class RunFiles:
                         result=run.result and run.result.model_dump_json(),
                     ).result(self._time_limit)
             except ControlError as raised:
-                if raised.code in _OF_DAMAGE:
+                # The trace was written here, so that no caller is to blame if it cannot be read.
+                if raised.code in ("bad_trace", "unreadable_file"):
                     return _refuse(run_id, f"its trace is damaged: {raised.info.message}")
-                if raised.code in _OF_DISK:
+                # The process could not write its file into the store.
+                if raised.code in ("system_error", "cannot_write"):
                     raise unwritable(raised.info.message) from raised
                 raise
             finally:
@@ -144,13 +139,6 @@ def _refuse(run_id: str, why: str) -> NoReturn:
 # --- planning service -----------------------------------------------------------------------------
 
 
-MOST_WAITING = 64
-"""Callers that wait for a process at once; the next ones wait for them."""
-
-_MOST_GONE = 1000  # sessions of which it is still told why they are gone
-_TICK = 1.0  # between looks for idle sessions [s]
-
-
 class PlanningService:
     """The service, from `start` to `close`.
 
@@ -174,7 +162,8 @@ class PlanningService:
         )
         self._runs = LiveRuns(self._store, settings.workers, settings.queue)
         self._files = RunFiles(self._store, settings.request_time)
-        self.waiting_room = ThreadPoolExecutor(MOST_WAITING, "waiting")
+        # 64 callers wait for a process at once; the next ones wait for them.
+        self.waiting_room = ThreadPoolExecutor(64, "waiting")
         self._lock = threading.RLock()
         self._sessions: dict[str, LiveSession] = {}
         self._gone: dict[str, str] = {}
@@ -469,7 +458,8 @@ class PlanningService:
             )
         gone = max(left, key=lambda session: session.idle_for)
         self._gone[gone.session_id] = f"it was unused for {gone.idle_for:.0f} s and made room"
-        while len(self._gone) > _MOST_GONE:
+        # It is still told of so many why they are gone.
+        while len(self._gone) > 1000:
             del self._gone[next(iter(self._gone))]
         self._end_session(gone)
 
@@ -502,7 +492,8 @@ class PlanningService:
         session.frames.ring()
 
     def _close_idle_sessions(self) -> None:
-        while not self._closed.wait(_TICK):
+        # Idle sessions are looked for once a second.
+        while not self._closed.wait(1.0):
             with self._lock:
                 sessions = list(self._sessions.values())
             for session in sessions:

@@ -95,8 +95,6 @@ CONNECT_TIME, SILENCE, KEPT = 5.0, 45.0, 2.0
 """Longest time to connect, longest silence of a stream (it has a heartbeat), and the time for which
 an idle connection is kept: less than servers keep it, which would lose a request [s]."""
 
-_OWN_MACHINE = ("127.0.0.1", "localhost", "::1")
-
 
 class ServiceConnection:
     """A connection to a planning service; threads may share it.
@@ -138,7 +136,7 @@ class ServiceConnection:
                 limits=httpx.Limits(keepalive_expiry=KEPT),
                 transport=transport,
                 # A proxy of the environment does not lead to this machine.
-                trust_env=base.host not in _OWN_MACHINE,
+                trust_env=base.host not in ("127.0.0.1", "localhost", "::1"),
             )
         except (httpx.InvalidURL, ValueError, TypeError) as raised:
             raise error(

@@ -211,10 +211,6 @@ class SessionRun:
 # Objects that a caller states, checked and put on the table of a cell.
 
 
-SEEN_OVERLAP = 0.005
-"""Overlap of two objects that a camera's errors explain [m]."""
-
-
 def stated_table(
     cell: CellDescription, objects: Sequence[StatedObject], registry: Registry
 ) -> StatedTable:
@@ -235,7 +231,8 @@ def stated_table(
     seen = [_seen(index, item, cell, registry) for index, item in enumerate(objects)]
     for (i, one), (k, other) in combinations(enumerate(seen), 2):
         apart = gap(footprint(one), footprint(other))
-        if apart < -SEEN_OVERLAP:
+        # An overlap of 5 mm is explained by a camera's errors.
+        if apart < -0.005:
             raise _bad_table(
                 f"objects[{k}]",
                 f"it stands {-1e3 * apart:.0f} mm deep in objects[{i}], the {one.name}",

@@ -49,9 +49,6 @@ if TYPE_CHECKING:
 # How sure an answer is: where the values come from that were told, and how well they are known.
 
 
-_SEEN = ("value", "seen")
-
-
 def certainty_answer(
     asked: g.Frame, last: Result | None, answer: Callable[[g.Frame], Answer]
 ) -> Answer | None:
@@ -72,7 +69,7 @@ def certainty_answer(
         text = " ".join(each.text for each in values)
         numbers = {k: v for each in values for k, v in each.numbers.items()}
         return Answer(query="value", text=text, numbers=numbers if len(values) == 1 else {})
-    if told.query in _SEEN:
+    if told.query in ("value", "seen"):
         return told.model_copy(update={"text": f"That is what I see: {told.text}"})
     if told.probability is not None or told.push is not None:
         return told.model_copy(

@@ -52,8 +52,6 @@ MOST = 3
 MOST_WORK, MOST_EACH = 1500, 500
 """Work of all plans by which sentences are tried, and of each: about a second of a quiet core."""
 
-MOST_GRASPS = 30
-"""Grasps that are tried for each of them."""
 
 CHAIN = 2
 """How often what the refusal of a change suggests is followed."""
@@ -85,8 +83,6 @@ WHOLE = r'[^"“]+: "(.+)"'
 
 OTHER_WAY = r"(?:say |(?:tilt|topple) it to )?another (?:direction|side)"
 """Suggestions of no direction in particular."""
-
-_OTHER_NAMES = ("ambiguous_object", "unknown_object")
 
 
 class Speaker(Explorer, Protocol):
@@ -190,8 +186,9 @@ class _Trials:
         self._controller, self._stop = controller, stop
         self._state = controller.last_look.state
         self._left = MOST_WORK
-        # A plan that is found with less effort is the one that is found with all of it.
-        most = min(controller.defaults.most_grasps, MOST_GRASPS)
+        # A plan that is found with less effort is the one that is found with all of it: at most
+        # 30 grasps are tried for each.
+        most = min(controller.defaults.most_grasps, 30)
         self._defaults = replace(controller.defaults, most_grasps=most)
 
     def words(self, frames: Frames) -> str | None:
@@ -281,7 +278,7 @@ class _Trials:
 
 
 def _from_frames(parse: Parse, info: ErrorInfo, frames: Frames) -> Iterator[tuple[str, Frames]]:
-    if info.code in _OTHER_NAMES:
+    if info.code in ("ambiguous_object", "unknown_object"):
         yield from _with_other_names(parse, info, frames)
         return
     for suggestion in info.suggestions:

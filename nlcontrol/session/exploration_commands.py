@@ -69,12 +69,6 @@ BY_TOUCH: dict[str, tuple[str, ...]] = {
 
 EVERYTHING = ("mass", "friction", "friction_radius", *CENTRE_OF_MASS, "finger_friction")
 
-MOST_REPETITIONS = 6
-"""Repetitions after which it is told as it is, however well it is known."""
-
-_KEPT = {"no_topple", "gentle", "slow"}
-"""Clauses that every touch keeps."""
-
 
 def requested_parameters(frame: g.Frame) -> tuple[str, ...]:
     """The parameters that a sentence wants to have found out.
@@ -93,7 +87,10 @@ def requested_parameters(frame: g.Frame) -> tuple[str, ...]:
             f"finding out the {what} of objects",
             f"ask for it: what is known of the {what} stands in the model",
         )
-    clause = next((c for c in frame.constraints if c.kind not in _KEPT), None)
+    # Clauses that every touch keeps.
+    clause = next(
+        (c for c in frame.constraints if c.kind not in {"no_topple", "gentle", "slow"}), None
+    )
     if clause is not None:
         what = clause.kind.replace("_", " ")
         raise _unsupported_error(
@@ -174,12 +171,13 @@ def explore_parameters(
     if is_precise_enough(model, precisions_asked(model, parameters, precision)):
         line = f"known to {precision:.0%} already: nothing was touched"
         return None, controller.answer(question).model_copy(update={"lines": (line,)})
+    # After six repetitions it is told as it is, however well it is known.
     found = explore(
         controller.executor,
         controller.models,
         name,
         parameters=parameters,
-        repetitions=MOST_REPETITIONS,
+        repetitions=6,
         precision=precision,
         progress=progress,
     )

@@ -199,8 +199,6 @@ class _ForesightedRobot(StoppableRobot):
 
 
 _WELL = 0.5  # share of a tolerance within which is well within it
-_LEAST = 1.0 / 3.0  # share of an amount that its tolerance is at most
-_ASIDE = 0.7  # share of the tolerance of a direction
 
 
 LEFT_SO = "it is left there: another push would bring it no nearer that the camera sees"
@@ -237,7 +235,8 @@ class Corrections:
         way = math.dist((aim.x, aim.y), (before.x, before.y))
         off = math.dist((aim.x, aim.y), (pose.x, pose.y))
         tolerance = _tolerance(d.distance_tolerance, way)
-        aside = _ASIDE * way * math.tan(d.direction_tolerance) or math.inf
+        # 0.7: share of the tolerance of a direction.
+        aside = 0.7 * way * math.tan(d.direction_tolerance) or math.inf
         turn = asked = 0.0
         if aim.yaw is not None:
             turn = abs(angle_between(aim.yaw, pose.yaw))
@@ -254,7 +253,8 @@ class Corrections:
 
 def _tolerance(usual: float, amount: float) -> float:
     """The tolerance of an amount: less than the usual one of a small amount, but for none."""
-    return min(usual, _LEAST * amount) or usual
+    # A tolerance is at most a third of the amount.
+    return min(usual, (1.0 / 3.0) * amount) or usual
 
 
 def spent_text(made: Plan, times: int) -> str:
@@ -271,9 +271,6 @@ def spent_text(made: Plan, times: int) -> str:
 # stopped by what still stands there. An object that was moved may stop more of them, never fewer.
 
 
-_RECALLED = 1  # units of work of an answer that is known
-
-
 class RecallingRobot(StoppableRobot):
     """A robot that is not asked again for what it could not do, while nothing matters has moved."""
 
@@ -287,7 +284,8 @@ class RecallingRobot(StoppableRobot):
         denied = self._denied.setdefault(asked, [])
         for places, known in denied:
             if all(state.objects[name].pose == pose for name, pose in places.items()):
-                return replace(known, work=_RECALLED)
+                # An answer that is known costs one unit of work.
+                return replace(known, work=1)
         answer = super().reach(push, state, effort)
         if not answer.ok and answer.stopped_by is not None:
             places = {name: state.objects[name].pose for name in answer.stopped_by}
@@ -377,12 +375,6 @@ MOST_SHARE = 0.5
 
 What can be done after a step mostly shows soon, and what stops the hand then shows as soon.
 """
-
-MOST_BRINGING = 0.3
-"""Of that, the share in which places are looked through that an object is brought to."""
-
-MOST_ASIDE = 3
-"""Objects that are moved aside for one command."""
 
 
 @dataclass(frozen=True)
@@ -483,7 +475,8 @@ class StepSearch:
 
     def ways(self, state: WorldState, why: str) -> Ways | None:
         """The steps from where everything is; None if none are found with the work allowed."""
-        for most in range(MOST_ASIDE + 1):
+        # At most three objects are moved aside for one command.
+        for most in range(4):
             if self._left <= 0:
                 break
             found = self._steps(self._frames, state, self._moved, most)
@@ -548,7 +541,8 @@ class StepSearch:
 
         What is held is put down.
         """
-        share = MOST_BRINGING * MOST_WORKS * self._defaults.most_work
+        # Of that, the share in which places are looked through that an object is brought to.
+        share = 0.3 * MOST_WORKS * self._defaults.most_work
         least = max(0.0, self._left - share)
         anew = may_be_grasped_anew(frame, state)
         steps = (
@@ -651,9 +645,7 @@ def _next_frames(frames: Frames) -> Frames:
 # Frames: W.
 
 
-_LEANING = 0.7  # least cosine between what was up in an object, and what is, unless it fell [1]
 _WAY = 0.05  # of a push, and up in a lift, that is a hold on an object [m]
-_MOST = 0.1  # work of each plan, in what a plan may take
 
 
 def stranded_things(
@@ -676,14 +668,16 @@ def stranded_things(
 def fallen_things(trace: Trace) -> list[str]:
     """Names of what lies or stands on another face than at the beginning, as it was seen."""
     ups = {name: from_quaternion(seen[[0, -1], :4])[:, 2] for name, seen in trace.seen.items()}
-    return [name for name, (first, last) in ups.items() if first @ last < _LEANING]
+    # 0.7: the cosine between what was up in an object and what is now, unless it fell.
+    return [name for name, (first, last) in ups.items() if first @ last < 0.7]
 
 
 def _stranded(
     controller: StepPlanner, name: str, state: WorldState, stop: StopToken
 ) -> Iterator[str]:
     robot = RecallingRobot(controller.robot, stop, controller.time_limit)
-    most = int(_MOST * controller.defaults.most_work)
+    # Each plan may take a tenth of the usual work.
+    most = int(0.1 * controller.defaults.most_work)
     for frame in _frames_of(name):
         plan = controller.planner or partial(planning.plan, budget=SearchBudget(most))
         made = plan(frame, state, robot, defaults=controller.defaults)

@@ -34,7 +34,6 @@ Frames = Command | Mapping[str, Any] | Sequence[Frame | Mapping[str, Any]]
 """Frames as a program has them: a command, its JSON, or a list of frames or of their JSON."""
 
 MOST_FRAMES = 50
-_GUIDE = "docs/frames.md has every kind and field, `nlcontrol schema` their JSON schema"
 
 
 def read_frames(path: Path) -> Any:
@@ -152,7 +151,8 @@ def _bad_frame(path: str, message: str, *suggestions: str) -> ControlError:
         code="bad_frame",
         message=message,
         path=path or None,
-        suggestions=suggestions or (_GUIDE,),
+        suggestions=suggestions
+        or ("docs/frames.md has every kind and field, `nlcontrol schema` their JSON schema",),
         family="sentence",
     )
     return ControlError(info)

@@ -90,10 +90,6 @@ if TYPE_CHECKING:
 # if the whole command could be carried out, with what is moved aside for it.
 
 
-_IN_THE_WAY = ("blocked", "out_of_reach")
-"""Reasons of refusals that other steps may change."""
-
-
 class Answerer(Protocol):
     """Robot that answers single questions: a `nlcontrol.session.controller.Controller`."""
 
@@ -138,7 +134,8 @@ def answer_to(
     """
     if len(asked) == 1:
         answer = controller.answer(asked[0], state, stop=stop)
-        hindered = answer.query == "possible" and answer.reason in _IN_THE_WAY
+        # Reasons of refusals that other steps may change.
+        hindered = answer.query == "possible" and answer.reason in ("blocked", "out_of_reach")
         known = asked[0].object is not None and asked[0].object.id in controller.models
         if not (hindered and known):
             return answer
@@ -183,10 +180,6 @@ def _possibility(tried: Result) -> Answer:
 # so would say the wrong thing next. Frames: W.
 
 
-_MOVED = 0.005  # less is not told: it is within what goals leave [m]
-_LAST = 0.5  # time at the end over which it is seen [s]
-
-
 def whereabouts(result: Result, held: Held | None) -> Iterator[str]:
     """Sentences on what the hand holds and what was moved, if the last step ended halfway."""
     trace, last = result.trace, result.steps[-1] if result.steps else None
@@ -202,12 +195,14 @@ def whereabouts(result: Result, held: Held | None) -> Iterator[str]:
 
 def _moved_things(trace: Trace, held: Held | None) -> Iterator[str]:
     """Sentences on what stands elsewhere than before."""
-    last = trace.time > trace.time[-1] - _LAST
+    # It is seen over the last 0.5 s.
+    last = trace.time > trace.time[-1] - 0.5
     for name, poses in trace.seen.items():
         if held is not None and name == held.name:
             continue
         moved = float(np.linalg.norm(trace.seen_displacement(name)))
-        if moved > _MOVED:
+        # Less than 5 mm is not told: it is within what goals leave.
+        if moved > 0.005:
             x, y = poses[last, 4:6].mean(axis=0).tolist()
             yield (
                 f"the {name} is at {place_text(x, y)} now, {quantity(moved, 'm')} from where it "
@@ -216,16 +211,6 @@ def _moved_things(trace: Trace, held: Held | None) -> Iterator[str]:
 
 
 # --- frame execution ------------------------------------------------------------------------------
-
-
-MOST_LOOKS_ON = 3
-"""Looks of a second after a frame by which verdicts that are too near to tell are made surer."""
-
-LOOKING_HELPS = 0.9
-"""Share to which one more look must narrow what they leave open; what was on the way stays so."""
-
-MOST_REARRANGED = 2
-"""Times that other steps are looked for in one command."""
 
 
 def run_command(
@@ -245,7 +230,8 @@ def run_command(
     with the motion `simulate` alone. What was approved is carried out from where things were seen
     last.
     """
-    frames, left = command.frames, MOST_REARRANGED
+    # Other steps are looked for twice in one command.
+    frames, left = command.frames, 2
     made = {} if approval is None else {approval.frame: approval.made}
     result, index = result_with(result, frames=frames), 0
     while index < len(frames):
@@ -558,7 +544,8 @@ class FrameRun:
     def _judge(self) -> tuple[Check, ...]:
         """The verdicts; where they cannot be told, the robot looks on as long as that helps."""
         checks = self.controller.check(self.frame, join_traces(self.traces))
-        for _ in range(MOST_LOOKS_ON):
+        # Up to three looks of a second make verdicts surer that are too near to tell.
+        for _ in range(3):
             before = _doubts(checks)
             if not any(before):
                 break
@@ -569,7 +556,8 @@ class FrameRun:
             self.traces.append(replace(seen, end=last.end, detail=last.detail, direction=way))
             checks = self.controller.check(self.frame, join_traces(self.traces))
             unseen, spread = _doubts(checks)
-            if unseen >= before[0] and spread >= LOOKING_HELPS * before[1]:
+            # One more look must narrow to 0.9 what they leave open; what was on the way stays so.
+            if unseen >= before[0] and spread >= 0.9 * before[1]:
                 break
         return checks
 

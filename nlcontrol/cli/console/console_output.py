@@ -46,8 +46,6 @@ _STYLES: tuple[tuple[re.Pattern[str], dict[str, Any]], ...] = tuple(
 )
 """Beginnings of lines that are shown in a style; the first that fits counts."""
 
-_LEAST = 20  # columns of a text, however narrow the terminal is
-
 
 def columns_of(*, err: bool = False) -> int | None:
     """Columns of the terminal that a standard stream goes to; None if it goes to none."""
@@ -83,9 +81,10 @@ def lines_within(line: str, columns: int) -> str:
         return line
     indent = len(line) - len(line.lstrip())
     gaps = [gap.end() for gap in re.finditer(r"(?<=\S) {2,}", line) if gap.end() <= columns / 2]
+    # A text has 20 columns, however narrow the terminal is.
     filled = textwrap.fill(
         _UNIT.sub(_KEPT, line),
-        max(columns, _LEAST),
+        max(columns, 20),
         subsequent_indent=" " * max(gaps, default=indent + 2),
         break_on_hyphens=False,
     )

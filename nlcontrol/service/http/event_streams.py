@@ -35,9 +35,6 @@ STREAM_CONTENT = {
 }
 """Each event of a stream, as the OpenAPI document has it."""
 
-SEND_TIME = 20.0
-"""Time in which a listener has to take what was sent [s]; one that does not has gone."""
-
 
 class EventList(Document):
     """Events of a run so far.
@@ -87,10 +84,11 @@ class _Stream(EventSourceResponse):
         settings: HttpSettings = request.app.state.http_settings
         self._listeners: Listeners = request.app.state.listeners
         self._listeners.admit_one()
+        # Time in which a listener has to take what was sent [s]; one that does not has gone.
         super().__init__(
             events,
             ping=settings.heartbeat,
-            send_timeout=SEND_TIME,
+            send_timeout=20.0,
             sep="\n",
             ping_message_factory=lambda: ServerSentEvent(comment="heartbeat", sep="\n"),
         )

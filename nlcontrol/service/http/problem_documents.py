@@ -26,9 +26,6 @@ if TYPE_CHECKING:
 
 MEDIA_TYPE = "application/problem+json"
 
-MOST_FAULTS = 10
-"""Places of a body that are complained about at once."""
-
 
 class Fault(DocumentPart):
     """A place in a request that is not as it has to be.
@@ -189,9 +186,10 @@ def _meant(request: Request, complaint: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def _faults(complaints: Sequence[Mapping[str, Any]]) -> tuple[Fault, ...]:
+    # Ten places of a body are complained about at once.
     return tuple(
         Fault(path=_place(complaint["loc"]), message=_message(complaint))
-        for complaint in complaints[:MOST_FAULTS]
+        for complaint in complaints[:10]
     )
 
 

@@ -47,8 +47,6 @@ if TYPE_CHECKING:
 # that.
 
 
-LOGIN_PATH = "/v1/login"
-
 LONGEST_PENALTY, FORGOTTEN = 5.0, 30.0
 """Time by which a wrong guess is answered late at most, and after which one is forgotten [s]."""
 
@@ -131,8 +129,6 @@ STRANGERS = 16
 """Requests without the token that may be under way where there is one: pages, and logins."""
 
 _READING = ("GET", "HEAD")
-_PAGES = ("/", "/docs")
-_LONGEST_PATH = 200  # of a path in the log [characters]
 
 
 class _CallerGone(OSError):  # noqa: N818 - it is no error
@@ -193,7 +189,7 @@ class RequestGuard:
                     "the header Host does not name this service",
                     suggestions=("call it by the URL that `nlcontrol serve` has printed",),
                 )
-            opens_page = scope["method"] in _READING and scope["path"] in _PAGES
+            opens_page = scope["method"] in _READING and scope["path"] in ("/", "/docs")
             _require_own_page(headers, opens_page=opens_page)
             async with self._room(scope["path"], headers).entered():
                 reads = scope["method"] in _READING
@@ -217,7 +213,7 @@ class RequestGuard:
                 extra={
                     "fields": {
                         "method": scope["method"],
-                        "path": scope["path"][:_LONGEST_PATH],
+                        "path": scope["path"][:200],
                         "status": answer.status,
                         "seconds": round(time.monotonic() - answer.began, 4),
                         "client": (scope.get("client") or ("",))[0],
@@ -233,7 +229,7 @@ class RequestGuard:
         """
         if self.login is None or self._bears_token(headers):
             return self._owners
-        if path.startswith("/v1/") and path != LOGIN_PATH:
+        if path.startswith("/v1/") and path != "/v1/login":
             raise error(
                 "wrong_token",
                 "this service needs its token",

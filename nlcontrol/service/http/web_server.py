@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
 _BACKLOG = 128
 _HEADER_BYTES = 32 * 1024
-_LAST_ANSWERS = 5  # time for answers that are on their way at the end [s]
 
 
 class _Server(uvicorn.Server):
@@ -106,6 +105,7 @@ def serve(
         listening: the socket.
         login: of browsers, if the settings have a token.
     """
+    # Answers that are on their way at the end have 5 s.
     config = uvicorn.Config(
         service_app(service, settings, login),
         # Beyond what is told 429, so that a flood of connections ends somewhere.
@@ -118,7 +118,7 @@ def serve(
         proxy_headers=False,
         backlog=_BACKLOG,
         h11_max_incomplete_event_size=_HEADER_BYTES,
-        timeout_graceful_shutdown=_LAST_ANSWERS,
+        timeout_graceful_shutdown=5,
     )
     asyncio.run(_Server(config, service.close).serve([listening]))
 

@@ -178,7 +178,7 @@ class LiveSession:
             raised = call.exception()
             if method == "plan" and raised is None and _OFFERED.search(call.result()):
                 self._planned_at = time.monotonic()
-            elif method in _ENDS_PLANS:
+            elif method in ("begin_run", "reset"):
                 self._planned_at = -LIFE
             try:
                 if raised is None:
@@ -218,7 +218,6 @@ class LiveSession:
         return raised
 
 
-_ENDS_PLANS = ("begin_run", "reset")
 _OFFERED = re.compile(rb'"plan_id":\s*"')
 
 

@@ -69,8 +69,6 @@ if TYPE_CHECKING:
 RATE = 30.0
 """Frames per second of the robot's time, at most."""
 
-_LOOK_EVERY = 0.008  # a simulation may run several times faster than the clock [s]
-
 
 class View(Protocol):
     """A view of a robot and its table."""
@@ -212,7 +210,8 @@ class PoseStream:
 
     def _tell_until(self, unwanted: threading.Event) -> None:
         shown, due = None, -math.inf
-        while not unwanted.wait(_LOOK_EVERY):
+        # A simulation may run several times faster than the clock.
+        while not unwanted.wait(0.008):
             view = self._view()
             view.keep_real_time(True)
             if view is not shown:
@@ -335,12 +334,6 @@ def _explained(result: Result) -> Result:
 # --- session host ---------------------------------------------------------------------------------
 
 
-NICE = 5
-"""Niceness of the thread that simulates: plans come first, and other work does not starve a run."""
-
-MOST_TABLES = 4
-"""Tables that a worker keeps open for calls without a session."""
-
 _FIRST_SENTENCES = (
     "push the coffee box 5 cm away without toppling it",
     "push the mug 3 cm to the left",
@@ -440,7 +433,8 @@ class SessionHost:
         session = Session(spec, executor=executor, registry=self._registry, time_limit=time_limit)
         with self._opening:
             self._executors[table] = session.controller.executor
-            while len(self._executors) > MOST_TABLES:
+            # A worker keeps four tables open for calls without a session.
+            while len(self._executors) > 4:
                 self._executors.popitem(last=False)
         return session_answer(session, asked, arguments, ends=True)
 
@@ -521,7 +515,8 @@ def warm_up() -> None:
 def lower_priority() -> None:
     """Lets this thread give way to others, in all processes."""
     if sys.platform == "linux":
-        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), NICE)
+        # Plans come before the thread that simulates, and other work does not starve a run.
+        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), 5)
 
 
 def trace_bytes(trace: Trace) -> bytes:

@@ -30,8 +30,6 @@ if TYPE_CHECKING:
 
     from nlcontrol.service.documents import TableSpec
 
-GRACE = 3.0
-"""Time by which a worker may be late [s]."""
 
 MOST_TRIES = 3
 """Workers that may end over a call, or one after the other before they began."""
@@ -253,7 +251,8 @@ class WorkerPool:
         with self._lock:
             if job in self._waiting:
                 self._waiting.remove(job)
-        daemon_timer(GRACE, self._end_worker_of, job)
+        # A worker may be 3 s late.
+        daemon_timer(3.0, self._end_worker_of, job)
         with suppress(InvalidStateError):
             job.answer.set_exception(time_limit_error(self._request_time))
 

@@ -185,9 +185,6 @@ DEAF_TO = (signal.SIGINT, signal.SIGTERM)
 robot does is to be stopped by the service, in order."""
 
 
-EXITING = 5.0
-"""Time in which a process that was killed has surely ended [s]."""
-
 MOST_UNSENT = 64
 """Calls that wait to be written to one worker; one that does not read delays nobody else."""
 
@@ -276,7 +273,8 @@ class WorkerProcess:
     def _end_at_exit(self) -> None:
         """Ends the process before `multiprocessing` looks for those that are left."""
         self.kill()
-        self.wait(EXITING)
+        # A process that was killed has surely ended within 5 s.
+        self.wait(5.0)
 
     def wait(self, timeout: float | None = None) -> bool:
         """Waits [s] until the process has ended and that was told; returns True if so."""

@@ -37,7 +37,6 @@ from nlcontrol.session.remarks.undo_frames import reversed_goal
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result
 
-_ONE = ("one", "ones")
 _WITHOUT_WAY = ("open", "close", "pour", "hand_over", "parameters")
 _NOT_MEANT = re.compile(
     r"(?:not|instead of|rather than) (?:the|my|your) ([a-z ]+?)(?= but |,|\.|;|!| - |: |$)"
@@ -91,7 +90,7 @@ def meant_command(
 def _with_kind_before(frame: g.Frame, said: Result | None) -> g.Frame:
     """A remark on "the one on the right" with the noun of what was said last."""
     ref, before = frame.object, [f.object for f in frames_said(said) if f.object]
-    if ref is None or ref.text.casefold() not in _ONE or not before:
+    if ref is None or ref.text.casefold() not in ("one", "ones") or not before:
         return frame
     noun = before[-1].noun
     if not noun or noun == before[-1].id:  # called by its own name, which no other has

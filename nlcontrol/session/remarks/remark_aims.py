@@ -45,7 +45,6 @@ Rename = Callable[[g.ObjectRef], g.ObjectRef]
 _WHERE = ("direction", "heading", "toward", "away_from")
 FAR_FIELDS = ("distance", "angle", "height", "above", "bound", "fraction", "amount")
 _POURED = ("amount", "fraction", "volume", "fill")
-_TURNS = {"left": "ccw", "right": "cw"}
 _BESIDE_ON = {"left": "left_of", "right": "right_of", "away": "behind", "toward": "in_front_of"}
 _MERGED_FRAMES_BESIDE = frozenset({"next_to", *_BESIDE_ON.values()})
 
@@ -200,7 +199,7 @@ def _as_kind_of(last: g.Goal, new: g.Goal) -> g.Goal:
     """Bare words ("to the left", "30 degrees") taken as they are meant for the last goal's kind."""
     values = stated_fields(new)
     if isinstance(last, g.Rotate) and "direction" in values:
-        values["sense"] = _TURNS.get(str(values.pop("direction")))
+        values["sense"] = {"left": "ccw", "right": "cw"}.get(str(values.pop("direction")))
     if isinstance(last, g.Lift) and "distance" in values:
         values["height"] = values.pop("distance")
     if isinstance(new, g.Pour):
@@ -264,12 +263,6 @@ def _farther_from(last: g.Place, values: dict[str, Any]) -> g.Place | None:
 # --- remark aims ----------------------------------------------------------------------------------
 
 
-_ABOUT_DEEDS = ("why", "did", "seen")
-"""Questions with which nothing else can be asked the same."""
-
-_NEARER = (["closer"], ["nearer"])
-
-
 def nothing_before(message: str) -> NoReturn:
     """Refuse a remark on what was not said or done.
 
@@ -298,7 +291,8 @@ def followed_frames(
             return done if said.object and not said.object.pronoun else asked
         return asked if _can_correct(asked[-1], said) else done
     about_deeds = said.action or said.dialogue in ("same", "reverse", "more")
-    answered = [frame for frame in asked if frame.query not in _ABOUT_DEEDS]
+    # Questions with which nothing else can be asked the same.
+    answered = [frame for frame in asked if frame.query not in ("why", "did", "seen")]
     if said.goal.kind != "none":  # to ask how it stands is not to ask where it goes
         answered = [each for each in answered if each.action or each.goal.kind == "parameters"]
     if said.dialogue == "same" and not done and said.goal.kind == "none":  # "the same with the jar"
@@ -383,7 +377,9 @@ def with_near_thing(command: g.Command, done: Result | None) -> g.Command:
         return command
     said = [command.text[start:end].casefold() for start, end in goal.spans]
     things = beside.reference if isinstance(beside.reference, tuple) else ()
-    if len(things) != 1 or not any(words.split()[-1:] in _NEARER for words in said):
+    if len(things) != 1 or not any(
+        words.split()[-1:] in (["closer"], ["nearer"]) for words in said
+    ):
         return command
     nearer = goal.model_copy(update={"direction": None, "toward": by_name(things[0])})
     frame = frame.model_copy(update={"goal": nearer, "action": "move"})
@@ -452,9 +448,6 @@ def asked_of_last(command: g.Command, said: Result | None, done: Result | None) 
 # handled alike, after an answer that names several, and after a name that was refused, for which
 # an object that was spoken of before would be a guess.
 
-
-_SPOKEN_OBJECTS_BESIDE = ("than ", "from ", "to ", "of ", "behind ", "beside ", "near ", "touches ")
-"""Words before the name of something that a sentence is not about: "how far is it from the mug"."""
 
 _ONE = ("one", "ones")
 _TELLING = frozenset({"left", "right", "other", "first", "last", "big", "small"})
@@ -606,4 +599,7 @@ def _runs(words: list[str], vocabulary: set[str]) -> Iterator[tuple[int, int]]:
 
 def _is_beside(before: str) -> bool:
     """Check for words behind which something stands that a sentence is not about."""
-    return before.removesuffix("the ").endswith(_SPOKEN_OBJECTS_BESIDE)
+    # Words before the name of something that a sentence is not about: "how far is it from the mug".
+    return before.removesuffix("the ").endswith(
+        ("than ", "from ", "to ", "of ", "behind ", "beside ", "near ", "touches ")
+    )
