@@ -25,8 +25,6 @@ from contextlib import ExitStack, closing, contextmanager
 from queue import SimpleQueue
 from typing import Generic, TypeVar
 
-# --- worker processes -----------------------------------------------------------------------------
-#
 # Processes that carry out a part of the work, and none of which outlives its parent.
 
 
@@ -79,9 +77,6 @@ def _wait_for_parent() -> None:
     assert parent is not None, "a worker has a parent"
     parent.join()
     os._exit(1)
-
-
-# --- parallel tasks -------------------------------------------------------------------------------
 
 
 T = TypeVar("T")

@@ -33,8 +33,6 @@ from planner.types.actions import (
 from planner.types.plan import Plan
 from planner.types.refusal import probability_text
 
-# --- drag text ------------------------------------------------------------------------------------
-#
 # A drag in words: an object that a fingertip presses from above and draws along.
 
 
@@ -71,9 +69,6 @@ def drag_reason(push: PushAction, way: str) -> str:
         f"fingertip: that takes {quantity(push.prediction.onset, 'N')} along its top, and the "
         f"fingertip slips only with {quantity(push.margins.force, 'N')} more."
     )
-
-
-# --- plan text ------------------------------------------------------------------------------------
 
 
 _LEAST_TOLD = 0.05  # a margin that would be told as 0.0 N is told otherwise [N]

@@ -33,8 +33,6 @@ from nlcontrol.parallel_tasks import UNDER_WAY, finished_tasks
 from objectmodels import Registry
 from objectmodels.files.yaml_documents import error_of_system
 
-# --- result file ----------------------------------------------------------------------------------
-#
 # File of a batch's results, one JSON line for each row in the order of the rows.
 #
 # Lines are added as results come and are on the disk a second later at most. What a batch that
@@ -144,9 +142,6 @@ def _outcomes(path: Path) -> Iterator[tuple[RowOutcome, int]]:
                     suggestions=("give the file that `nlcontrol batch --output` has written",),
                 ) from raised
             yield outcome, end
-
-
-# --- batch ----------------------------------------------------------------------------------------
 
 
 PLANS_TOGETHER = 5
@@ -328,8 +323,6 @@ class _ProgressMeter:
         )
 
 
-# --- batch summary --------------------------------------------------------------------------------
-#
 # Summary of a batch: how many rows ended how, which clauses did not hold, how long it took.
 
 
@@ -504,8 +497,6 @@ def save_summary_picture(summary: BatchSummary, path: Path) -> None:
     figure.savefig(path)
 
 
-# --- dask executor --------------------------------------------------------------------------------
-#
 # Executor of a Dask cluster, as Dask itself offers it.
 
 

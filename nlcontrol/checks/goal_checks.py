@@ -35,8 +35,6 @@ if TYPE_CHECKING:
     from planner.types.defaults import Defaults
 
 
-# --- grasp checks ---------------------------------------------------------------------------------
-#
 # Did what a whole hand was to do come about? One function per kind of goal.
 #
 # Volumes and lids are those of the account that is checked: a share of the contents is one of
@@ -215,9 +213,6 @@ def spill_check(clause: Clause, e: Evidence) -> Check:
     """Check of the volume that ran onto the table, against what was in it."""
     limit = e.defaults.spill_tolerance * (e.contents(e.name, 0) or 0.0)
     return compare(clause, "at_most", "spilled", limit, e.spilled, 0.0, "m³")
-
-
-# --- goal checks ----------------------------------------------------------------------------------
 
 
 def has_fallen(clause: Clause, e: Evidence) -> Check:

@@ -216,8 +216,6 @@ def place_check(clause: Clause, measure: Measure) -> Check:
     )
 
 
-# --- evidence -------------------------------------------------------------------------------------
-#
 # Evidence for the checks of one frame: an account of what happened, and the believed shapes.
 #
 # There are two sources, and the checks do not know which one speaks: an observer of a simulation,

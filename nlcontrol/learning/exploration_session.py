@@ -395,8 +395,6 @@ def _touch_made(touched: Touched) -> TouchMade:
     )
 
 
-# --- expected beliefs -----------------------------------------------------------------------------
-#
 # What would be believed once parameters were found out: as now on average, and known better.
 
 

@@ -258,8 +258,6 @@ def change_contents(model: ObjectModel, more: float, sd: float = 0.0) -> ObjectM
     )
 
 
-# --- hand lessons ---------------------------------------------------------------------------------
-#
 # Lessons of the whole hand: of what it lifted or poured, and of what it tried and failed at.
 #
 # A lid that withstood the force, the pull or the torque that was to be enough takes more than

@@ -33,8 +33,6 @@ if TYPE_CHECKING:
     from planner.affordances import Affordance
 
 
-# --- foreign text ---------------------------------------------------------------------------------
-#
 # Text that others wrote, marked so that a language model cannot take it for ours.
 #
 # Names of objects, models and scenes come from files of the host or from a caller's table. In our
@@ -99,8 +97,6 @@ class ForeignNames:
         return quoted_name(name if name.casefold() in self._names else name[1:-1])
 
 
-# --- tool answers ---------------------------------------------------------------------------------
-#
 # Answers of the tools: one form for all of them, short by rule.
 #
 # A language model pays for every word, so an answer stays below `MOST_BYTES` unless all is asked
@@ -251,8 +247,6 @@ def _first_half(part: Any) -> Any:
     return part[: len(part) // 2]
 
 
-# --- agent documents ------------------------------------------------------------------------------
-#
 # Documents of a session as a language model reads them: the decisive part of each.
 #
 # A result has 8 to 13 kB; here are its outcome, the figures that decided and the verdicts.
@@ -438,9 +432,6 @@ def _affordance_text(found: Affordance) -> str:
     if found.least_force is None:
         return said
     return f"{said}, from the {found.face}, with {quantity(found.least_force, 'N')} at least"
-
-
-# --- agent tools ----------------------------------------------------------------------------------
 
 
 Sentence = Annotated[str, Field(min_length=1, max_length=1000)]

@@ -46,8 +46,6 @@ if TYPE_CHECKING:
     from nlcontrol.service.methods import PlanningSession, Run
 
 
-# --- grammar card ---------------------------------------------------------------------------------
-#
 # The language on one card: an example of every kind, in the language's own words.
 #
 # The kinds come from the frames and the words from the lexicon, so that a new kind or another
@@ -143,9 +141,6 @@ def _direction_words(direction: g.Direction) -> str:
 
 def _said(frame: g.Frame) -> str:
     return f"“{paraphrase(frame)}”"
-
-
-# --- stdio server ---------------------------------------------------------------------------------
 
 
 _LOOP = (

@@ -50,8 +50,6 @@ if TYPE_CHECKING:
     from sim.robots.cell_description import CellDescription, CellObject
 
 
-# --- experiment record ----------------------------------------------------------------------------
-#
 # Results of experiments, kept in a file of JSON lines, so that a broken run can go on.
 #
 # The first line names the format and its version, each further one a result with the key of all
@@ -180,8 +178,6 @@ def _parse_line(text: bytes, path: Path, number: int) -> _Line:
         raise damage_error from raised
 
 
-# --- experiment runner ----------------------------------------------------------------------------
-#
 # Many pushes carried out in simulation, in parallel, and going on where a run was broken off.
 #
 # A push is plain data and its result depends on that alone, so that it does not matter which
@@ -324,9 +320,6 @@ class FaceExperiment:
 def _digest(*parts: object) -> str:
     text = json.dumps(parts, sort_keys=True, allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()[:24]
-
-
-# --- face experiment ------------------------------------------------------------------------------
 
 
 BY = {"force": "a force applied directly", "robot": "the robot's finger"}

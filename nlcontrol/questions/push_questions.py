@@ -44,8 +44,6 @@ if TYPE_CHECKING:
     from planner.types.world_state import SeenObject, WorldState
 
 
-# --- asked push -----------------------------------------------------------------------------------
-#
 # The push that a question speaks of: which face, where on it, which way and how hard.
 #
 # It is read as the planner reads a command. What the question leaves open: the way is away from
@@ -265,9 +263,6 @@ def _force(frame: g.Frame) -> float | None:
     """The force that a question speaks of; of a limit, the limit."""
     said = [c.value for c in frame.constraints if isinstance(c, g.Force | g.MaxForce | g.MinForce)]
     return said[0] if said else None
-
-
-# --- push questions -------------------------------------------------------------------------------
 
 
 _MAKE = {"moves": "move", "slides": "slide", "tips": "topple", "tilts": "tilt", "turns": "turn"}

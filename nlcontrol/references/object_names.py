@@ -138,8 +138,6 @@ def face_of(model: ObjectModel, name: str, yaw: float = 0.0) -> Face:
     )
 
 
-# --- object attributes ----------------------------------------------------------------------------
-#
 # Attributes that tell seen objects apart: colour, size and place.
 #
 # Model of colours: each name stands for a few colours that many people called so, from light to

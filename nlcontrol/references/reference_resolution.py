@@ -61,8 +61,6 @@ if TYPE_CHECKING:
     from objectmodels import ObjectModel
 
 
-# --- arrangements ---------------------------------------------------------------------------------
-#
 # Frames whose objects stand to each other in the end: in a row, stacked, in each other's place.
 #
 # What such a frame asks depends on where its objects stand when the sentence is said. So here it
@@ -206,9 +204,6 @@ def _spots_of_row(own: Sequence[SeenObject], others: Sequence[SeenObject]) -> np
     if not others:
         at[:, along] += middle - at[:, along].mean()  # as far to the one side as to the other
     return at[: len(own)]
-
-
-# --- reference resolution -------------------------------------------------------------------------
 
 
 Part = TypeVar("Part", bound=BaseModel)

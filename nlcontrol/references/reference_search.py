@@ -36,8 +36,6 @@ if TYPE_CHECKING:
     from planner.types.world_state import SeenObject, WorldState
 
 
-# --- disambiguation text --------------------------------------------------------------------------
-#
 # References in words: what was said, and what could be said to tell objects apart.
 
 
@@ -196,8 +194,6 @@ def require_no_more_than_a_name(
         )
 
 
-# --- general words --------------------------------------------------------------------------------
-#
 # Objects by what they are, where none is called so: the carton, the cup, the one with the lid.
 #
 # A general word is looked up last, after names and synonyms. It fits every object of its kind, so
@@ -304,9 +300,6 @@ def compares_two(ref: ObjectRef) -> bool:
     """Check for "the taller one", which is one of two, and not one beside something else."""
     compares = any(word.endswith("er") for word in ref.text.split() if word != "other")
     return compares and not ref.reference and not set(COLOURS) & set(ref.qualities)
-
-
-# --- reference search -----------------------------------------------------------------------------
 
 
 _SIDES: tuple[Quality, ...] = ("left", "right", "near", "far")

@@ -39,8 +39,6 @@ if TYPE_CHECKING:
     from sim.exploration.exploration_run import Touched
 
 
-# --- predicted places -----------------------------------------------------------------------------
-#
 # Places that a plan predicts: where objects are touched, and the poses in which they end.
 #
 # All of it is belief. A pose is a row of a trace: quaternion (w, x, y, z) and position in W [m].
@@ -121,9 +119,6 @@ def _grasp_marks(grasp: GraspAction | None, R_WN: Array) -> Iterator[_Mark]:
     closing = np.array(grasp.closing_W) @ R_WN
     for side in (-1.0, 1.0):
         yield grasp.p_BG + 0.5 * side * grasp.width * closing, side * closing
-
-
-# --- plan drawing ---------------------------------------------------------------------------------
 
 
 BLUE, ORANGE, PURPLE, GREY, DARK = "#0072b2", "#d55e00", "#a0307a", "#8a8a8a", "#222222"
@@ -373,8 +368,6 @@ def _draw_face(axes: Axes, push: PushAction, seen: SeenObject) -> None:
     axes.set_title(f"{push.face} face, from outside\n{1e3 * push.p_BC[2]:.0f} mm up", fontsize=9)
 
 
-# --- drawing canvas -------------------------------------------------------------------------------
-#
 # A sheet to draw boxes, texts and ties on, measured in inches from its upper left corner.
 #
 # Texts are measured before they are placed, so a layout can give each as much room as it needs.
@@ -484,8 +477,6 @@ class Sheet:
         self._figure.savefig(path)
 
 
-# --- force curve plot -----------------------------------------------------------------------------
-#
 # Force curves of an exploration: one panel for each kind of experiment, the onsets marked.
 #
 # Thin and pale stand the samples, drawn through them their running mean. What a panel tells

@@ -182,8 +182,6 @@ def asked_text(check: Check) -> str:
     return f"asked: {bound} {expected}, tolerance {tolerance}"
 
 
-# --- why answers ----------------------------------------------------------------------------------
-#
 # Answers to "why": what a result, its plan or its refusal was decided by.
 
 
@@ -303,8 +301,6 @@ def _measured_figures(missed: list[Check]) -> dict[str, float]:
     return {check.clause: float(c) for check in missed if not isinstance(c := check.measured, str)}
 
 
-# --- notebook view --------------------------------------------------------------------------------
-#
 # A result as a notebook shows it: sentence, verdicts, picture of the words, report.
 
 

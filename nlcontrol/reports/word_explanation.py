@@ -97,9 +97,6 @@ def _of_frame(frame: g.Frame, step: Step | None, result: Result) -> tuple[Row, .
     return rows
 
 
-# --- what was not planned ----------------------------------------------------------------
-
-
 def _unplanned_rows(frame: g.Frame, reason: ErrorInfo | None, text: str) -> Iterator[Row]:
     """The parts of a frame without parameters; those that cannot be satisfied with the reason."""
     parts = list(frame_clauses(frame, _head(frame)))
@@ -137,9 +134,6 @@ def _concerns(error: ErrorInfo, frame: g.Frame) -> bool:
     if error.span is None:
         return True
     return any(a < error.span[1] and error.span[0] < b for a, b in _spans(frame))
-
-
-# --- questions ---------------------------------------------------------------------------
 
 
 def _answer_rows(frame: g.Frame, answer: Answer, step: Step | None, text: str) -> Iterator[Row]:
@@ -249,9 +243,6 @@ def _figure(name: str, value: float) -> str:
     if name in _UNITS:
         return f"{value:z.3f}{_UNITS[name]}"
     return quantity(value, "rad" if name == "yaw" else "m")
-
-
-# --- words without a part ----------------------------------------------------------------
 
 
 def _spans(part: BaseModel) -> tuple[g.Span, ...]:
@@ -382,8 +373,6 @@ def _add(drawn: Table, group: Group) -> None:
         )
 
 
-# --- explanation drawing --------------------------------------------------------------------------
-#
 # The way from the words to the controller, drawn: words, frames and parameters tied by lines.
 #
 # Above stands the sentence, each word in the colour of what it became. Below are three columns,

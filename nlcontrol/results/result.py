@@ -235,8 +235,6 @@ def result_with(result: Result, **changes: object) -> Result:
     return result.model_copy(update=changes)
 
 
-# --- step endings ---------------------------------------------------------------------------------
-#
 # Ends of steps: the result with one more of them, its status, and what a stop has left.
 
 

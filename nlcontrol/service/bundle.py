@@ -207,8 +207,6 @@ def _trace_difference(
     return Difference(part="trace", place=place, recorded=recorded, repeated=repeated, **figures)
 
 
-# --- recipe rebuilding ----------------------------------------------------------------------------
-#
 # From a recipe to a controller that goes on as the one that it was taken from.
 
 
@@ -299,8 +297,6 @@ def _bad_recipe(message: str) -> ControlError:
     return error("bad_recipe", f"it cannot be rebuilt: {told}", suggestions=(hint,))
 
 
-# --- bundle rerun ---------------------------------------------------------------------------------
-#
 # A run repeated from its bundle: the same to the digit, or what came out otherwise.
 
 
@@ -403,8 +399,6 @@ def report_lines(report: RerunReport) -> Iterator[str]:
         yield f"  and {untold} more"
 
 
-# --- run request ----------------------------------------------------------------------------------
-#
 # The request of a run: what was asked, where, by which versions, and how it can be repeated.
 
 
@@ -459,8 +453,6 @@ def run_request(controller: Controller, result: Result, digest: str | None = Non
     )
 
 
-# --- run bundle -----------------------------------------------------------------------------------
-#
 # A run in one zip file: what was asked, where, by which versions, and what came of it.
 #
 # The members are `request.json` (a `RunRequest`), `result.json`, and where there are any

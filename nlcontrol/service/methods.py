@@ -467,8 +467,6 @@ QUESTIONS: tuple[Question, ...] = tuple(
 """All of them, in their order."""
 
 
-# --- session protocol -----------------------------------------------------------------------------
-#
 # A planning session and its runs, in this process or over a wire.
 #
 # `nlcontrol.service.session.Session` is one in this process, and

@@ -179,8 +179,6 @@ def _attitude(seen: SeenObject) -> Any:
     return seen.pose.R_WB if seen.attitude is None else np.reshape(seen.attitude, (3, 3))
 
 
-# --- offer drawing --------------------------------------------------------------------------------
-#
 # Drawing of an offer: what its plan predicts, or what stands in its way.
 
 
@@ -206,8 +204,6 @@ def offer_drawing(result: Result) -> Drawing | None:
     )
 
 
-# --- offered plans --------------------------------------------------------------------------------
-#
 # Plans that wait to be approved: each is used once, and for so long only.
 
 

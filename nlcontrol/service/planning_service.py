@@ -43,8 +43,6 @@ if TYPE_CHECKING:
     from objectmodels import ObjectModel
 
 
-# --- run files ------------------------------------------------------------------------------------
-#
 # Files of a run: its trace, its replay, and all of it in one bundle; made when asked for.
 
 
@@ -136,9 +134,6 @@ def _refuse(run_id: str, why: str) -> NoReturn:
     )
 
 
-# --- planning service -----------------------------------------------------------------------------
-
-
 class PlanningService:
     """The service, from `start` to `close`.
 
@@ -196,8 +191,6 @@ class PlanningService:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    # --- without a session -----------------------------------------------------------------------
-
     def call_planner(self, method: str, table: TableSpec, **arguments: Any) -> Future[bytes]:
         """Calls a method of a session that is opened for this call alone; nothing moves.
 
@@ -232,8 +225,6 @@ class PlanningService:
             "running": self._runs.queue.running,
             "queued": self._runs.queue.waiting,
         }
-
-    # --- sessions --------------------------------------------------------------------------------
 
     def open_session(self, spec: SessionSpec) -> SessionInfo:
         """Opens a session; waits until its table is there.
@@ -325,8 +316,6 @@ class PlanningService:
             finally:
                 session.tell_frames(wanted=session.frames.listeners > 1)
 
-    # --- runs ------------------------------------------------------------------------------------
-
     def begin_run(
         self,
         session_id: str,
@@ -413,8 +402,6 @@ class PlanningService:
     def bundle(self, run_id: str) -> Path:
         """All of a run in one zip file; raises `unknown_run`, `run_under_way`."""
         return self._files.bundle(run_id)
-
-    # --- inside ----------------------------------------------------------------------------------
 
     def _session(self, session_id: str) -> LiveSession:
         session = self._sessions.get(session_id)  # without a lock: a stop comes by here

@@ -30,8 +30,6 @@ if TYPE_CHECKING:
     from sim.traces.trace import Trace
 
 
-# --- event stream reader --------------------------------------------------------------------------
-#
 # Server-sent events in a stream of bytes, as the HTML standard says (section 9.2.6).
 
 
@@ -79,8 +77,6 @@ def _lines(chunks: Iterable[bytes]) -> Iterator[str]:
         yield from whole
 
 
-# --- service connection ---------------------------------------------------------------------------
-#
 # A connection to a planning service: requests, answers as documents, problems as errors.
 #
 # A request that is lost on its way is sent again where that cannot do anything twice.
@@ -243,8 +239,6 @@ class ServiceConnection:
         ) from raised
 
 
-# --- remote run -----------------------------------------------------------------------------------
-#
 # A run at a server.
 
 
@@ -389,9 +383,6 @@ def _numbered_event(data: str) -> NumberedEvent | None:
         return NumberedEvent.model_validate_json(data)
     except ValidationError:
         return None
-
-
-# --- remote session -------------------------------------------------------------------------------
 
 
 class Client(PlanningSession):

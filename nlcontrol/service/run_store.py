@@ -32,8 +32,6 @@ from nlcontrol.session.events import Event
 from objectmodels.errors import ModelError
 from objectmodels.files.yaml_documents import PREFIX, error_of_system, replace_file
 
-# --- store folder ---------------------------------------------------------------------------------
-#
 # Folder of a store: its database, a lock, and a folder of files for each run.
 #
 # Nothing that a caller says becomes a part of a path: the folder of a run is named by its number
@@ -127,8 +125,6 @@ class StoreFolder:
             left.unlink(missing_ok=True)
 
 
-# --- store schema ---------------------------------------------------------------------------------
-#
 # Tables of a store, and how those of an earlier version become those of this one.
 #
 # `user_version` of the database is the number of steps of `MIGRATIONS` that it has taken. A step
@@ -301,9 +297,6 @@ def _bad_store(path: Path, message: str) -> ControlError:
     return error("bad_store", f"the store {path} {message}", suggestions=hints)
 
 
-# --- run store ------------------------------------------------------------------------------------
-
-
 KEEP_BYTES = 2_000_000_000
 """Bytes of ended runs that are kept, if nothing else is said."""
 
@@ -339,8 +332,6 @@ class RunStore:
             self._database.close()
             self._folder.close()
 
-    # --- sessions ------------------------------------------------------------------------------
-
     def add_session(self, session_id: str, spec: SessionSpec) -> None:
         """Notes that a session was opened; it is kept as long as a run of it."""
         with self._transaction():
@@ -353,8 +344,6 @@ class RunStore:
         """The session as it was asked for; None if it is not known (any more)."""
         row = self._one("SELECT spec FROM sessions WHERE session_id = ?", session_id)
         return None if row is None else SessionSpec.model_validate_json(row[0])
-
-    # --- runs ----------------------------------------------------------------------------------
 
     def add_run(self, info: RunInfo, *, key: str | None = None, request: bytes = b"") -> RunInfo:
         """Puts a run into the store, unless it is there under the same key.
@@ -494,8 +483,6 @@ class RunStore:
             self._folder.remove_files(number)
         return len(old)
 
-    # --- events --------------------------------------------------------------------------------
-
     def add_events(self, run_id: str, events: Sequence[NumberedEvent]) -> None:
         """Adds events to a run; a number that is there already stays as it is.
 
@@ -521,8 +508,6 @@ class RunStore:
                 *(self._number(run_id), after),
             )
         return tuple(filter(None, (_event(number, text) for number, text in rows)))
-
-    # --- files ---------------------------------------------------------------------------------
 
     @contextmanager
     def write_file(self, run_id: str, kind: FileKind) -> Iterator[Path]:
@@ -554,8 +539,6 @@ class RunStore:
     def _file(self, run_id: str, kind: FileKind) -> Path:
         with self._turn:
             return self._folder.file(self._number(run_id), kind)
-
-    # --- inside --------------------------------------------------------------------------------
 
     def _recover(self) -> None:
         """Marks the runs that a crash has cut off, and removes what it left."""
@@ -709,8 +692,6 @@ def _number_of_cursor(cursor: str | None) -> int:
     return int(cursor)
 
 
-# --- stored bundle --------------------------------------------------------------------------------
-#
 # The bundle of a run in a store, made when somebody first asks for it.
 
 

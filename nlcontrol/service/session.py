@@ -71,8 +71,6 @@ if TYPE_CHECKING:
     Deed = Callable[[Callable[[Event], None], StopToken], Result]
 
 
-# --- session runs ---------------------------------------------------------------------------------
-#
 # A run in this process: a thread that carries something out, and all that it tells.
 
 
@@ -206,8 +204,6 @@ class SessionRun:
         return None if self._result is None else self._result.trace
 
 
-# --- stated objects -------------------------------------------------------------------------------
-#
 # Objects that a caller states, checked and put on the table of a cell.
 
 
@@ -287,9 +283,6 @@ def _bad_table(
             path=path,
         )
     )
-
-
-# --- session --------------------------------------------------------------------------------------
 
 
 class Session(PlanningSession):
@@ -372,8 +365,6 @@ class Session(PlanningSession):
     def executes(self) -> bool:
         """Plans can be carried out here; not on a table that is stated."""
         return self.spec.objects is None
-
-    # --- questions -----------------------------------------------------------------------------
 
     def look(self, objects: Sequence[StatedObject] | None = None) -> TableView:
         """The table as the robot sees it now, or as it is stated; see `PlanningSession`."""
@@ -482,8 +473,6 @@ class Session(PlanningSession):
         with self._idle(), self.controller.last_look.kept():
             return self.controller.surroundings(name)[0]
 
-    # --- plan, approve, do ---------------------------------------------------------------------
-
     def plan(self, said: str | Frames) -> Offer:
         """A plan of a sentence, to be approved; nothing moves.
 
@@ -577,8 +566,6 @@ class Session(PlanningSession):
         if self._plans.era != era:  # it was stopped while it was being begun
             run.stop()
         return run
-
-    # --- stop and begin anew -------------------------------------------------------------------
 
     def stop(self) -> None:
         """Asks what is being carried out to let go and come to rest; plans are dropped.

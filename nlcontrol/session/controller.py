@@ -49,8 +49,6 @@ if TYPE_CHECKING:
     from sim.traces.trace import Trace
 
 
-# --- initial beliefs ------------------------------------------------------------------------------
-#
 # Beliefs at the beginning: the registry's model of every object of a cell.
 
 
@@ -71,9 +69,6 @@ def _initial_model(item: CellObject, registry: Registry) -> ObjectModel:
         raise error(
             "scene_and_registry_differ", message, suggestions=raised.suggestions
         ) from raised
-
-
-# --- controller -----------------------------------------------------------------------------------
 
 
 class Controller:

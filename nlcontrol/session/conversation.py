@@ -44,8 +44,6 @@ if TYPE_CHECKING:
     from sim.supervision import Progress, StopToken
 
 
-# --- certainty ------------------------------------------------------------------------------------
-#
 # How sure an answer is: where the values come from that were told, and how well they are known.
 
 
@@ -89,9 +87,6 @@ def _values_asked(frame: g.Frame) -> Iterator[g.Frame]:
         if ref is not None and ref.id is not None:
             alone = goal.model_copy(update={"than": ()})
             yield g.Frame(query="value", object=ref, goal=alone)
-
-
-# --- conversation ---------------------------------------------------------------------------------
 
 
 REMEMBERED = 50
@@ -354,8 +349,6 @@ class Conversation:
         result = self.controller.empty_result(command.text, command)
         return result_with(result, ok=True, status=status, answer=answer)
 
-    # --- memory ------------------------------------------------------------------------------
-
     def _note_unread(
         self, text: str, code: str, named: list[str], offered: g.Command | None
     ) -> None:
@@ -371,16 +364,12 @@ class Conversation:
         if other or code == "unknown_verb" or follow_up.has_verb(text):
             self._said = None
 
-    # --- corrections ----------------------------------------------------------------------------
-
     def _notes(self, command: g.Command) -> tuple[str, ...]:
         last = self._said
         if command.frames[0].dialogue != "correct" or not any(p.of is last for p in self.past):
             return ()
         assert last is not None
         return (f"already carried out: “{last.text}”; that is left as it is",)
-
-    # --- undo --------------------------------------------------------------------------------
 
     def _way_back(self, command: g.Command) -> Intention | Result:
         pushed = self._to_undo(command)
@@ -411,8 +400,6 @@ class Conversation:
 
     def _forget(self, undone: Sequence[PastPush]) -> None:
         self.past = [push for push in self.past if push not in undone]
-
-    # --- why ---------------------------------------------------------------------------------
 
     def _explain_last(self, command: g.Command) -> Answer:
         """Why the last result is as it is; or another push would be, if that is asked about."""

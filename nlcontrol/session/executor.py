@@ -147,8 +147,6 @@ class Explorer(Protocol):
         """Carries out a plan."""
 
 
-# --- stoppable robot ------------------------------------------------------------------------------
-#
 # The robot that a planner asks, until it is to stop or its time is over.
 
 

@@ -64,8 +64,6 @@ if TYPE_CHECKING:
     Steps = list[tuple[g.Frame, Plan | Reached]]
 
 
-# --- foreseen steps -------------------------------------------------------------------------------
-#
 # Steps of a command behind its first, planned from where everything is predicted to be then.
 #
 # What would end halfway is told before anything moves, or the first step is made otherwise:
@@ -188,8 +186,6 @@ class _ForesightedRobot(StoppableRobot):
         return ReachAnswer(False, "approach", refused.message, work=answer.work + budget.done)
 
 
-# --- further pushes -------------------------------------------------------------------------------
-#
 # Whether another push would bring an object nearer to its aim, as far as the camera can tell.
 #
 # Where it came to differs from where it was by what two looks tell, whose constant errors are
@@ -263,8 +259,6 @@ def spent_text(made: Plan, times: int) -> str:
     return f"this may take {times} {what if times == 1 else several} at most"
 
 
-# --- kept denials ---------------------------------------------------------------------------------
-#
 # Pushes that the hand did not get to, which stay so while what stopped it stays where it is.
 #
 # What is moved aside for a command changes little: most pushes that are asked for again are
@@ -293,8 +287,6 @@ class RecallingRobot(StoppableRobot):
         return answer
 
 
-# --- kept plans -----------------------------------------------------------------------------------
-#
 # Plans of the steps of a command from predicted states, each of which is made once.
 
 
@@ -321,8 +313,6 @@ class KeptPlans:
         return self._made[key]
 
 
-# --- onward plans ---------------------------------------------------------------------------------
-#
 # Plans midway: to the aim of the plan before, or to another one that the sentence allows.
 #
 # A push that ends elsewhere than foreseen may leave an object where the hand does not get to it
@@ -359,9 +349,6 @@ def onward_plan(
         notes = (f"another aim, since {made.message}", *anew.notes)
         return anew.model_copy(update={"notes": notes})
     return made if isinstance(anew, Refusal) else anew
-
-
-# --- foresight ------------------------------------------------------------------------------------
 
 
 MOST_WORKS = 1.7
@@ -636,8 +623,6 @@ def _next_frames(frames: Frames) -> Frames:
     return tuple(frame for frame in frames if frame.spans == first.spans)
 
 
-# --- stranded things ------------------------------------------------------------------------------
-#
 # What came to lie where the hand does not get to it, told before anybody asks for it.
 #
 # Where something is brought to, its place is chosen so that the hand gets to it again. Where it
@@ -698,8 +683,6 @@ def _frames_of(name: str) -> Iterator[g.Frame]:
     yield g.Frame(action="lift", object=own, goal=g.Lift(height=_WAY))
 
 
-# --- way back -------------------------------------------------------------------------------------
-#
 # Whether what is toppled could be stood up again where it will lie, which is told beforehand.
 
 

@@ -143,9 +143,6 @@ def _validated_command(document: dict[str, Any]) -> Command:
     return command
 
 
-# --- what has not the form of frames -----------------------------------------------------------
-
-
 def _bad_frame(path: str, message: str, *suggestions: str) -> ControlError:
     info = ErrorInfo(
         code="bad_frame",

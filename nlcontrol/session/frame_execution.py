@@ -81,8 +81,6 @@ if TYPE_CHECKING:
     from sim.supervision import StopToken
 
 
-# --- frame answers --------------------------------------------------------------------------------
-#
 # Answers to the questions of a command; what can be done is planned as it would be done.
 #
 # A question whether something can be done is answered by one plan where that suffices. Where
@@ -172,8 +170,6 @@ def _possibility(tried: Result) -> Answer:
     return first.model_copy(update={"text": f"{how} The first: {begin}"})
 
 
-# --- whereabouts ----------------------------------------------------------------------------------
-#
 # Places in which a command that went no further leaves things, as far as the robot saw them.
 #
 # What was moved for a goal that was not reached does not stand where it did; a person who thinks
@@ -208,9 +204,6 @@ def _moved_things(trace: Trace, held: Held | None) -> Iterator[str]:
                 f"the {name} is at {place_text(x, y)} now, {quantity(moved, 'm')} from where it "
                 "was; “undo that” brings it back"
             )
-
-
-# --- frame execution ------------------------------------------------------------------------------
 
 
 def run_command(
@@ -606,8 +599,6 @@ FAILURES: frozenset[EndReason] = frozenset(
 """Ends of a push after which another contact is tried, where there is one."""
 
 
-# --- proposals ------------------------------------------------------------------------------------
-#
 # Proposals: plans of sentences, not yet done; to be approved, then carried out as they are.
 
 

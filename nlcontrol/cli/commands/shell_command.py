@@ -47,8 +47,6 @@ if TYPE_CHECKING:
     from nlcontrol.session.executor import Motion
 
 
-# --- prompt lines ---------------------------------------------------------------------------------
-#
 # Lines typed at a prompt: edited, completed, and kept for the next time.
 #
 # The history is a text file of the user's own, one line each, in the folder for state that the
@@ -173,9 +171,6 @@ def write_history(typed: Sequence[str]) -> None:
     with replace_file(path, private=True) as temporary:
         text = "".join(f"{line}\n" for line in lines)
         temporary.write_text(text, encoding="utf-8", errors="replace")
-
-
-# --- shell command --------------------------------------------------------------------------------
 
 
 LEAVING = {"exit", "quit", "bye"}

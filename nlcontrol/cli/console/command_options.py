@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from sim.truth.scene_file import Scene
 
 
-# --- shell completions ----------------------------------------------------------------------------
-#
 # What a shell offers at the tab key: names of scenes, objects, faces and defaults.
 
 
@@ -74,9 +72,6 @@ def _beginning(names: Iterable[str], incomplete: str) -> list[CompletionItem]:
     begun = incomplete.casefold()
     found = [name for name in names if name.casefold().startswith(begun)]
     return [CompletionItem(shlex.quote(name) if in_bash else name) for name in found]
-
-
-# --- command options ------------------------------------------------------------------------------
 
 
 Command = TypeVar("Command", bound=Callable[..., Any])

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from nlcontrol.session.events import Event
 
 
-# --- terminal text --------------------------------------------------------------------------------
-#
 # Lines as a terminal shows them: wrapped to its width, verdicts in colour.
 #
 # What goes to a file or a pipe stays as it is, line by line. Colours are the terminal's own green
@@ -103,9 +101,6 @@ def with_style(text: str) -> str:
         if found := pattern.match(text):
             return click.style(found[0], **style) + text[found.end() :]
     return text
-
-
-# --- console output -------------------------------------------------------------------------------
 
 
 FILE = click.Path(dir_okay=False, path_type=Path)
@@ -285,8 +280,6 @@ class Progress:
             click.echo(told, err=True)
 
 
-# --- live answer ----------------------------------------------------------------------------------
-#
 # What is told of a sentence: while it is carried out, and at its end.
 #
 # At a terminal the understanding and each plan appear as soon as they are there, then the phases,

@@ -38,8 +38,6 @@ if TYPE_CHECKING:
     from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 
-# --- browser login --------------------------------------------------------------------------------
-#
 # Login of a browser: a cookie in the place of the token, as a page's streams bear no header.
 #
 # The cookie is made from the token and does not tell it. A browser gets it for the token, or for
@@ -108,9 +106,6 @@ class BrowserLogin:
 
 def _are_same(secret: str, ours: str) -> bool:
     return hmac.compare_digest(secret.encode("utf-8", "replace"), ours.encode())
-
-
-# --- request guard --------------------------------------------------------------------------------
 
 
 LOGGER = logging.getLogger("nlcontrol.service.http")

@@ -80,8 +80,6 @@ def require_bounded_sentence(body: SaidBody, settings: ServiceSettings) -> None:
         )
 
 
-# --- http settings --------------------------------------------------------------------------------
-#
 # Settings of the HTTP face of the planning service.
 
 

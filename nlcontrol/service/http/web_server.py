@@ -123,8 +123,6 @@ def serve(
     asyncio.run(_Server(config, service.close).serve([listening]))
 
 
-# --- json logs ------------------------------------------------------------------------------------
-#
 # Logs of the service: one JSON object a line on standard error.
 
 

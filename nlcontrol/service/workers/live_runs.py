@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from nlcontrol.service.workers.live_session import LiveSession
 
 
-# --- simulation queue -----------------------------------------------------------------------------
-#
 # Queue of runs: so many simulate at once, the next ones wait in order, the rest are refused.
 
 
@@ -116,9 +114,6 @@ class SimulationQueue:
             self._on_moved(moved, place)
 
 
-# --- live runs ------------------------------------------------------------------------------------
-
-
 ENDING = 10.0
 """Longest time that the end of a run is waited for before the next one begins [s]."""
 
@@ -168,8 +163,6 @@ class LiveRuns:
         self._unwritten: dict[str, LiveRun] = {}
         self._writing = threading.Lock()
         self.queue = SimulationQueue(workers, queue, self._note_place)
-
-    # --- from the caller -----------------------------------------------------------------------
 
     def begin(self, session: LiveSession, asked: Mapping[str, Any], key: str | None) -> RunInfo:
         """Begins a run, or lets it wait for its turn; see `PlanningService.begin_run`."""
@@ -269,8 +262,6 @@ class LiveRuns:
                     return
                 await changed.wait()
 
-    # --- from the process ----------------------------------------------------------------------
-
     def take(self, session: LiveSession, topic: str, content: bytes) -> None:
         """Notes what the process of a session tells of its run."""
         run = self._runs.get(session.run_id or "")
@@ -312,8 +303,6 @@ class LiveRuns:
             suggestions=("open a new session, and look before anything moves",),
         )
         self._end(run, state, RunEnd(error=info))
-
-    # --- inside --------------------------------------------------------------------------------
 
     def _live(self, run_id: str) -> LiveRun | None:
         """A run that has not ended; None if it has.

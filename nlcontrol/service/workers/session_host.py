@@ -56,8 +56,6 @@ if TYPE_CHECKING:
     from sim.worlds.ports import Sample
 
 
-# --- pose stream ----------------------------------------------------------------------------------
-#
 # Inside the process of a session: poses for viewers while somebody looks, and nothing otherwise.
 #
 # Of a simulated world these are what its observer sees. The world leaves a sample of itself after
@@ -224,8 +222,6 @@ class PoseStream:
             shown.keep_real_time(False)
 
 
-# --- replay files ---------------------------------------------------------------------------------
-#
 # Replays and recordings of runs, which a worker writes: they take the engine.
 
 
@@ -247,8 +243,6 @@ def write_view(kind: str, trace: str, scene: str, path: str, result: str | None)
     save(shown, load_scene(scene), Path(path), story=story)
 
 
-# --- session answers ------------------------------------------------------------------------------
-#
 # Answers of a planning session as JSON documents.
 
 
@@ -329,9 +323,6 @@ def _understanding(session: PlanningSession, said: str | Frames) -> Understandin
 def _explained(result: Result) -> Result:
     """The result with the way of its words to parameters."""
     return result_with(result, explanation=result.explanation_rows())
-
-
-# --- session host ---------------------------------------------------------------------------------
 
 
 _FIRST_SENTENCES = (

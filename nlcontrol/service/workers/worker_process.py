@@ -29,8 +29,6 @@ from typing import Any, NamedTuple, Protocol
 from nlcontrol.errors import ControlError, ErrorInfo, error, exception_info
 from nlcontrol.parallel_tasks import end_with_parent
 
-# --- worker messages ------------------------------------------------------------------------------
-#
 # Messages between the service and its worker processes: plain data, answers as JSON in bytes.
 
 
@@ -78,8 +76,6 @@ class Told(NamedTuple):
     content: bytes
 
 
-# --- worker host ----------------------------------------------------------------------------------
-#
 # Inside a worker process: calls are read from the pipe and answered, each in a thread of its own.
 #
 # The process ends when its pipe closes or its parent is gone, whatever it is doing.
@@ -164,9 +160,6 @@ class _Worker:
                 self._connection.send(message)
         except OSError:
             os._exit(0)  # nobody listens any more
-
-
-# --- worker process -------------------------------------------------------------------------------
 
 
 LOGGER = logging.getLogger("nlcontrol.service")
@@ -415,8 +408,6 @@ def _surroundings() -> Iterator[None]:
                     os.environ[name] = value
 
 
-# --- bell -----------------------------------------------------------------------------------------
-#
 # Bell that wakes tasks of event loops, rung from any thread.
 
 

@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from sim.robots.cell_description import CellDescription
 
 
-# --- merged frames --------------------------------------------------------------------------------
-#
 # A frame with what a remark says in the place of what was: another object, direction, force.
 #
 # What is kept of an earlier sentence loses its spans, which point into that sentence, and calls
@@ -47,9 +45,6 @@ FAR_FIELDS = ("distance", "angle", "height", "above", "bound", "fraction", "amou
 _POURED = ("amount", "fraction", "volume", "fill")
 _BESIDE_ON = {"left": "left_of", "right": "right_of", "away": "behind", "toward": "in_front_of"}
 _MERGED_FRAMES_BESIDE = frozenset({"next_to", *_BESIDE_ON.values()})
-
-
-# --- what is kept ----------------------------------------------------------------------------
 
 
 def by_name(ref: g.ObjectRef) -> g.ObjectRef:
@@ -101,9 +96,6 @@ def are_alike(frames: Sequence[g.Frame]) -> bool:
     """Check for frames that say the same of different objects."""
     first, *others = (without_spans(f.model_copy(update={"object": None})) for f in frames)
     return all(other == first for other in others)
-
-
-# --- what is put in its place ----------------------------------------------------------------
 
 
 def merge_frames(last: g.Frame, said: g.Frame) -> g.Frame:
@@ -258,9 +250,6 @@ def _farther_from(last: g.Place, values: dict[str, Any]) -> g.Place | None:
             suggestions=("say how far, as “10 cm away from it”",),
         )
     return last.model_copy(update={"distance": values["distance"]})
-
-
-# --- remark aims ----------------------------------------------------------------------------------
 
 
 def nothing_before(message: str) -> NoReturn:
@@ -440,8 +429,6 @@ def asked_of_last(command: g.Command, said: Result | None, done: Result | None) 
     return command.model_copy(update={"frames": (merged.model_copy(update=asked),)})
 
 
-# --- spoken objects -------------------------------------------------------------------------------
-#
 # What was spoken of up to a sentence, and whether "it" would be clear after that.
 #
 # A pronoun is in doubt where it has more than one honest meaning: after several objects that were
