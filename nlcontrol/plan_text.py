@@ -90,7 +90,12 @@ def deciding_figures(plan: Plan) -> dict[str, float]:
     """The numbers that decide about a plan, by their names [SI]."""
     if plan.pushes:
         return _push_figures(plan.push)
-    numbers = predicted_figures(plan)
+    predictions = (
+        action.prediction
+        for action in plan.actions
+        if not isinstance(action, Carry | TurnOver | SetDown | PutOn)
+    )
+    numbers = {name: x for each in predictions if each for name, x in each if x is not None}
     if plan.grasp is not None:
         numbers |= {
             "squeeze": plan.grasp.squeeze,
@@ -424,13 +429,3 @@ def _bearing_texts(p: FlipPrediction, name: str) -> Iterator[str]:
             f"giving way, it takes {quantity(p.nearest_force, 'N')}, and the {name} "
             f"{enumeration(gives)}"
         )
-
-
-def predicted_figures(plan: Plan) -> dict[str, float]:
-    """Numbers that the actions of a hand predict, by their names."""
-    predictions = (
-        action.prediction
-        for action in plan.actions
-        if not isinstance(action, Carry | TurnOver | SetDown | PutOn)
-    )
-    return {name: x for each in predictions if each for name, x in each if x is not None}

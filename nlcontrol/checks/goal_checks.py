@@ -189,7 +189,8 @@ def pour_check(goal: g.Pour, e: Evidence) -> Iterator[Check]:
         tolerance = d.tolerance_of(asked, max(d.pour_share * asked, d.pour_margin))
         yield compare(goal, "about", f"arrived in the {into}", asked, received, tolerance, "m³")
     if not e.has("no_spill"):
-        yield spill_check(goal, e)
+        limit = e.defaults.spill_tolerance * (e.contents(e.name, 0) or 0.0)
+        yield compare(goal, "at_most", "spilled", limit, e.spilled, 0.0, "m³")
     yield _stays_put(goal, into, e)
     yield from set_down_upright(goal, e)
 
@@ -207,12 +208,6 @@ def _asked_volume(goal: g.Pour, before: float, into: str, e: Evidence) -> float:
     if goal.amount == "little":
         return min(d.pour_little, before)
     return (d.pour_lot if goal.amount == "lot" else goal.fraction or 1.0) * before
-
-
-def spill_check(clause: Clause, e: Evidence) -> Check:
-    """Check of the volume that ran onto the table, against what was in it."""
-    limit = e.defaults.spill_tolerance * (e.contents(e.name, 0) or 0.0)
-    return compare(clause, "at_most", "spilled", limit, e.spilled, 0.0, "m³")
 
 
 def has_fallen(clause: Clause, e: Evidence) -> Check:

@@ -156,7 +156,29 @@ def push_asked_about(frame: g.Frame, state: WorldState, defaults: Defaults) -> I
     try:
         asked = interpret_frame(_as_command(frame), state, defaults)
         require_resting(target)
-        face_name, face, heading = _touched_face(asked, target)
+        # The face that is touched, its name, and the heading of the push if it is not straight in.
+        heading = asked.goal.heading
+        if (
+            any(used.name == "direction" for used in asked.defaults_used)
+            or asked.goal.outcome == "topple"
+        ):
+            heading = None  # what falls is pushed square to its face
+        if asked.contact.face == "top":
+            raise not_capable(
+                "predicting presses on the top face",
+                "questions are answered about pushes on side faces; the top face is not one",
+                asked.contact.spans,
+                "say “at the top” for the upper third of a side face",
+            )
+        if asked.contact.face is not None:
+            into = FACE_HEADINGS[asked.contact.face] + math.pi
+        else:
+            into = HEADINGS["away"] if asked.goal.heading is None else asked.goal.heading
+        found = pushed_face(target, into)
+        if found is None or asked.contact.face not in (None, found[0]):
+            where = "side" if asked.contact.face is None else f"{asked.contact.face} face"
+            raise no_plan("no_side", spans=asked.contact.spans, object=target.name, where=where)
+        face_name, face, heading = (*found, heading)
     except NoPlanError as refused:
         raise ControlError(refusal_error(refused.refusal)) from refused
     low, high = max(asked.contact.low, face.bottom), min(asked.contact.high, face.top)
@@ -209,32 +231,6 @@ def _as_command(frame: g.Frame) -> g.Frame:
             "constraints": tuple(c for c in frame.constraints if isinstance(c, clauses)),
         }
     )
-
-
-def _touched_face(asked: PushProblem, target: SeenObject) -> tuple[FaceName, Face, float | None]:
-    """The face that is touched, its name, and the heading of the push if it is not straight in."""
-    heading = asked.goal.heading
-    if (
-        any(used.name == "direction" for used in asked.defaults_used)
-        or asked.goal.outcome == "topple"
-    ):
-        heading = None  # what falls is pushed square to its face
-    if asked.contact.face == "top":
-        raise not_capable(
-            "predicting presses on the top face",
-            "questions are answered about pushes on side faces; the top face is not one",
-            asked.contact.spans,
-            "say “at the top” for the upper third of a side face",
-        )
-    if asked.contact.face is not None:
-        into = FACE_HEADINGS[asked.contact.face] + math.pi
-    else:
-        into = HEADINGS["away"] if asked.goal.heading is None else asked.goal.heading
-    found = pushed_face(target, into)
-    if found is None or asked.contact.face not in (None, found[0]):
-        where = "side" if asked.contact.face is None else f"{asked.contact.face} face"
-        raise no_plan("no_side", spans=asked.contact.spans, object=target.name, where=where)
-    return *found, heading
 
 
 def _along(

@@ -193,7 +193,26 @@ def _draw_table(axes: Axes, step: Step, plan: Plan, state: WorldState) -> None:
         corners = _corners(target, np.array(ghost.pose))
         style = {"color": ORANGE, "linestyle": "--", "linewidth": 1.8}
         drawn.append(_outline(axes, corners, "predicted end", **style))
-    drawn.append(_draw_way(axes, plan, target, state))
+    # The way of the object's middle and the push; returns its points in W, shape (k, 2) [m].
+    here = target.pose.p_WB[:2]
+    stops = [
+        (step.to.x, step.to.y) if step.kind == "carry" else state.objects[step.into].pose.p_WB[:2]
+        for step in plan.actions
+        if step.kind in ("carry", "pour_out")
+    ]
+    if plan.aim is not None and not stops:
+        stops = [(plan.aim.x, plan.aim.y)]
+    points = np.array([here, *stops])
+    for start, end in pairwise(points):
+        if np.linalg.norm(end - start) > 0.005:
+            _arrow(axes, start, end, "way", color=ORANGE, linewidth=1.4)
+    if plan.pushes:
+        push = plan.push
+        contact = here + (target.pose.R_WB @ np.array(push.p_BC))[:2]
+        ahead = 0.05 * np.array(push.direction_W[:2])
+        _arrow(axes, contact - ahead, contact, "push", color=PURPLE, linewidth=2.4)
+        points = np.vstack([points, contact - ahead])
+    drawn.append(points)
     R_WB, p_WB = target.body_pose
     marks = [p_WB + R_WB @ np.array(mark.place) for mark in plan_contacts(plan, R_WB, target.rest)]
     if marks:
@@ -237,29 +256,6 @@ def _draw_object(axes: Axes, seen: SeenObject, *, moved: bool) -> None:
         zorder=6,
         fontweight="bold" if moved else "normal",
     )
-
-
-def _draw_way(axes: Axes, plan: Plan, target: SeenObject, state: WorldState) -> Array:
-    """The way of the object's middle and the push; returns its points in W, shape (k, 2) [m]."""
-    here = target.pose.p_WB[:2]
-    stops = [
-        (step.to.x, step.to.y) if step.kind == "carry" else state.objects[step.into].pose.p_WB[:2]
-        for step in plan.actions
-        if step.kind in ("carry", "pour_out")
-    ]
-    if plan.aim is not None and not stops:
-        stops = [(plan.aim.x, plan.aim.y)]
-    points = np.array([here, *stops])
-    for start, end in pairwise(points):
-        if np.linalg.norm(end - start) > 0.005:
-            _arrow(axes, start, end, "way", color=ORANGE, linewidth=1.4)
-    if plan.pushes:
-        push = plan.push
-        contact = here + (target.pose.R_WB @ np.array(push.p_BC))[:2]
-        ahead = 0.05 * np.array(push.direction_W[:2])
-        _arrow(axes, contact - ahead, contact, "push", color=PURPLE, linewidth=2.4)
-        points = np.vstack([points, contact - ahead])
-    return points
 
 
 def _arrow(axes: Axes, start: Array, end: Array, label: str, **style: Any) -> None:

@@ -102,7 +102,13 @@ def _step_lines(result: Result, step: Step | Result, *, planned: bool) -> Iterat
         yield from (f"  {lesson.text}" for lesson in step.lessons)
     if step.answer:
         yield ""
-        yield from answer_lines(step.answer)
+        # An answer: its sentence, what stands below it, what would be possible instead.
+        yield step.answer.text
+        yield from (f"  {line}" for line in step.answer.lines)
+        yield from (f"  → {suggestion}" for suggestion in step.answer.suggestions)
+        if step.answer.map is not None and step.answer.chart is not None:
+            yield ""
+            yield from maps.map_lines(step.answer.map, step.answer.chart.face)
 
 
 def _is_there(result: Result, step: Step | Result) -> bool:
@@ -112,16 +118,6 @@ def _is_there(result: Result, step: Step | Result) -> bool:
     if step.status != "planned":
         return False
     return not isinstance(step, Step) or result.frames[step.frame].action != "explore"
-
-
-def answer_lines(answer: Answer) -> Iterator[str]:
-    """An answer: its sentence, what stands below it, what would be possible instead."""
-    yield answer.text
-    yield from (f"  {line}" for line in answer.lines)
-    yield from (f"  → {suggestion}" for suggestion in answer.suggestions)
-    if answer.map is not None and answer.chart is not None:
-        yield ""
-        yield from maps.map_lines(answer.map, answer.chart.face)
 
 
 def default_line(used: DefaultUsed) -> str:

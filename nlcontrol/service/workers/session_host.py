@@ -98,7 +98,11 @@ class ObservedWorld:
         self._executor = executor
         # A viewer's own world shows how things are before anything moves: the executor's is built
         # then, and no sooner because somebody looks.
-        world = executor.world if executor.is_built else copy_of(executor).world
+        world = (
+            executor.world
+            if executor.is_built
+            else SimulatedExecutor(executor.scene, seed=executor.seed).world
+        )
         self._first, self._joint_names = world.sample, world.robot.joint_names
         self._bodies = SceneBodies(world.scene)
 
@@ -160,11 +164,6 @@ class BelievedTable:
 
     def keep_real_time(self, wanted: bool) -> None:
         """Changes nothing: another robot has a time of its own."""
-
-
-def copy_of(executor: SimulatedExecutor) -> SimulatedExecutor:
-    """An executor of the same scene and seed, in whose world nothing was done yet."""
-    return SimulatedExecutor(executor.scene, seed=executor.seed)
 
 
 class PoseStream:
