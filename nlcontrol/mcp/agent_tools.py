@@ -343,10 +343,6 @@ def _result_answer(result: Result, detail: bool) -> ToolAnswer:
     )
 
 
-def _lessons(result: Result) -> list[str]:
-    return [learnt.text for step in result.steps for learnt in step.lessons]
-
-
 def _outcome(result: Result) -> ToolAnswer:
     """The sentence and the figures that matter most: an error, an answer, verdicts or a plan."""
     if result.error is not None:

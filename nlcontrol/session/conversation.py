@@ -27,7 +27,6 @@ from nlcontrol.session.frame_execution import Approval, Intention, Proposal
 from nlcontrol.session.recipe import Deed
 from nlcontrol.session.remarks import follow_up_frames as follow_up
 from nlcontrol.session.remarks import remark_aims as aims
-from nlcontrol.session.remarks import remark_aims as spoken
 from nlcontrol.session.remarks import unread_turns as unread
 from nlcontrol.session.remarks.remark_aims import nothing_before, says_something
 from nlcontrol.session.remarks.undo_frames import PastPush, undo_frames, undo_text
@@ -260,7 +259,7 @@ class Conversation:
             )
             refused = unread.with_offer(raised.info, offered)
             self._last = result_with(begun, status=status_of(refused), error=refused)
-            named = spoken.names_said(text, self.controller.cell, self.controller.models)
+            named = aims.names_said(text, self.controller.cell, self.controller.models)
             if command is None or named:
                 self._note_unread(text, refused.code, named, offered)
             return self._last, None
@@ -273,7 +272,7 @@ class Conversation:
         if remark == "did":
             done = self._deeds or nothing_before("nothing was done yet")
             told = deed_answer(done, first=aims.asks_first(command))
-            self.context = spoken.context_of(self.context, told.objects)
+            self.context = aims.context_of(self.context, told.objects)
             return self._plain_result(command, told, "answered")
         if remark == "why":
             return self._plain_result(command, self._explain_last(command), "answered")
@@ -315,7 +314,7 @@ class Conversation:
         if meant.back is not None:
             # Remembers what came of an undoing, and returns that with its notes.
             self._last = result_with(result, trace=None)
-            self.context = spoken.context_after(self.context, result)
+            self.context = aims.context_after(self.context, result)
             done = [meant.back.undoes[step.frame] for step in result.steps if step.status == "done"]
             if len(done) < len(meant.back.frames):
                 # What takes two steps is undone when both are done.
@@ -331,14 +330,14 @@ class Conversation:
             self._done = kept
             self._deeds = [*self._deeds[1 - REMEMBERED :], kept]
             self._exchange = meant.exchange
-        self.context = spoken.context_after(
+        self.context = aims.context_after(
             self.context, kept, joins=meant.joins, corrects=meant.corrects
         )
         for step in kept.steps:
             if step.execution and step.plan and step.before:
                 self.past.append(PastPush.from_step(kept, step.plan, step.before, step.basis))
         del self.past[:-REMEMBERED]
-        self.context = spoken.with_moved(self.context, self.past, self._deeds)
+        self.context = aims.with_moved(self.context, self.past, self._deeds)
         cell, models = self.controller.cell, self.controller.models
         self.context = unread.context_with_refused(self.context, kept, cell, models)
         return result
@@ -415,7 +414,7 @@ class Conversation:
             )
             with suppress(ControlError):
                 asked = self.controller.resolve(asked, self.context)
-                self.context = spoken.with_objects_of(self.context, asked)
+                self.context = aims.with_objects_of(self.context, asked)
             for told in filter(None, (self._last, self._done)):
                 if any(follow_up.says_all_of(each, asked.frames[0]) for each in told.frames):
                     return why_answer(told)

@@ -18,13 +18,13 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Protocol, get_args
+from typing import TYPE_CHECKING, get_args
 
 import grammar
 from grammar.frames.vocabulary import Direction
 from nlcontrol.errors import ControlError, ErrorInfo, refusal_error
 from nlcontrol.results.result import result_with
-from nlcontrol.session.executor import Explorer, StoppableRobot
+from nlcontrol.session.executor import StoppableRobot
 from nlcontrol.session.remarks.follow_up_frames import correct_frame
 from nlcontrol.session.remarks.remark_aims import without_spans
 from planner import plan
@@ -37,10 +37,8 @@ from sim.supervision import Stopped
 if TYPE_CHECKING:
     from grammar.frames.command import Command, Frame, Span
     from nlcontrol.results.result import Result
-    from nlcontrol.session.executor import Planner
-    from planner.types.robot import Robot
+    from nlcontrol.session.executor import PlanningRobot
     from planner.types.world_state import WorldState
-    from sim.control.object_estimate import LastLook
     from sim.supervision import StopToken
 
     Parse = Callable[[str], Command]
@@ -85,26 +83,8 @@ OTHER_WAY = r"(?:say |(?:tilt|topple) it to )?another (?:direction|side)"
 """Suggestions of no direction in particular."""
 
 
-class Speaker(Explorer, Protocol):
-    """Robot to which sentences are said: a `nlcontrol.session.controller.Controller`."""
-
-    last_look: LastLook
-    planner: Planner | None
-    time_limit: float | None
-
-    @property
-    def robot(self) -> Robot:
-        """Arm and hand."""
-
-    def parse(self, text: str) -> Command:
-        """The frames of a sentence."""
-
-    def resolve(self, command: Command) -> Command:
-        """The command with every object bound to one on the table."""
-
-
 def result_with_corrections(
-    result: Result, controller: Speaker, stop: StopToken | None = None
+    result: Result, controller: PlanningRobot, stop: StopToken | None = None
 ) -> Result:
     """The result with sentences that would do in place of the one that was said.
 
@@ -182,7 +162,7 @@ class _Trials:
     If something was done since, whatever can be said is taken to do.
     """
 
-    def __init__(self, controller: Speaker, stop: StopToken | None) -> None:
+    def __init__(self, controller: PlanningRobot, stop: StopToken | None) -> None:
         self._controller, self._stop = controller, stop
         self._state = controller.last_look.state
         self._left = MOST_WORK

@@ -53,7 +53,7 @@ from sim.supervision import Stopped
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result
     from nlcontrol.session.events import Supervisor
-    from nlcontrol.session.executor import Explorer
+    from nlcontrol.session.executor import PlanningRobot
     from objectmodels import ObjectModel
     from planner.types.robot import RobotLimits
     from planner.types.world_state import WorldState
@@ -154,7 +154,7 @@ def answer_with_offer(
 
 
 def explore_parameters(
-    controller: Explorer, frame: g.Frame, progress: Progress | None
+    controller: PlanningRobot, frame: g.Frame, progress: Progress | None
 ) -> tuple[Exploration | None, Answer]:
     """Touches an object until what a sentence asks is known, and tells it.
 
@@ -186,7 +186,7 @@ def explore_parameters(
 
 
 def explore_frame(
-    controller: Explorer,
+    controller: PlanningRobot,
     index: int,
     frame: g.Frame,
     result: Result,
@@ -214,7 +214,7 @@ def explore_frame(
     return result_with_step(result, step, "done" if frame.query is None else "answered")
 
 
-def exploration_notice(controller: Explorer, frame: g.Frame, state: WorldState) -> str:
+def exploration_notice(controller: PlanningRobot, frame: g.Frame, state: WorldState) -> str:
     """The touches that would be made, in a sentence.
 
     Raises:
@@ -231,7 +231,7 @@ def exploration_notice(controller: Explorer, frame: g.Frame, state: WorldState) 
     )
 
 
-def state_once_explored(controller: Explorer, frame: g.Frame, state: WorldState) -> WorldState:
+def state_once_explored(controller: PlanningRobot, frame: g.Frame, state: WorldState) -> WorldState:
     """The belief when that is found out for which a sentence touches or lifts an object.
 
     Raises:
@@ -244,7 +244,7 @@ def state_once_explored(controller: Explorer, frame: g.Frame, state: WorldState)
     return replace(state, objects={**state.objects, name: replace(seen, model=known)})
 
 
-def _on_table(controller: Explorer, frame: g.Frame) -> str:
+def _on_table(controller: PlanningRobot, frame: g.Frame) -> str:
     """Name of the object in the scene."""
     name = frame.object.id if frame.object else None
     if name is None or name not in controller.executor.cell.names:
@@ -263,7 +263,7 @@ def asks_for_lifting(frame: g.Frame) -> bool:
 
 
 def weigh_by_lifting(
-    controller: Explorer, name: str, frame: g.Frame, progress: Progress | None
+    controller: PlanningRobot, name: str, frame: g.Frame, progress: Progress | None
 ) -> Answer:
     """Lifts an object, weighs it, and sets it down.
 
@@ -303,7 +303,7 @@ def weigh_by_lifting(
     )
 
 
-def _lift_and_return(controller: Explorer, name: str, frame: g.Frame) -> Plan:
+def _lift_and_return(controller: PlanningRobot, name: str, frame: g.Frame) -> Plan:
     """Up, and down again where it stood."""
     goal = frame.goal
     if isinstance(goal, g.Parameters) and not set(goal.which) <= {"mass"}:

@@ -50,7 +50,7 @@ from sim.supervision import Stopped, StopToken
 if TYPE_CHECKING:
     from nlcontrol.errors import ErrorInfo
     from nlcontrol.session.events import Supervisor
-    from nlcontrol.session.executor import Planner
+    from nlcontrol.session.executor import PlanningRobot
     from planner.types.actions import Push
     from planner.types.defaults import Defaults
     from planner.types.robot import ReachEffort, Robot
@@ -76,25 +76,8 @@ MOST_EACH = 500
 """Work of planning what comes after one way to hold something."""
 
 
-class StepPlanner(Protocol):
-    """Robot that plans single steps: a `nlcontrol.session.controller.Controller`."""
-
-    planner: Planner | None
-    defaults: Defaults
-    time_limit: float | None
-
-    @property
-    def robot(self) -> Robot:
-        """Arm and hand."""
-
-    def plan(
-        self, frame: g.Frame, state: WorldState | None = None, *, stop: StopToken | None = None
-    ) -> PlanningResult:
-        """A plan of one frame, or why there is none."""
-
-
 def plan_with_foresight(
-    controller: StepPlanner,
+    controller: PlanningRobot,
     made: Plan | Reached,
     state: WorldState,
     frames: Sequence[g.Frame],
@@ -130,7 +113,7 @@ def plan_with_foresight(
 
 
 def lasting_lift(
-    controller: StepPlanner,
+    controller: PlanningRobot,
     state: WorldState,
     frames: Sequence[g.Frame],
     stop: StopToken,
@@ -165,7 +148,9 @@ def _refused_ahead(
 class _ForesightedRobot(StoppableRobot):
     """A robot that gets to a grasp only if it can do what comes after it."""
 
-    def __init__(self, controller: StepPlanner, frames: Sequence[g.Frame], stop: StopToken) -> None:
+    def __init__(
+        self, controller: PlanningRobot, frames: Sequence[g.Frame], stop: StopToken
+    ) -> None:
         super().__init__(controller.robot, stop, controller.time_limit)
         self._controller, self._frames = controller, frames
 
@@ -387,7 +372,7 @@ class Ways:
 
 
 def ways_around(
-    controller: StepPlanner,
+    controller: PlanningRobot,
     frames: Frames,
     index: int,
     refused: tuple[Refusal, WorldState] | None,
@@ -443,7 +428,7 @@ class StepSearch:
 
     def __init__(
         self,
-        controller: StepPlanner,
+        controller: PlanningRobot,
         frames: Frames,
         moved: frozenset[str],
         stop: StopToken,
@@ -634,7 +619,7 @@ _WAY = 0.05  # of a push, and up in a lift, that is a hold on an object [m]
 
 
 def stranded_things(
-    controller: StepPlanner, trace: Trace, look: Callable[[], WorldState], stop: StopToken
+    controller: PlanningRobot, trace: Trace, look: Callable[[], WorldState], stop: StopToken
 ) -> Iterator[str]:
     """Sentences on what fell, and is neither pushed nor lifted from where it lies."""
     names = fallen_things(trace)
@@ -658,7 +643,7 @@ def fallen_things(trace: Trace) -> list[str]:
 
 
 def _stranded(
-    controller: StepPlanner, name: str, state: WorldState, stop: StopToken
+    controller: PlanningRobot, name: str, state: WorldState, stop: StopToken
 ) -> Iterator[str]:
     robot = RecallingRobot(controller.robot, stop, controller.time_limit)
     # Each plan may take a tenth of the usual work.
@@ -687,7 +672,7 @@ def _frames_of(name: str) -> Iterator[g.Frame]:
 
 
 def with_way_back(
-    controller: StepPlanner, made: PlanningResult, state: WorldState
+    controller: PlanningRobot, made: PlanningResult, state: WorldState
 ) -> PlanningResult:
     """The plan, with a note if there is no way back from the fall in which it ends.
 

@@ -21,11 +21,11 @@ should go first, other steps are looked for that bring all of it about
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import takewhile
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -76,7 +76,6 @@ if TYPE_CHECKING:
     from nlcontrol.session.controller import Controller
     from nlcontrol.session.executor import Motion
     from nlcontrol.session.remarks.undo_frames import PastPush, WayBack
-    from objectmodels.models.object_model import ObjectModel
     from planner.types.world_state import Held
     from sim.supervision import StopToken
 
@@ -86,19 +85,6 @@ if TYPE_CHECKING:
 # A question whether something can be done is answered by one plan where that suffices. Where
 # several objects are asked about at once, or where something stands in the way of one, it is yes
 # if the whole command could be carried out, with what is moved aside for it.
-
-
-class Answerer(Protocol):
-    """Robot that answers single questions: a `nlcontrol.session.controller.Controller`."""
-
-    @property
-    def models(self) -> Mapping[str, ObjectModel]:
-        """Models of what stands on the table, by name."""
-
-    def answer(
-        self, frame: g.Frame, state: WorldState | None = None, *, stop: StopToken | None = None
-    ) -> Answer:
-        """The answer to a question; raises `ControlError` where there is none."""
 
 
 def frames_asked_at_once(frames: Sequence[g.Frame], index: int) -> tuple[g.Frame, ...]:
@@ -111,7 +97,7 @@ def frames_asked_at_once(frames: Sequence[g.Frame], index: int) -> tuple[g.Frame
 
 
 def answer_to(
-    controller: Answerer,
+    controller: Controller,
     asked: tuple[g.Frame, ...],
     state: WorldState,
     stop: StopToken,

@@ -44,7 +44,7 @@ _WHERE = ("direction", "heading", "toward", "away_from")
 FAR_FIELDS = ("distance", "angle", "height", "above", "bound", "fraction", "amount")
 _POURED = ("amount", "fraction", "volume", "fill")
 _BESIDE_ON = {"left": "left_of", "right": "right_of", "away": "behind", "toward": "in_front_of"}
-_MERGED_FRAMES_BESIDE = frozenset({"next_to", *_BESIDE_ON.values()})
+_PLACES_BESIDE = frozenset({"next_to", *_BESIDE_ON.values()})
 
 
 def by_name(ref: g.ObjectRef) -> g.ObjectRef:
@@ -207,7 +207,7 @@ def _as_kind_of(last: g.Goal, new: g.Goal) -> g.Goal:
     if (
         isinstance(last, g.Place)
         and values.keys() == {"direction"}
-        and last.relation in _MERGED_FRAMES_BESIDE
+        and last.relation in _PLACES_BESIDE
     ):
         return last.model_copy(update={"relation": _BESIDE_ON[values["direction"]]})
     if not set(values) <= set(type(last).model_fields):
@@ -228,7 +228,7 @@ def place_beside(last: g.Goal) -> g.Place | None:
     if isinstance(last, g.Place):
         if last.relation == "touching":
             return last.model_copy(update={"relation": "next_to"})
-        return last if last.relation in _MERGED_FRAMES_BESIDE else None
+        return last if last.relation in _PLACES_BESIDE else None
     if isinstance(last, g.Displace) and isinstance(last.toward, g.ObjectRef):
         return g.Place(relation="next_to", reference=(last.toward,))
     return None

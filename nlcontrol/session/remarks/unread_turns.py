@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from nlcontrol.session.remarks import remark_aims as aims
-from nlcontrol.session.remarks import remark_aims as spoken
 
 if TYPE_CHECKING:
     from grammar.frames.command import Command
@@ -46,19 +45,19 @@ class UnreadTurns:
 
     def with_turn(self, text: str, offered: Command | None) -> UnreadTurns:
         """These turns, and one more."""
-        return UnreadTurns(some=True, asked=spoken.asks(text), offered=offered)
+        return UnreadTurns(some=True, asked=aims.asks(text), offered=offered)
 
 
 def is_of_other(text: str, named: list[str], context: Context) -> bool:
     """Check for a turn, not understood, about another object than the last that was."""
     other = len(named) > 1 or (bool(named) and named != [*context.latest])
-    return not spoken.asks(text) and other
+    return not aims.asks(text) and other
 
 
 def context_with_unread(context: Context, text: str, named: list[str]) -> Context:
     """What was spoken of after a turn that was not understood but names objects."""
     last = tuple(dict.fromkeys((*named, *context.last)))
-    unnamed = spoken.asks_which(text) or (not named and spoken.tells_of_one(text))
+    unnamed = aims.asks_which(text) or (not named and aims.tells_of_one(text))
     among = tuple(named) if len(named) > 1 else None  # "the mug, not the jar"
     doubt = () if unnamed else among if named else context.doubt
     return replace(context, last=last, doubt=doubt)
@@ -74,7 +73,7 @@ def context_with_refused(
     bound = any(frame.object and frame.object.id for frame in result.frames)
     if result.status != "not_understood" or bound or context.doubt is not None:
         return context
-    named = spoken.names_said(result.text, cell, models)
+    named = aims.names_said(result.text, cell, models)
     return context_with_unread(context, result.text, named) if named else context
 
 
