@@ -8,9 +8,9 @@ checked. So a remark may be refused as any sentence may, with its numbers.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, TypedDict
 
 from grammar.frames import command as g
@@ -27,7 +27,6 @@ from nlcontrol.session.frame_execution import Approval, Intention, Proposal
 from nlcontrol.session.recipe import Deed
 from nlcontrol.session.remarks import follow_up_frames as follow_up
 from nlcontrol.session.remarks import remark_aims as aims
-from nlcontrol.session.remarks import unread_turns as unread
 from nlcontrol.session.remarks.remark_aims import nothing_before, says_something
 from nlcontrol.session.remarks.undo_frames import PastPush, undo_frames, undo_text
 from nlcontrol.session.turns import in_turn
@@ -35,11 +34,16 @@ from nlcontrol.session.turns import in_turn
 if TYPE_CHECKING:
     from typing import Unpack
 
+    from grammar.frames.command import Command
+    from nlcontrol.errors import ErrorInfo
+    from nlcontrol.references.reference_resolution import Context
     from nlcontrol.results.result import Result
     from nlcontrol.session.controller import Controller
     from nlcontrol.session.events import Event
     from nlcontrol.session.executor import Motion
     from nlcontrol.session.frame_documents import Frames
+    from objectmodels import ObjectModel
+    from sim.robots.cell_description import CellDescription
     from sim.supervision import Progress, StopToken
 
 
@@ -126,7 +130,7 @@ class Conversation:
         self._done: Result | None = None  # the last command, what "a bit more" is about
         self._deeds: list[Result] = []  # the commands up to the last
         self._exchange: g.Command | None = None  # what that was, if things changed places
-        self._unread = unread.UnreadTurns()  # what was not understood since
+        self._unread = UnreadTurns()  # what was not understood since
         self._spoken: tuple[str, ...] = ()  # texts that were understood since, the last first
 
     @in_turn
@@ -257,7 +261,7 @@ class Conversation:
             offered = (
                 None if command else understood_part(self.controller.parser, text, self._spoken)
             )
-            refused = unread.with_offer(raised.info, offered)
+            refused = with_offer(raised.info, offered)
             self._last = result_with(begun, status=status_of(refused), error=refused)
             named = aims.names_said(text, self.controller.cell, self.controller.models)
             if command is None or named:
@@ -325,7 +329,7 @@ class Conversation:
             return result_with(result, notes=notes)
         result = result_with(result, notes=meant.notes + result.notes)
         self._last = self._said = kept = result_with(result, trace=None)
-        self._unread = unread.UnreadTurns()
+        self._unread = UnreadTurns()
         if not proposed and any(frame.query is None for frame in kept.frames):
             self._done = kept
             self._deeds = [*self._deeds[1 - REMEMBERED :], kept]
@@ -339,7 +343,7 @@ class Conversation:
         del self.past[:-REMEMBERED]
         self.context = aims.with_moved(self.context, self.past, self._deeds)
         cell, models = self.controller.cell, self.controller.models
-        self.context = unread.context_with_refused(self.context, kept, cell, models)
+        self.context = context_with_refused(self.context, kept, cell, models)
         return result
 
     def _plain_result(
@@ -356,9 +360,9 @@ class Conversation:
         A correction would be about that, if it may have been a command: it has a verb, or names
         another object; then so would any remark that names none.
         """
-        other = unread.is_of_other(text, named, self.context)
+        other = is_of_other(text, named, self.context)
         self._unread = self._unread.with_turn(text, offered)
-        self.context = unread.context_with_unread(self.context, text, named)
+        self.context = context_with_unread(self.context, text, named)
         self._spoken = self._spoken if self._unread.asked else ()
         if other or code == "unknown_verb" or follow_up.has_verb(text):
             self._said = None
@@ -423,3 +427,74 @@ class Conversation:
         if last and last.answer and last.answer.query in ("value", "seen", "did", "compare"):
             last = self._done or last  # facts have no reasons
         return why_answer(last or nothing_before("nothing was said or done yet"))
+
+
+# What was said and not understood since the last sentence that was, and what it may have meant.
+#
+# A remark that leaves open what it is about may be about that, so it is asked back. Of a sentence
+# that is not read as a whole its longest part that is a command is offered; "yes" has it done.
+
+
+@dataclass(frozen=True)
+class UnreadTurns:
+    """Turns that were not understood since one was.
+
+    Attributes:
+        some: whether there are any.
+        asked: whether the last was a question.
+        offered: the part of the last that is a command.
+    """
+
+    some: bool = False
+    asked: bool = False
+    offered: Command | None = None
+
+    def may_be_meant(self, command: Command) -> bool:
+        """Check for a remark, which may be about one of these turns: "slower", "and the mug?"."""
+        return self.some and aims.is_remark(command)
+
+    def accepted_command(self, command: Command) -> Command | None:
+        """The part that was offered, if a remark accepts it; else None."""
+        return self.offered if aims.only_agrees(command) else None
+
+    def with_turn(self, text: str, offered: Command | None) -> UnreadTurns:
+        """These turns, and one more."""
+        return UnreadTurns(some=True, asked=aims.asks(text), offered=offered)
+
+
+def is_of_other(text: str, named: list[str], context: Context) -> bool:
+    """Check for a turn, not understood, about another object than the last that was."""
+    other = len(named) > 1 or (bool(named) and named != [*context.latest])
+    return not aims.asks(text) and other
+
+
+def context_with_unread(context: Context, text: str, named: list[str]) -> Context:
+    """What was spoken of after a turn that was not understood but names objects."""
+    last = tuple(dict.fromkeys((*named, *context.last)))
+    unnamed = aims.asks_which(text) or (not named and aims.tells_of_one(text))
+    among = tuple(named) if len(named) > 1 else None  # "the mug, not the jar"
+    doubt = () if unnamed else among if named else context.doubt
+    return replace(context, last=last, doubt=doubt)
+
+
+def context_with_refused(
+    context: Context, result: Result, cell: CellDescription, models: Mapping[str, ObjectModel]
+) -> Context:
+    """What was spoken of after a sentence that names a place that is not there.
+
+    "Put the mug in the bin" is about the mug, although not even that was looked for.
+    """
+    bound = any(frame.object and frame.object.id for frame in result.frames)
+    if result.status != "not_understood" or bound or context.doubt is not None:
+        return context
+    named = aims.names_said(result.text, cell, models)
+    return context_with_unread(context, result.text, named) if named else context
+
+
+def with_offer(info: ErrorInfo, offered: Command | None) -> ErrorInfo:
+    """A refusal that offers the part of a sentence that is a command."""
+    if offered is None:
+        return info
+    told = f'to have what is understood done, say "yes": "{offered.paraphrase}"'
+    kept = tuple(s for s in info.suggestions if not s.startswith("this much is understood"))
+    return info.model_copy(update={"suggestions": (*kept, told)})

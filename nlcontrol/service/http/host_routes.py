@@ -14,9 +14,8 @@ from nlcontrol.errors import error, known_errors_raised
 from nlcontrol.json_document import Document, DocumentPart, document_text
 from nlcontrol.service.documents import SceneGeometry
 from nlcontrol.service.http.openapi_document import PROBLEMS
-from nlcontrol.service.http.request_bodies import LoginBody, ObjectPath
 from nlcontrol.service.http.request_guard import BrowserLogin
-from nlcontrol.service.http.service_access import Service, document_response
+from nlcontrol.service.http.service_access import LoginBody, ObjectPath, Service, document_response
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel

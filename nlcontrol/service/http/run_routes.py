@@ -14,8 +14,13 @@ from nlcontrol.errors import error
 from nlcontrol.service.documents import RunInfo, RunPage
 from nlcontrol.service.http.event_streams import STREAM_CONTENT, EventList, stream_events
 from nlcontrol.service.http.openapi_document import PROBLEMS
-from nlcontrol.service.http.request_bodies import AfterNumber, RunId
-from nlcontrol.service.http.service_access import Service, document_response, waited
+from nlcontrol.service.http.service_access import (
+    AfterNumber,
+    RunId,
+    Service,
+    document_response,
+    waited,
+)
 from nlcontrol.service.planning_service import PlanningService
 
 REPLAY_POLICY = (

@@ -16,8 +16,8 @@ from nlcontrol.service.http import (
 from nlcontrol.service.http.event_streams import Listeners
 from nlcontrol.service.http.openapi_document import PROBLEMS, openapi_document
 from nlcontrol.service.http.problem_documents import answer_problems
-from nlcontrol.service.http.question_routes import add_questions_alone
 from nlcontrol.service.http.request_guard import RequestGuard
+from nlcontrol.service.http.session_routes import add_questions_alone
 
 if TYPE_CHECKING:
     from nlcontrol.service.http.request_guard import BrowserLogin
