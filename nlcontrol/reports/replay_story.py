@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from nlcontrol.plan_text import plan_lines
 from nlcontrol.reports.plan_drawing import end_poses, plan_contacts
-from nlcontrol.reports.result_report import asked_text, default_line, measured_text
+from nlcontrol.reports.result_report import asked_text, default_line, value_text
 from nlcontrol.reports.word_explanation import part_at
 from nlcontrol.text_format import words
 from objectmodels.geometry.rotations import from_quaternion
@@ -82,7 +82,7 @@ def _clauses(result: Result) -> Iterator[StoryClause]:
             said=words(result.text, check.spans),
             spans=check.spans,
             quantity=check.quantity,
-            measured=measured_text(check),
+            measured=value_text(check.measured, check),
             asked=asked_text(check),
         )
 

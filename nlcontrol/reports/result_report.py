@@ -131,7 +131,7 @@ def check_line(text: str, check: Check) -> str:
     Where an observer saw it otherwise, that is told too.
     """
     said = f" “{words(text, check.spans)}”" if check.spans else ""
-    told = f"{check.quantity}: {measured_text(check)} ({asked_text(check)}{_doubt(check)})"
+    told = f"{check.quantity}: {value_text(check.measured, check)} ({asked_text(check)}{_doubt(check)})"
     return f"  {MARKS[check.verdict]}{said} {told}{_observed(check)}"
 
 
@@ -150,21 +150,19 @@ def _observed(check: Check) -> str:
     seen = check.observed
     if seen is None or not check.differs:
         return ""
-    return f"; an observer saw {_value(seen.measured, check)}: {'held' if seen.ok else 'not held'}"
+    return (
+        f"; an observer saw {value_text(seen.measured, check)}: {'held' if seen.ok else 'not held'}"
+    )
 
 
-def measured_text(check: Check) -> str:
-    """The measured value, with its unit."""
-    return _value(check.measured, check)
-
-
-def _value(value: float | str, check: Check) -> str:
+def value_text(value: float | str, check: Check) -> str:
+    """A value of a check, with its unit."""
     return value if isinstance(value, str) else quantity(value, check.unit)
 
 
 def asked_text(check: Check) -> str:
     """The asked value with its tolerance: “asked: at most 5°”."""
-    expected = _value(check.expected, check)
+    expected = value_text(check.expected, check)
     if check.relation == "is" or check.tolerance is None:
         return f"asked: {expected}"
     tolerance = quantity(check.tolerance, check.unit)
@@ -235,7 +233,7 @@ def deed_answer(deeds: Sequence[Result], *, first: bool = False) -> Answer:
         why = f": {result.error.message}" if result.error else ""
         text = f"I was told to {_told(result)}. {ends.get(result.status, 'It was not done')}{why}."
         return Answer(query="did", text=text, lines=lines, objects=objects)
-    held = [f"{c.quantity}: {_value_text(c.measured, c)}" for c in result.checks]
+    held = [f"{c.quantity}: {value_text(c.measured, c)}" for c in result.checks]
     ended = {"done": "It was done", "undecided": "It was carried out, and I cannot tell all of it"}
     came = ended.get(result.status, "It failed")
     return Answer(
@@ -256,10 +254,6 @@ def _told(result: Result) -> str:
     names = _names(result)
     about = f" ({enumeration(list(names))})" if names else ""
     return f"{result.paraphrase or result.text}{about}"
-
-
-def _value_text(value: float | str, check: Check) -> str:
-    return value if isinstance(value, str) else quantity(value, check.unit)
 
 
 def _missed_text(check: Check) -> str:

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from objectmodels import ObjectModel
 
 
-# Files of a run: its trace, its replay, and all of it in one bundle; made when asked for.
+FileOfRun = Literal["trace", "replay", "recording", "bundle"]
 
 
 class RunFiles:
@@ -58,32 +58,27 @@ class RunFiles:
         self._store, self._time_limit = store, time_limit
         self._making = threading.Lock()
 
-    def trace(self, run_id: str) -> Path:
-        """File of the trace of a run, an npz file; see `sim.traces.trace`.
+    def file(self, run_id: str, kind: FileOfRun) -> Path:
+        """A file of a run; all but its trace are made the first time.
+
+        The trace is an npz file (`sim.traces.trace`), the replay an HTML page, the recording what a
+        replay shows, for the page's viewer, and the bundle all of it in one zip file
+        (`nlcontrol.service.bundle`).
 
         Raises:
-            ControlError: `unknown_run`, `no_file`.
+            ControlError: `unknown_run`; `no_file`, or of a bundle `run_under_way`.
         """
-        return self._store.file(run_id, "trace") or _refuse(run_id, "nothing has moved in it")
-
-    def replay(self, run_id: str) -> Path:
-        """File of the replay of a run, an HTML file; it is made the first time.
-
-        Raises:
-            ControlError: `unknown_run`, `no_file`.
-        """
-        return self._made(run_id, "replay")
-
-    def recording(self, run_id: str) -> Path:
-        """File of what a replay shows, for the page's viewer; it is made the first time.
-
-        Raises:
-            ControlError: `unknown_run`, `no_file`.
-        """
-        return self._made(run_id, "recording")
+        if kind == "trace":
+            return self._store.file(run_id, kind) or _refuse(run_id, "nothing has moved in it")
+        if kind != "bundle":
+            return self._made(run_id, kind)
+        if self._store.file(run_id, kind) is None and self._store.file(run_id, "trace"):
+            with suppress(ControlError):  # a bundle without it is better than none
+                self._made(run_id, "replay")
+        return bundle_file(self._store, run_id)
 
     def _made(self, run_id: str, kind: Literal["replay", "recording"]) -> Path:
-        trace = self.trace(run_id)
+        trace = self.file(run_id, "trace")
         with self._making:
             made = self._store.file(run_id, kind)
             if made is not None:
@@ -113,17 +108,6 @@ class RunFiles:
             finally:
                 process.kill()
         return self._store.file(run_id, kind) or _refuse(run_id, "it was deleted")
-
-    def bundle(self, run_id: str) -> Path:
-        """All of a run in one zip file, made the first time; see `nlcontrol.service.bundle`.
-
-        Raises:
-            ControlError: `unknown_run`, `run_under_way`.
-        """
-        if self._store.file(run_id, "bundle") is None and self._store.file(run_id, "trace"):
-            with suppress(ControlError):  # a bundle without it is better than none
-                self.replay(run_id)
-        return bundle_file(self._store, run_id)
 
 
 def _refuse(run_id: str, why: str) -> NoReturn:
@@ -387,21 +371,9 @@ class PlanningService:
         self._runs.write_ends()
         self._store.delete_run(run_id)
 
-    def trace_file(self, run_id: str) -> Path:
-        """File of the trace of a run; raises `unknown_run`, `no_file`."""
-        return self._files.trace(run_id)
-
-    def replay_file(self, run_id: str) -> Path:
-        """File of the replay of a run, made the first time; raises `unknown_run`, `no_file`."""
-        return self._files.replay(run_id)
-
-    def recording_file(self, run_id: str) -> Path:
-        """File of what a replay of a run shows; raises `unknown_run`, `no_file`."""
-        return self._files.recording(run_id)
-
-    def bundle(self, run_id: str) -> Path:
-        """All of a run in one zip file; raises `unknown_run`, `run_under_way`."""
-        return self._files.bundle(run_id)
+    def run_file(self, run_id: str, kind: FileOfRun) -> Path:
+        """A file of a run; see `RunFiles.file`."""
+        return self._files.file(run_id, kind)
 
     def _session(self, session_id: str) -> LiveSession:
         session = self._sessions.get(session_id)  # without a lock: a stop comes by here

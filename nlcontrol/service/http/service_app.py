@@ -17,7 +17,7 @@ from nlcontrol.service.http.event_streams import Listeners
 from nlcontrol.service.http.openapi_document import PROBLEMS, openapi_document
 from nlcontrol.service.http.problem_documents import answer_problems
 from nlcontrol.service.http.request_guard import RequestGuard
-from nlcontrol.service.http.session_routes import add_questions_alone
+from nlcontrol.service.http.session_routes import add_questions
 
 if TYPE_CHECKING:
     from nlcontrol.service.http.request_guard import BrowserLogin
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from nlcontrol.service.planning_service import PlanningService
 
 _PLANNING = APIRouter(prefix="/v1", tags=["planning"], responses=PROBLEMS)
-add_questions_alone(_PLANNING)
+add_questions(_PLANNING, session=False)
 
 ROUTERS = (
     host_routes.ROUTER,

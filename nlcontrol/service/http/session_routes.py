@@ -43,70 +43,39 @@ from nlcontrol.service.planning_service import PlanningService
 # Routes of questions: without a session, about a table that is stated, and of a session.
 
 
-Endpoint = Callable[..., Awaitable[Response]]
-
-
-def add_questions_alone(router: APIRouter) -> None:
-    """Adds the questions that need no session."""
+def add_questions(router: APIRouter, *, session: bool) -> None:
+    """Adds the questions of a session, or those that need none and bear their table."""
     for question in QUESTIONS:
-        if question.alone is not None:
+        asks = question.asks if session else question.alone
+        if asks is not None:
+            example = {**body_example(asks), **question.example}
+            content = {"application/json": {"example": example}}
             router.add_api_route(
-                f"/{question.name}",
-                _endpoint(question, question.alone, _asked_alone(question), session=False),
+                f"/{{session_id}}/{question.path}" if session else f"/{question.name}",
+                _endpoint(question, asks, session=session),
                 methods=["POST"],
-                operation_id=question.name,
+                operation_id=f"session_{question.name}" if session else question.name,
                 response_model=question.answers,
-                openapi_extra=_example(question, question.alone),
+                openapi_extra={"requestBody": {"content": content}},
             )
 
 
-def add_questions_of_session(router: APIRouter) -> None:
-    """Adds the questions of a session."""
-    for question in QUESTIONS:
-        router.add_api_route(
-            f"/{{session_id}}/{question.path}",
-            _endpoint(question, question.asks, _asked_of_session(question), session=True),
-            methods=["POST"],
-            operation_id=f"session_{question.name}",
-            response_model=question.answers,
-            openapi_extra=_example(question, question.asks),
-        )
-
-
-def _example(question: Question, asks: type[RequestBody]) -> dict[str, Any]:
-    """The example of a question's body, as a part of the OpenAPI document."""
-    content = {"application/json": {"example": {**body_example(asks), **question.example}}}
-    return {"requestBody": {"content": content}}
-
-
-def _asked_alone(question: Question) -> Endpoint:
-    async def asked(body: TableBody, service: PlanningService) -> Response:
-        _require_bounded(body, service)
-        return await answer_of(service.call_planner(question.name, body.table, **body.arguments))
-
-    return asked
-
-
-def _asked_of_session(question: Question) -> Endpoint:
-    async def asked(
-        session_id: str, service: PlanningService, body: RequestBody | None = None
-    ) -> Response:
-        _require_bounded(body, service)
-        arguments = {} if body is None else body.arguments
-        return await answer_of(service.call_session(session_id, question.name, **arguments))
-
-    return asked
-
-
-def _require_bounded(body: RequestBody | None, service: PlanningService) -> None:
-    if isinstance(body, SaidBody):
-        require_bounded_sentence(body, service.settings)
-
-
 def _endpoint(
-    question: Question, asks: type[RequestBody], asked: Endpoint, *, session: bool
-) -> Endpoint:
+    question: Question, asks: type[RequestBody], *, session: bool
+) -> Callable[..., Awaitable[Response]]:
     """The endpoint of a question, with the signature from which the framework reads its form."""
+
+    async def asked(
+        service: PlanningService, body: RequestBody | None = None, session_id: str = ""
+    ) -> Response:
+        if isinstance(body, SaidBody):
+            require_bounded_sentence(body, service.settings)
+        arguments = {} if body is None else body.arguments
+        if session:
+            return await answer_of(service.call_session(session_id, question.name, **arguments))
+        assert isinstance(body, TableBody), "where it is asked alone, it bears its table"
+        return await answer_of(service.call_planner(question.name, body.table, **arguments))
+
     empty = not any(field.is_required() for field in asks.model_fields.values()) and not issubclass(
         asks, SaidBody
     )
@@ -160,7 +129,7 @@ async def close_session(session_id: SessionId, service: Service, idle: IdleTime 
     return Response(status_code=204)
 
 
-add_questions_of_session(ROUTER)
+add_questions(ROUTER, session=True)
 
 
 @ROUTER.post(

@@ -189,14 +189,14 @@ def test_a_damaged_trace_costs_its_replay_and_not_the_bundle(
     monkeypatch.setattr(planning_service, "WorkerProcess", ReplayProcess)
     files = RunFiles(store, time_limit=PATIENCE)
     with pytest.raises(ControlError) as raised:
-        files.replay("first")
+        files.file("first", "replay")
     assert raised.value.code == "no_file"
     assert "damaged" in raised.value.info.message
     monkeypatch.setattr(ReplayProcess, "code", "system_error")
     with pytest.raises(ControlError) as raised:
-        files.replay("first")
+        files.file("first", "replay")
     assert raised.value.code == "store_not_writable"
-    assert files.bundle("first").is_file()
+    assert files.file("first", "bundle").is_file()
 
 
 def _code(store: RunStore, text: str = "") -> str:
