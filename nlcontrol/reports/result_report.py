@@ -131,7 +131,8 @@ def check_line(text: str, check: Check) -> str:
     Where an observer saw it otherwise, that is told too.
     """
     said = f" “{words(text, check.spans)}”" if check.spans else ""
-    told = f"{check.quantity}: {value_text(check.measured, check)} ({asked_text(check)}{_doubt(check)})"
+    measured = value_text(check.measured, check)
+    told = f"{check.quantity}: {measured} ({asked_text(check)}{_doubt(check)})"
     return f"  {MARKS[check.verdict]}{said} {told}{_observed(check)}"
 
 
