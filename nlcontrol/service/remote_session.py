@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import codecs
 import importlib.util
-import io
 import time
 import uuid
 import weakref
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from threading import Thread
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, NoReturn, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, NoReturn, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
@@ -24,57 +22,11 @@ from nlcontrol.session.events import LOGGER, Event
 
 if TYPE_CHECKING:
     import httpx
+    from httpx_sse import ServerSentEvent
 
     from nlcontrol.session.executor import Motion
     from nlcontrol.session.frame_documents import Frames
     from sim.traces.trace import Trace
-
-
-# Server-sent events in a stream of bytes, as the HTML standard says (section 9.2.6).
-
-
-class StreamedEvent(NamedTuple):
-    """An event of a stream.
-
-    Attributes:
-        id: the last that the stream gave, "" if none.
-        event: its type.
-        data: its text.
-    """
-
-    id: str
-    event: str
-    data: str
-
-
-def streamed_events(chunks: Iterable[bytes]) -> Iterator[StreamedEvent]:
-    """The events of a stream as they come; one that is cut off in its midst is none."""
-    identity, kind, data = "", "", list[str]()
-    for line in _lines(chunks):
-        if not line:
-            if data:
-                yield StreamedEvent(identity, kind or "message", "\n".join(data))
-            kind, data = "", []
-            continue
-        key, _, value = line.partition(":")
-        value = value.removeprefix(" ")
-        match key:
-            case "id" if "\0" not in value:
-                identity = value
-            case "event":
-                kind = value
-            case "data":
-                data.append(value)
-
-
-def _lines(chunks: Iterable[bytes]) -> Iterator[str]:
-    """Whole lines; only what the standard names ends one, and no other mark that Unicode knows."""
-    text = codecs.getincrementaldecoder("utf-8-sig")("replace")
-    newlines = io.IncrementalNewlineDecoder(text, translate=True)
-    rest = ""
-    for chunk in chunks:
-        *whole, rest = (rest + newlines.decode(chunk)).split("\n")
-        yield from whole
 
 
 # A connection to a planning service: requests, answers as documents, problems as errors.
@@ -194,13 +146,14 @@ class ServiceConnection:
                 self._require_success(response)
                 return response
 
-    def stream(self, path: str, after: int = 0) -> Iterator[StreamedEvent]:
+    def stream(self, path: str, after: int = 0) -> Iterator[ServerSentEvent]:
         """The events of a stream, those after a number alone.
 
         Raises:
             ControlError: as in `response`; `no_service` where the stream is lost.
         """
         import httpx
+        from httpx_sse import EventSource
 
         headers = {"Accept": "text/event-stream", "Last-Event-ID": str(after)}
         timeout = httpx.Timeout(SILENCE, connect=CONNECT_TIME)
@@ -209,7 +162,8 @@ class ServiceConnection:
                 if not response.is_success:
                     response.read()
                 self._require_success(response)
-                yield from streamed_events(response.iter_bytes())
+                if response.status_code != httpx.codes.NO_CONTENT:
+                    yield from EventSource(response).iter_sse()
         except httpx.TransportError as raised:
             self._tell_lost(raised)
 
