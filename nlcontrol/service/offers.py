@@ -43,9 +43,6 @@ if TYPE_CHECKING:
     from sim.robots.cell_description import CellDescription, Vision
 
 
-_LEAST_MOVE, _LEAST_TURN = 0.001, math.radians(0.5)
-
-
 @dataclass(frozen=True)
 class Tolerances:
     """Differences that are no change.
@@ -66,7 +63,9 @@ class Tolerances:
         share = 6.0 * math.sqrt(2.0 / max(vision.rate_hz * LOOK, 1.0))
         move = share * vision.position_noise_m
         turn = share * math.radians(vision.angle_noise_deg)
-        return cls(max(move, _LEAST_MOVE), max(turn, _LEAST_TURN), max(turn, math.radians(2.0)))
+        # Without noise a look is good for 1 mm and half a degree, of a lid for two.
+        least_turn, least_lid = math.radians(0.5), math.radians(2.0)
+        return cls(max(move, 0.001), max(turn, least_turn), max(turn, least_lid))
 
 
 def table_view(state: WorldState, cell: CellDescription, time: float, source: Source) -> TableView:

@@ -198,9 +198,6 @@ class ServiceConnection:
 
 UNDER_WAY = ("queued", "running")
 
-SOONEST, LATEST = 0.02, 0.25
-"""Bounds of the waits between two questions whether a run has ended [s]."""
-
 
 class RemoteRun:
     """A run at a server; see `nlcontrol.service.methods.Run`.
@@ -307,12 +304,12 @@ class RemoteRun:
         deadline = None if timeout is None else time.monotonic() + timeout
         if self._listener is not None:
             self._listener.join(timeout)
-        pause = SOONEST
+        pause = 0.02
         while (info := self.info()).state in UNDER_WAY:
             if deadline is not None and time.monotonic() + pause > deadline:
                 raise TimeoutError(f"run {self._run_id} goes on after {timeout} s")
             time.sleep(pause)
-            pause = min(1.5 * pause, LATEST)
+            pause = min(1.5 * pause, 0.25)
         return info
 
     def _listen(self, on_event: Callable[[Event], object]) -> None:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from nlcontrol.errors import INTERNAL, ControlError, ErrorInfo, error
 from nlcontrol.service.documents import NumberedEvent, RunInfo
 from nlcontrol.service.workers.session_host import RunEnd
-from nlcontrol.service.workers.worker_process import Bell, daemon_timer
+from nlcontrol.service.workers.worker_process import Bell, daemon_timer, queue_full
 from nlcontrol.session.events import Event
 
 if TYPE_CHECKING:
@@ -84,12 +84,9 @@ class SimulationQueue:
             if free:
                 self._running.add(run_id)
             elif len(self._waiting) >= self._length:
-                raise error(
-                    "queue_full",
-                    f"{len(self._running)} runs are under way and {len(self._waiting)} wait",
-                    suggestions=("ask again in a while",),
-                    numbers={"waiting": float(len(self._waiting)), "retry_after": 10.0},
-                )
+                message = f"{len(self._running)} runs are under way and {len(self._waiting)} wait"
+                waiting = len(self._waiting)
+                raise queue_full(message, waiting, "ask again in a while", retry_after=10.0)
             else:
                 self._waiting.append(_Turn(run_id, begin))
                 place = len(self._waiting)

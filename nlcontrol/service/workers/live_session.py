@@ -14,7 +14,12 @@ from typing import TYPE_CHECKING, Any
 from nlcontrol.errors import ControlError, error
 from nlcontrol.service.documents import SessionInfo
 from nlcontrol.service.offers import LIFE
-from nlcontrol.service.workers.worker_process import Bell, daemon_timer, time_limit_error
+from nlcontrol.service.workers.worker_process import (
+    Bell,
+    daemon_timer,
+    queue_full,
+    time_limit_error,
+)
 
 if TYPE_CHECKING:
     from nlcontrol.service.documents import SessionSpec
@@ -111,7 +116,7 @@ class LiveSession:
     def beginning(self) -> Iterator[None]:
         """Context in which a run is begun, one after the other; raises `queue_full`."""
         if not self._begins.acquire(blocking=False):
-            raise _queue_full(MOST_CALLS)
+            raise _too_many_calls(MOST_CALLS)
         try:
             with self._beginning:
                 yield
@@ -152,7 +157,7 @@ class LiveSession:
         """
         self.require_process()
         if len(self._calls) >= MOST_CALLS:
-            raise _queue_full(len(self._calls))
+            raise _too_many_calls(len(self._calls))
         limit = self._settings.request_time
         answer: Future[bytes] = Future()
         answer.set_running_or_notify_cancel()
@@ -221,10 +226,6 @@ class LiveSession:
 _OFFERED = re.compile(rb'"plan_id":\s*"')
 
 
-def _queue_full(calls: int) -> ControlError:
-    return error(
-        "queue_full",
-        f"{calls} calls of this session are open",
-        suggestions=("wait for the answers",),
-        numbers={"waiting": float(calls), "retry_after": 1.0},
-    )
+def _too_many_calls(calls: int) -> ControlError:
+    message = f"{calls} calls of this session are open"
+    return queue_full(message, calls, "wait for the answers", retry_after=1.0)

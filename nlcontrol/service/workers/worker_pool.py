@@ -16,12 +16,13 @@ from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from nlcontrol.errors import ControlError, error
+from nlcontrol.errors import ControlError
 from nlcontrol.service.workers.session_host import SessionHost
 from nlcontrol.service.workers.worker_process import (
     WorkerProcess,
     daemon_timer,
     lost_error,
+    queue_full,
     time_limit_error,
 )
 
@@ -139,7 +140,9 @@ class WorkerPool:
         job = _Job(method, table, arguments, self._request_time)
         with self._lock:
             if len(self._waiting) >= self._queue and not self._idle_ones():
-                raise _queue_full(len(self._waiting))
+                waiting = len(self._waiting)
+                message = f"{waiting} others wait already"
+                raise queue_full(message, waiting, "ask again in a few seconds", retry_after=2.0)
             self._waiting.append(job)
             self._hand_out()
         timer = daemon_timer(self._request_time, self._give_up, job)
@@ -267,12 +270,3 @@ def _fail(jobs: Iterable[_Job]) -> None:
     for job in jobs:
         with suppress(InvalidStateError):
             job.answer.set_exception(lost_error())
-
-
-def _queue_full(waiting: int) -> ControlError:
-    return error(
-        "queue_full",
-        f"{waiting} others wait already",
-        suggestions=("ask again in a few seconds",),
-        numbers={"waiting": float(waiting), "retry_after": 2.0},
-    )

@@ -250,7 +250,14 @@ class WorkerProcess:
                 self._calls[number] = future
                 return future
             if not self._ended:
-                failure = _deaf_error()
+                failure = queue_full(
+                    f"the process that works on this takes no calls, and {MOST_UNSENT} wait for it "
+                    "already",
+                    MOST_UNSENT,
+                    "ask again in a few seconds",
+                    "close its session",
+                    retry_after=2.0,
+                )
         future.set_exception(failure)
         return future
 
@@ -352,13 +359,17 @@ def lost_error() -> ControlError:
     )
 
 
-def _deaf_error() -> ControlError:
-    return error(
-        "queue_full",
-        f"the process that works on this takes no calls, and {MOST_UNSENT} wait for it already",
-        suggestions=("ask again in a few seconds", "close its session"),
-        numbers={"waiting": float(MOST_UNSENT), "retry_after": 2.0},
-    )
+def queue_full(message: str, waiting: int, *suggestions: str, retry_after: float) -> ControlError:
+    """The error of a caller for whom there is no room.
+
+    Args:
+        message: which queue is full.
+        waiting: how many wait in it.
+        suggestions: what to do instead.
+        retry_after: time after which to ask again [s].
+    """
+    numbers = {"waiting": float(waiting), "retry_after": retry_after}
+    return error("queue_full", message, suggestions=suggestions, numbers=numbers)
 
 
 def time_limit_error(limit: float) -> ControlError:
