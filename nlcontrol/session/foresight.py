@@ -17,7 +17,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Protocol, get_args
+from typing import TYPE_CHECKING, get_args
 
 from grammar import paraphrase
 from grammar.frames import command as g
@@ -305,21 +305,16 @@ class KeptPlans:
 # measure it from where the object stood.
 
 
-class Planning(Protocol):
-    """Planning of one frame from one state."""
-
-    def __call__(self, *, previous: Plan | None = None) -> PlanningResult:
-        """The answer; the aim of a previous plan is kept."""
-        ...
-
-
 def onward_plan(
-    planning: Planning, frame: g.Frame, state: WorldState, previous: Plan | None
+    planning: Callable[..., PlanningResult],
+    frame: g.Frame,
+    state: WorldState,
+    previous: Plan | None,
 ) -> PlanningResult:
     """The plan of what is left of a frame, or why there is none to the aim that was chosen.
 
     Args:
-        planning: of the frame from where everything is.
+        planning: of the frame from where everything is; the aim of a `previous` plan is kept.
         frame: that was begun.
         state: what is believed now.
         previous: the plan whose first push was made last; None if its aim is not kept.

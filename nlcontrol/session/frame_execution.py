@@ -53,6 +53,7 @@ from nlcontrol.session.foresight import (
     KeptPlans,
     Ways,
     onward_plan,
+    plan_with_foresight,
     spent_text,
     stranded_things,
     ways_around,
@@ -420,9 +421,6 @@ class FrameRun:
         begun = self.result.trace is not None
         if len(self.ahead) == 1 or (begun and not (isinstance(made, Plan) and made.task == "lift")):
             return made
-        # One frame does without it.
-        from nlcontrol.session.foresight import plan_with_foresight
-
         stop = self.supervisor.stop
         found = plan_with_foresight(self.controller, made, state, self.ahead, stop, self.kept)
         return made if begun and isinstance(found, Refusal) else found

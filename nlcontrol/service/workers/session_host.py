@@ -16,7 +16,7 @@ from functools import cache, cached_property, partial
 from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from pydantic import BaseModel
 
@@ -68,23 +68,6 @@ RATE = 30.0
 """Frames per second of the robot's time, at most."""
 
 
-class View(Protocol):
-    """A view of a robot and its table."""
-
-    @property
-    def time(self) -> float:
-        """Time of what there is to see [s]."""
-
-    def geometry(self) -> SceneGeometry:
-        """All that is drawn."""
-
-    def frame(self) -> PoseFrame:
-        """Places of all bodies now."""
-
-    def keep_real_time(self, wanted: bool) -> None:
-        """Lets nothing happen faster than it would on a real table, or ends that."""
-
-
 class ObservedWorld:
     """A simulated world as its observer sees it.
 
@@ -98,11 +81,9 @@ class ObservedWorld:
         self._executor = executor
         # A viewer's own world shows how things are before anything moves: the executor's is built
         # then, and no sooner because somebody looks.
-        world = (
-            executor.world
-            if executor.is_built
-            else SimulatedExecutor(executor.scene, seed=executor.seed).world
-        )
+        if not executor.is_built:
+            executor = SimulatedExecutor(executor.scene, seed=executor.seed)
+        world = executor.world
         self._first, self._joint_names = world.sample, world.robot.joint_names
         self._bodies = SceneBodies(world.scene)
 
@@ -164,6 +145,10 @@ class BelievedTable:
 
     def keep_real_time(self, wanted: bool) -> None:
         """Changes nothing: another robot has a time of its own."""
+
+
+View = ObservedWorld | BelievedTable
+"""Ways to see a robot and its table."""
 
 
 class PoseStream:
