@@ -93,9 +93,6 @@ def _stays_put(clause: Clause, name: str, e: Evidence) -> Check:
     return compare(clause, "at_most", quantity, 0.0, moved, e.defaults.stays_put, "m")
 
 
-# -- lifted and set down ------------------------------------------------------------------------
-
-
 def lift_check(goal: g.Lift, e: Evidence) -> Iterator[Check]:
     """It is up at the end, and upright."""
     d = e.defaults
@@ -119,9 +116,6 @@ def set_down(goal: g.SetDown, e: Evidence) -> Iterator[Check]:
         limit = e.defaults.place_tolerance
         yield compare(goal, "at_most", "moved while it was set down", 0.0, moved, limit, "m")
     yield from set_down_upright(goal, e)
-
-
-# -- lids ---------------------------------------------------------------------------------------
 
 
 def opening_check(goal: g.Open, e: Evidence) -> Iterator[Check]:
@@ -161,9 +155,6 @@ def _state(lid: LiftOffLid | ScrewCap, at: float | None) -> str | None:
 def _stood_still(clause: Clause, e: Evidence) -> Iterator[Check]:
     yield _stays_put(clause, e.name, e)
     yield stands_on_base(clause, e)
-
-
-# -- poured -------------------------------------------------------------------------------------
 
 
 def pour_check(goal: g.Pour, e: Evidence) -> Iterator[Check]:

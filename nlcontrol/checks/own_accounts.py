@@ -187,9 +187,6 @@ def _touches(
     return tuple(touched), frozenset(unsure)
 
 
-# -- lids and liquids -----------------------------------------------------------------------------
-
-
 def _with_lids_and_levels(
     trace: Trace,
     models: Mapping[str, ObjectModel],

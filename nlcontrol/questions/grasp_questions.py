@@ -96,9 +96,6 @@ def hand_answer(frame: g.Frame, state: WorldState, robot: Robot, defaults: Defau
     )
 
 
-# -- what is spilled ----------------------------------------------------------------------------
-
-
 def spill_answer(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answer:
     """The volume that a tilt or a push would spill.
 

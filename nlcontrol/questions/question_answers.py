@@ -132,9 +132,6 @@ def _value(frame: g.Frame, state: WorldState, position_sd: float) -> Answer:
     return property_answer(frame, state, position_sd)
 
 
-# -- what happens -----------------------------------------------------------------------------
-
-
 def _predict(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answer:
     """The outcome of a push and, if the question is about an event, whether it would come."""
     goal_event = EVENTS.get(frame.goal.kind, "moves")
@@ -204,9 +201,6 @@ def _reasons(found: PushPrediction) -> str:
     second = threshold(found, other, force_text, only=True)
     believed = "" if found.nominal == found.outcome else "just as it is believed, "
     return f"{believed}it {threshold(found, first, force_text)} and {second}"
-
-
-# -- what can be done -------------------------------------------------------------------------
 
 
 def _possible(frame: g.Frame, state: WorldState, robot: Robot, defaults: Defaults) -> Answer:

@@ -171,9 +171,6 @@ def plan_figure(result: Result, state: WorldState) -> Figure:
     return figure
 
 
-# -- the table from above -------------------------------------------------------------------------
-
-
 def _draw_table(axes: Axes, step: Step, plan: Plan, state: WorldState) -> None:
     target = state.objects[plan.object]
     drawn = [footprint(target)]
@@ -317,9 +314,6 @@ def _grown(corners: Array, distance: float) -> Array:
     """Corners of a convex polygon with so much around it, shape (k, 2) [m]."""
     disc = distance * np.column_stack((np.cos(_ROUND), np.sin(_ROUND)))
     return np.asarray(hull_polygon((corners[:, None] + disc).reshape(-1, 2)).vertices)
-
-
-# -- the face from outside ------------------------------------------------------------------------
 
 
 def _draw_face(axes: Axes, push: PushAction, seen: SeenObject) -> None:

@@ -87,9 +87,6 @@ def _clauses(result: Result) -> Iterator[StoryClause]:
         )
 
 
-# -- contacts -------------------------------------------------------------------------------------
-
-
 def _contacts(result: Result) -> Iterator[ContactMark]:
     """The contact of the first action of each plan that was carried out, as the robot saw it."""
     trace = result.trace
