@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING
 from grammar.frames.command import Command, Frame
 from nlcontrol.errors import ControlError, error, executor_failures_raised, known_errors_raised
 from nlcontrol.references.object_names import names_on_table
-from nlcontrol.references.reference_resolution import NOTHING_SAID, Context, resolve_references
+from nlcontrol.references.reference_resolution import NOTHING_SAID, resolve_references
+from nlcontrol.references.reference_search import Context
 from nlcontrol.results.result import Result, result_with, status_of
 from nlcontrol.session.events import FORCE_RATE, Supervisor
 from nlcontrol.session.executor import Executor, Motion, Planner, StoppableRobot

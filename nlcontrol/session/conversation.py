@@ -17,7 +17,7 @@ from grammar.frames import command as g
 from grammar.part_reader import understood_part
 from nlcontrol.errors import ControlError, defects_raised
 from nlcontrol.questions.answer import Answer
-from nlcontrol.references.reference_resolution import Context
+from nlcontrol.references.reference_search import Context
 from nlcontrol.reports.result_report import deed_answer, why_answer, why_not_answer
 from nlcontrol.results.result import result_with, status_of
 from nlcontrol.session.corrected_sentences import result_with_corrections
@@ -36,7 +36,6 @@ if TYPE_CHECKING:
 
     from grammar.frames.command import Command
     from nlcontrol.errors import ErrorInfo
-    from nlcontrol.references.reference_resolution import Context
     from nlcontrol.results.result import Result
     from nlcontrol.session.controller import Controller
     from nlcontrol.session.events import Event

@@ -21,7 +21,8 @@ from grammar.frames.conflicts import FORBIDS, FORBIDS_BELOW, HOW_FAR, SAME_MATTE
 from grammar.words.lexicon_plugins import installed_lexicon
 from nlcontrol.errors import error, whole_span
 from nlcontrol.references.object_names import find_by_name, name_words, names_on_table
-from nlcontrol.references.reference_resolution import Context, names_together, parts_within
+from nlcontrol.references.reference_resolution import names_together, parts_within
+from nlcontrol.references.reference_search import Context
 from nlcontrol.text_format import enumeration
 
 if TYPE_CHECKING:
