@@ -134,21 +134,9 @@ def compare(
     unit: Unit,
 ) -> Check:
     """A verdict on a number; None if nothing tells it."""
-    if measured is None:
-        return _untold(clause, relation, quantity, float(expected), tolerance, unit)
-    ok = holds(relation, expected, measured, tolerance)
-    return Check(
-        clause=clause.kind,
-        spans=clause.spans,
-        quantity=quantity,
-        relation=relation,
-        expected=float(expected),
-        measured=float(measured),
-        tolerance=tolerance,
-        unit=unit,
-        verdict="held" if ok else "not_held",
-        ok=ok,
-    )
+    ok = measured is not None and holds(relation, expected, measured, tolerance)
+    told = None if measured is None else float(measured)
+    return _check(clause, relation, quantity, float(expected), told, ok, tolerance, unit)
 
 
 def relation_of(bound: Bound) -> Relation:
@@ -163,43 +151,38 @@ def holds(relation: Relation, expected: float, measured: float, tolerance: float
     return bool(miss <= tolerance)
 
 
-def _untold(
+def object_name(clause: Clause, quantity: str, expected: str, measured: str | None) -> Check:
+    """A verdict on a name; None if nothing tells it."""
+    return _check(clause, "is", quantity, expected, measured, measured == expected)
+
+
+def _check(
     clause: Clause,
     relation: Relation,
     quantity: str,
     expected: float | str,
+    measured: float | str | None,
+    ok: bool,
     tolerance: float | None = None,
     unit: Unit = "",
 ) -> Check:
-    """The verdict on what nothing was recorded of."""
+    """The verdict on a clause; nothing is claimed of what nothing was recorded of."""
+    if measured is None:
+        verdict: Verdict = "unknown"
+    else:
+        verdict = "held" if ok else "not_held"
     return Check(
         clause=clause.kind,
         spans=clause.spans,
         quantity=quantity,
         relation=relation,
         expected=expected,
-        measured=NOT_PERCEIVED,
+        measured=NOT_PERCEIVED if measured is None else measured,
         tolerance=tolerance,
         unit=unit,
-        verdict="unknown",
-        ok=False,
-        why="not_perceived",
-    )
-
-
-def object_name(clause: Clause, quantity: str, expected: str, measured: str | None) -> Check:
-    """A verdict on a name; None if nothing tells it."""
-    if measured is None:
-        return _untold(clause, "is", quantity, expected)
-    return Check(
-        clause=clause.kind,
-        spans=clause.spans,
-        quantity=quantity,
-        relation="is",
-        expected=expected,
-        measured=measured,
-        verdict="held" if expected == measured else "not_held",
-        ok=expected == measured,
+        verdict=verdict,
+        ok=ok,
+        why="not_perceived" if measured is None else None,
     )
 
 

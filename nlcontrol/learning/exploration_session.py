@@ -100,20 +100,13 @@ class ExplorationStopped(Stopped):
 
     Args:
         trace: of the touches.
-        findings: makes them.
+        findings: makes those of the touches so far, what was believed before counting too; raises
+            `not_explorable` if they tell nothing.
     """
 
     def __init__(self, trace: Trace | None, findings: Callable[[], Exploration]) -> None:
         super().__init__(trace)
-        self._findings = findings
-
-    def findings(self) -> Exploration:
-        """Findings of the touches so far, what was believed before counting too.
-
-        Raises:
-            ControlError: `not_explorable` if they tell nothing.
-        """
-        return self._findings()
+        self.findings = findings
 
 
 def touch_trace(touches: Sequence[Touched]) -> Trace | None:
