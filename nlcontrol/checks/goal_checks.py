@@ -163,16 +163,8 @@ def pour_check(goal: g.Pour, e: Evidence) -> Iterator[Check]:
     into, d = goal.into.id or goal.into.text, e.defaults
     before, last, first = e.contents(e.name, 0), e.contents(into, -1), e.contents(into, 0)
     received = None if last is None or first is None else last - first
-    if (
-        goal.fill is None
-        and goal.volume is None
-        and goal.amount is None
-        and goal.fraction
-        in (
-            None,
-            1.0,
-        )
-    ):
+    whole = goal.fill is None and goal.volume is None and goal.amount is None
+    if whole and goal.fraction in (None, 1.0):
         least = d.pour_least * (before or 0.0)
         yield compare(goal, "at_least", f"arrived in the {into}", least, received, 0.0, "m³")
     else:
@@ -180,7 +172,7 @@ def pour_check(goal: g.Pour, e: Evidence) -> Iterator[Check]:
         tolerance = d.tolerance_of(asked, max(d.pour_share * asked, d.pour_margin))
         yield compare(goal, "about", f"arrived in the {into}", asked, received, tolerance, "m³")
     if not e.has("no_spill"):
-        limit = e.defaults.spill_tolerance * (e.contents(e.name, 0) or 0.0)
+        limit = d.spill_tolerance * (before or 0.0)
         yield compare(goal, "at_most", "spilled", limit, e.spilled, 0.0, "m³")
     yield _stays_put(goal, into, e)
     yield from set_down_upright(goal, e)
