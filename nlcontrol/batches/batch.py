@@ -404,10 +404,15 @@ class Tally:
 
     def summary(self) -> BatchSummary:
         """The summary of all that were counted."""
+        counts = {name: dict(count.most_common()) for name, count in self._counts.items()}
         return BatchSummary(
             ok=self._error is None,
             rows=self._counts["statuses"].total(),
-            **{name: dict(count.most_common()) for name, count in self._counts.items()},
+            statuses=counts["statuses"],
+            codes=counts["codes"],
+            not_held=counts["not_held"],
+            unknown=counts["unknown"],
+            differs=counts["differs"],
             seconds=Spread.of(self._seconds),
             simulated=Spread.of(self._simulated),
             error=self._error,
