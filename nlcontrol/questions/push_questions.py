@@ -156,13 +156,10 @@ def push_asked_about(frame: g.Frame, state: WorldState, defaults: Defaults) -> I
     try:
         asked = interpret_frame(_as_command(frame), state, defaults)
         require_resting(target)
-        # The face that is touched, its name, and the heading of the push if it is not straight in.
-        heading = asked.goal.heading
-        if (
-            any(used.name == "direction" for used in asked.defaults_used)
-            or asked.goal.outcome == "topple"
-        ):
-            heading = None  # what falls is pushed square to its face
+        # The heading of the push if it is not straight in: what falls is pushed square to its face.
+        by_default = any(used.name == "direction" for used in asked.defaults_used)
+        square = by_default or asked.goal.outcome == "topple"
+        heading = None if square else asked.goal.heading
         if asked.contact.face == "top":
             raise not_capable(
                 "predicting presses on the top face",
@@ -178,7 +175,7 @@ def push_asked_about(frame: g.Frame, state: WorldState, defaults: Defaults) -> I
         if found is None or asked.contact.face not in (None, found[0]):
             where = "side" if asked.contact.face is None else f"{asked.contact.face} face"
             raise no_plan("no_side", spans=asked.contact.spans, object=target.name, where=where)
-        face_name, face, heading = (*found, heading)
+        face_name, face = found
     except NoPlanError as refused:
         raise ControlError(refusal_error(refused.refusal)) from refused
     low, high = max(asked.contact.low, face.bottom), min(asked.contact.high, face.top)
