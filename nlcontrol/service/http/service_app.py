@@ -13,7 +13,6 @@ from nlcontrol.service.http import (
     run_routes,
     session_routes,
 )
-from nlcontrol.service.http.event_streams import Listeners
 from nlcontrol.service.http.openapi_document import PROBLEMS, openapi_document
 from nlcontrol.service.http.problem_documents import answer_problems
 from nlcontrol.service.http.request_guard import RequestGuard
@@ -50,7 +49,7 @@ def service_app(
     app = routes_app()
     app.state.service = service
     app.state.http_settings = settings
-    app.state.listeners = Listeners(settings.listeners)
+    app.state.streams = 0  # that are open
     guard = RequestGuard(app, settings, service.settings.body_bytes, login)
     app.state.login = guard.login
     return guard

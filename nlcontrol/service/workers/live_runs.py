@@ -10,7 +10,6 @@ import threading
 import time
 from collections.abc import AsyncIterator, Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from nlcontrol.errors import INTERNAL, ControlError, ErrorInfo, error
@@ -28,14 +27,6 @@ if TYPE_CHECKING:
 # Queue of runs: so many simulate at once, the next ones wait in order, the rest are refused.
 
 
-@dataclass(frozen=True)
-class _Turn:
-    """The turn of a run that waits."""
-
-    run_id: str
-    begin: Callable[[], object]
-
-
 class SimulationQueue:
     """Runs that simulate, and those that wait.
 
@@ -51,7 +42,7 @@ class SimulationQueue:
         self._workers, self._length, self._on_moved = workers, length, on_moved
         self._lock = threading.Lock()
         self._running: set[str] = set()
-        self._waiting: list[_Turn] = []
+        self._waiting: dict[str, Callable[[], object]] = {}  # what begins each, in their order
 
     @property
     def running(self) -> int:
@@ -66,7 +57,7 @@ class SimulationQueue:
     def place(self, run_id: str) -> int | None:
         """Place of a run among those that wait, from 1; None if it does not."""
         with self._lock:
-            ids = [turn.run_id for turn in self._waiting]
+            ids = list(self._waiting)
         return ids.index(run_id) + 1 if run_id in ids else None
 
     def enter(self, run_id: str, begin: Callable[[], object]) -> None:
@@ -88,7 +79,7 @@ class SimulationQueue:
                 waiting = len(self._waiting)
                 raise queue_full(message, waiting, "ask again in a while", retry_after=10.0)
             else:
-                self._waiting.append(_Turn(run_id, begin))
+                self._waiting[run_id] = begin
                 place = len(self._waiting)
         if free:
             begin()
@@ -99,14 +90,15 @@ class SimulationQueue:
         """Takes out a run that has ended, or that is to begin no more; the next one begins."""
         with self._lock:
             self._running.discard(run_id)
-            self._waiting = [turn for turn in self._waiting if turn.run_id != run_id]
-            following: list[_Turn] = []
+            self._waiting.pop(run_id, None)
+            following: list[Callable[[], object]] = []
             while self._waiting and len(self._running) < self._workers:
-                following.append(self._waiting.pop(0))
-                self._running.add(following[-1].run_id)
-            places = [(turn.run_id, i) for i, turn in enumerate(self._waiting, start=1)]
-        for turn in following:
-            turn.begin()
+                first = next(iter(self._waiting))
+                self._running.add(first)
+                following.append(self._waiting.pop(first))
+            places = [(waiting, i) for i, waiting in enumerate(self._waiting, start=1)]
+        for begin in following:
+            begin()
         for moved, place in places:
             self._on_moved(moved, place)
 
