@@ -141,7 +141,7 @@ def finished_tasks(
                 pool.wait()
                 yield from pool.results()
             pool.submit(bundle)
-        while pool.is_busy:
+        while pool.waiting:
             pool.wait()
             yield from pool.results()
 
@@ -160,7 +160,7 @@ class _Pool(ExitStack, Generic[T, R]):
         self._function, self._given = function, executor
         self._workers, self._initializer = workers, initializer
         self._executor = executor or self._new_processes()
-        self._waiting: deque[tuple[Sequence[T], Future[list[R]]]] = deque()
+        self.waiting: deque[tuple[Sequence[T], Future[list[R]]]] = deque()
         self._done: SimpleQueue[Future[list[R]]] = SimpleQueue()
         self._under_way = 0
         """Bundles."""
@@ -171,12 +171,8 @@ class _Pool(ExitStack, Generic[T, R]):
     def is_full(self) -> bool:
         return self._under_way >= UNDER_WAY * self._workers or self._held >= AHEAD * self._workers
 
-    @property
-    def is_busy(self) -> bool:
-        return bool(self._waiting)
-
     def submit(self, bundle: Sequence[T]) -> None:
-        self._waiting.append((bundle, self._begun(bundle)))
+        self.waiting.append((bundle, self._begun(bundle)))
         self._held += len(bundle)
 
     def wait(self) -> None:
@@ -186,11 +182,11 @@ class _Pool(ExitStack, Generic[T, R]):
 
     def results(self) -> Generator[Future[R]]:
         """Futures that are next in order, and done; raises `BrokenExecutor` at the first lost."""
-        while self._waiting and self._waiting[0][1].done():
-            bundle, future = self._waiting.popleft()
+        while self.waiting and self.waiting[0][1].done():
+            bundle, future = self.waiting.popleft()
             self._held -= len(bundle)
             self._require_executor(future)
-            lost = _is_lost(future) or (type(_reason(future)).__name__ == "KilledWorker")
+            lost = _is_lost(future) or type(_reason(future)).__name__ == "KilledWorker"
             if lost or (future.exception() and len(bundle) > 1):
                 yield from self._tried_alone(bundle, quietly=lost or self._given is None)
             else:

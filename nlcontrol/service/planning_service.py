@@ -334,9 +334,8 @@ class PlanningService:
     ) -> RunPage:
         """Runs, the newest first, a page at a time; see `RunStore.runs`."""
         page = self._store.runs(session_id, cursor=cursor, limit=limit)
-        return page.model_copy(
-            update={"runs": tuple(self._runs.as_it_is(info) for info in page.runs)}
-        )
+        now = (self._runs.live_info(stored.run_id) or stored for stored in page.runs)
+        return page.model_copy(update={"runs": tuple(now)})
 
     def run(self, run_id: str) -> RunInfo:
         """A run as it is now; raises `unknown_run`."""

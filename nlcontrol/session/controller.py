@@ -45,24 +45,13 @@ if TYPE_CHECKING:
     from planner.types.defaults import Defaults
     from planner.types.robot import Failed, Robot
     from sim import Scene
-    from sim.robots.cell_description import CellDescription, CellObject
+    from sim.robots.cell_description import CellObject
     from sim.supervision import Progress, StopToken
     from sim.traces.trace import Trace
 
 
-# Beliefs at the beginning: the registry's model of every object of a cell.
-
-
-def initial_models(cell: CellDescription, registry: Registry) -> dict[str, ObjectModel]:
-    """The models of a cell's objects, by the names of the objects.
-
-    Raises:
-        ControlError: `scene_and_registry_differ`.
-    """
-    return {item.name: _initial_model(item, registry) for item in cell.objects}
-
-
 def _initial_model(item: CellObject, registry: Registry) -> ObjectModel:
+    """What is believed of an object of a cell at the beginning; raises `scene_and_registry_differ`."""
     try:
         return registry.get(item.model)
     except ModelError as raised:
@@ -112,7 +101,7 @@ class Controller:
             self.registry = Registry.default() if registry is None else registry.copy()
             for path in self.cell.models:
                 self.registry.load(path)
-        self.models = initial_models(self.cell, self.registry)
+        self.models = {item.name: _initial_model(item, self.registry) for item in self.cell.objects}
         self.journal = Journal(self.executor, self.models)
         self.planner = planner
         self.seed = self.executor.seed

@@ -195,10 +195,6 @@ class LiveRuns:
         live = self._runs.get(run_id) or self._unwritten.get(run_id)
         return None if live is None else live.info
 
-    def as_it_is(self, stored: RunInfo) -> RunInfo:
-        """A run of the store, with its place and state as they are now."""
-        return self.live_info(stored.run_id) or stored
-
     def wait(self, run_id: str, timeout: float | None) -> RunInfo:
         """The run once it has ended, or as it is after a time [s]; raises `unknown_run`."""
         live = self._live(run_id)

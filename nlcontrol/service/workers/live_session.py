@@ -71,11 +71,6 @@ class LiveSession:
         self._is_undone.set()
 
     @property
-    def executes(self) -> bool:
-        """Plans can be carried out here."""
-        return self.spec.objects is None
-
-    @property
     def expires_in(self) -> float:
         """Time until it is closed if nothing is asked of it [s]; all of it while it is used."""
         return max(0.0, self._kept_for - self.idle_for)
@@ -129,7 +124,7 @@ class LiveSession:
         return SessionInfo(
             session_id=self.session_id,
             spec=self.spec,
-            executes=self.executes,
+            executes=self.spec.objects is None,
             state="lost" if self.is_lost else "running" if run_id else "idle",
             run_id=run_id,
             expires_in=self.expires_in,

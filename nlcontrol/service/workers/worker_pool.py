@@ -60,10 +60,6 @@ class _Worker:
         self.on_lease_end: Callable[[], object] = lambda: None
         self.process = process(self)
 
-    @property
-    def is_idle(self) -> bool:
-        return self.is_ready and self.job is None
-
 
 class WorkerPool:
     """Workers, as many as are needed.
@@ -165,7 +161,7 @@ class WorkerPool:
         """Workers that may take a call now."""
         if sum(worker.job is not None for worker in self._workers) >= self._most:
             return []
-        return [worker for worker in self._workers if worker.is_idle]
+        return [worker for worker in self._workers if worker.is_ready and worker.job is None]
 
     def _hand_out(self) -> None:
         """Gives the calls that wait to the workers that do not."""
