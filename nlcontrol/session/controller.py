@@ -51,7 +51,7 @@ if TYPE_CHECKING:
 
 
 def _initial_model(item: CellObject, registry: Registry) -> ObjectModel:
-    """What is believed of an object of a cell at the beginning; raises `scene_and_registry_differ`."""
+    """The first belief about an object of a cell; raises `scene_and_registry_differ`."""
     try:
         return registry.get(item.model)
     except ModelError as raised:
