@@ -132,7 +132,7 @@ def free_place(
         oblique: largest angle between a face and the robot's directions [degrees].
         apart: least distance from the others [m].
     """
-    # So many places are tried for an object before it is left out.
+    # 200 places are tried for an object before it is left out.
     for _ in range(200):
         x, y = (float(rng.uniform(*span)) for span in spans)
         quarters = int(rng.integers(4))

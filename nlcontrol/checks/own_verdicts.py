@@ -131,7 +131,7 @@ def _verdict(mean: Check, drawn: Sequence[Check | None]) -> Check:
         for one in drawn
         if one is not None and one.verdict != "unknown" and one.quantity == mean.quantity
     ]
-    # So many of the accounts must tell a quantity at all.
+    # Nine tenths of the accounts must tell a quantity at all.
     if mean.verdict == "unknown" or len(told) < 0.9 * len(drawn):
         return _untold(mean)
     held = [float(np.mean([one.ok for one in told]))]

@@ -416,7 +416,7 @@ class PlanningService:
             )
         gone = max(left, key=lambda session: session.idle_for)
         self._gone[gone.session_id] = f"it was unused for {gone.idle_for:.0f} s and made room"
-        # It is still told of so many why they are gone.
+        # It is still told why the last thousand are gone.
         while len(self._gone) > 1000:
             del self._gone[next(iter(self._gone))]
         self._end_session(gone)

@@ -508,7 +508,7 @@ class StepSearch:
 
         What is held is put down.
         """
-        # Of that, the share in which places are looked through that an object is brought to.
+        # Looking through places that an object is brought to may take 0.3 of that work.
         share = 0.3 * MOST_WORKS * self._defaults.most_work
         least = max(0.0, self._left - share)
         anew = may_be_grasped_anew(frame, state)

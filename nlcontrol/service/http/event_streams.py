@@ -60,7 +60,7 @@ class _Stream(EventSourceResponse):
                 numbers={"retry_after": 5.0},
             )
         self._state.streams += 1
-        # Time in which a listener has to take what was sent [s]; one that does not has gone.
+        # A listener who does not take what was sent within 20 s has gone.
         super().__init__(
             events,
             ping=settings.heartbeat,
