@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import os
 import shlex
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import click
 from click.shell_completion import CompletionItem
 
-from nlcontrol.cli.console.console_output import FILE, print_skipped
+from nlcontrol.cli.console.console_output import FILE, Command, print_skipped
 
 if TYPE_CHECKING:
     from nlcontrol.session.controller import Controller
@@ -74,7 +74,6 @@ def _beginning(names: Iterable[str], incomplete: str) -> list[CompletionItem]:
     return [CompletionItem(shlex.quote(name) if in_bash else name) for name in found]
 
 
-Command = TypeVar("Command", bound=Callable[..., Any])
 Settings = tuple[tuple[str, float], ...]
 Placed = tuple[str, float, float, float]
 
