@@ -107,6 +107,9 @@ ENDING = 10.0
 """Longest time that the end of a run is waited for before the next one begins [s]."""
 
 
+WRITTEN_AGAIN = 2.0
+"""Time after which an end that the store did not take is written again [s]."""
+
 LOGGER = logging.getLogger("nlcontrol.service")
 
 
@@ -363,8 +366,7 @@ class LiveRuns:
             self.write_ends()
         except ControlError as raised:
             LOGGER.error("the end of a run is kept for later: %s", raised.info.message)
-            # An end that the store did not take is written again after 2 s.
-            daemon_timer(2.0, self._write_ends)
+            daemon_timer(WRITTEN_AGAIN, self._write_ends)
 
     def _forget(self, run: LiveRun) -> None:
         """Lets the next one begin in the place of a run that has ended."""
