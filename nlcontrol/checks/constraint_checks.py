@@ -15,7 +15,7 @@ import numpy as np
 from grammar.frames import command as g
 from nlcontrol.checks import trace_measures as measures
 from nlcontrol.checks.goal_checks import by_hand, has_fallen, stands_on_base, stands_up
-from nlcontrol.checks.verdicts import Check, Relation, compare, object_name, place_check
+from nlcontrol.checks.verdicts import Check, Evidence, Relation, compare, object_name, place_check
 from planner.problem.directions import face_name, heading_of, unit
 from planner.problem.footprints import footprint, gap
 from planner.problem.goal_poses import goal_heading
@@ -23,7 +23,6 @@ from planner.problem.places import region, table_region
 
 if TYPE_CHECKING:
     from nlcontrol.checks.trace_measures import Array
-    from nlcontrol.checks.verdicts import Evidence
     from sim.traces.trace import Trace
 
 

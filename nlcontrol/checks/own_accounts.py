@@ -23,7 +23,7 @@ from nlcontrol.checks import trace_measures as measures
 from nlcontrol.checks.verdicts import Evidence
 from objectmodels.models.object_parts import LiftOffLid, section_area
 from planner.problem.footprints import gap
-from sim.control.pose_tracks import CameraSheet, FeltEnd, PoseTrack, Stretch, pose_track
+from sim.control.pose_tracks import Array, CameraSheet, FeltEnd, PoseTrack, Stretch, pose_track
 from sim.random_streams import RandomStream, source
 from sim.traces.trace import ContactEvent, Trace
 
@@ -34,9 +34,7 @@ if TYPE_CHECKING:
     from objectmodels import ObjectModel
     from planner.types.defaults import Defaults
     from planner.types.world_state import TableState
-    from sim.control.pose_tracks import Array
     from sim.robots.cell_description import Vision
-    from sim.traces.trace import Trace
 
 
 MEMBERS = 40

@@ -16,14 +16,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nlcontrol.checks.frame_checks import check
-from nlcontrol.checks.own_accounts import own_accounts
+from nlcontrol.checks.own_accounts import Knowledge, own_accounts
 from nlcontrol.checks.verdicts import NOT_PERCEIVED, Check, Observed, Verdict, holds
 from objectmodels.errors import ModelError
 from sim.control.pose_tracks import CALM, WILD
 
 if TYPE_CHECKING:
     from grammar.frames.command import Frame
-    from nlcontrol.checks.own_accounts import Knowledge
     from sim.traces.trace import Trace
 
 SURE = 0.975

@@ -11,25 +11,23 @@ from typing import TYPE_CHECKING, Literal, Protocol
 
 import numpy as np
 
-from grammar.frames.command import Bound, Spans
+from grammar.frames.command import Bound, Frame, Spans
 from nlcontrol.checks import trace_measures as measures
 from nlcontrol.json_document import DocumentPart
 from nlcontrol.text_format import quantity
 from objectmodels.errors import ModelError
 from objectmodels.html_table import html_table
 from planner.problem.stacks import with_supports
-from planner.types.world_state import PlanarPose, SeenObject, WorldState
+from planner.types.world_state import PlanarPose, SeenObject, TableState, WorldState
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from grammar.frames.command import Frame
     from nlcontrol.checks.trace_measures import Array
     from objectmodels import ObjectModel
     from objectmodels.models.object_model import Resting
     from planner.problem.places import Measure
     from planner.types.defaults import Defaults
-    from planner.types.world_state import TableState
     from sim.traces.trace import Trace
 
 

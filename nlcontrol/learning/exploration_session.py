@@ -42,14 +42,13 @@ from objectmodels.identification.joint_fit import (
 )
 from objectmodels.identification.measurement_model import with_belief
 from planner.touch_experiments import Experiment, Kind, expected_trials
-from sim.supervision import Monitor, Stopped
+from sim.supervision import Monitor, Progress, Stopped
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel
     from objectmodels.identification import Trial
     from planner.types.world_state import SeenObject, WorldState
     from sim.exploration.exploration_run import Explorer, Touched, TouchExecutor
-    from sim.supervision import Progress
     from sim.traces.trace import Trace
 
 

@@ -17,19 +17,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
 
 from grammar.words.lexicon import default_lexicon
-from nlcontrol.errors import error
+from nlcontrol.errors import ErrorInfo, error
 from nlcontrol.json_document import docstring_parts
 from nlcontrol.plan_text import deciding_figures, plan_lines
 from nlcontrol.questions.push_prediction import PushPrediction
 from nlcontrol.results.result import Result
 from nlcontrol.service.documents import Affordances, Offer, RunInfo, TableView
-from nlcontrol.service.methods import QUESTIONS, Question
+from nlcontrol.service.methods import QUESTIONS, PlanningSession, Question, Run
 from nlcontrol.text_format import quantity, words
 
 if TYPE_CHECKING:
     from nlcontrol.checks.verdicts import Check
-    from nlcontrol.errors import ErrorInfo
-    from nlcontrol.service.methods import PlanningSession, Run
     from planner.affordances import Affordance
 
 

@@ -55,14 +55,13 @@ from nlcontrol.questions.scene_answers import (
 )
 from nlcontrol.text_format import enumeration, quantity
 from planner import plan
-from planner.affordances import TURNING_ARM, affordances
+from planner.affordances import TURNING_ARM, Affordance, affordances
 from planner.problem.directions import HEADINGS, heading_of, phrase
 from planner.problem.planning_problem import SearchBudget
 from planner.types.plan import Plan, Reached
 from planner.types.refusal import probability_text
 
 if TYPE_CHECKING:
-    from planner.affordances import Affordance
     from planner.types.defaults import Defaults
     from planner.types.robot import Robot
     from planner.types.world_state import WorldState

@@ -18,13 +18,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from nlcontrol.errors import error
-from objectmodels import suggest
+from objectmodels import Face, ObjectModel, suggest
 from planner.problem.directions import face_name
 from planner.problem.footprints import footprint, gap
 
 if TYPE_CHECKING:
     from grammar.frames.command import Quality, Relation
-    from objectmodels import Face, ObjectModel
     from planner.types.world_state import SeenObject
     from sim.robots.cell_description import CellObject
 

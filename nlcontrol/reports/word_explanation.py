@@ -19,13 +19,14 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 from pydantic import BaseModel
 
 from grammar.frames import command as g
-from nlcontrol.questions.answer import DOES, force_text
+from nlcontrol.questions.answer import DOES, Answer, Considered, force_text
 from nlcontrol.questions.push_prediction import CERTAIN
 from nlcontrol.references.reference_resolution import parts_within
 from nlcontrol.reports.plan_drawing import Sheet, line_height
 from nlcontrol.text_format import aside_text, quantity
 from planner.plan_explanation import (
     Clause,
+    PartName,
     Row,
     Value,
     belief_values,
@@ -42,9 +43,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from nlcontrol.errors import ErrorInfo
-    from nlcontrol.questions.answer import Answer, Considered
     from nlcontrol.results.result import Result, Step
-    from planner.plan_explanation import PartName
 
 
 NOT_PLANNED, NOT_ANSWERED = "not planned", "not answered"

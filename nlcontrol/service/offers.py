@@ -30,17 +30,15 @@ from nlcontrol.json_document import finite_or_none
 from nlcontrol.references.object_names import face_names
 from nlcontrol.reports.plan_drawing import end_poses, plan_contacts
 from nlcontrol.reports.replay_story import prediction_lines
-from nlcontrol.service.documents import Drawing, TableObject, TableView
+from nlcontrol.service.documents import Drawing, Source, TableObject, TableView
 from objectmodels.errors import printable
 from objectmodels.registry.model_registry import model_document
-from sim.robots.cell_description import LOOK
+from sim.robots.cell_description import LOOK, CellDescription, Vision
 
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result
-    from nlcontrol.service.documents import Source
     from nlcontrol.session.frame_execution import Proposal
     from planner.types.world_state import SeenObject, WorldState
-    from sim.robots.cell_description import CellDescription, Vision
 
 
 @dataclass(frozen=True)

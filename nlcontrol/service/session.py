@@ -23,7 +23,7 @@ from threading import Condition, RLock, Thread
 from typing import TYPE_CHECKING, Literal
 
 from nlcontrol.errors import ControlError, ErrorInfo, error, exception_info, known_errors_raised
-from nlcontrol.service.bundle import run_request
+from nlcontrol.service.bundle import RunRequest, run_request
 from nlcontrol.service.documents import (
     Affordances,
     FaceMap,
@@ -32,6 +32,8 @@ from nlcontrol.service.documents import (
     RunInfo,
     RunKind,
     SessionSpec,
+    Source,
+    StatedObject,
     TableSpec,
     TableView,
 )
@@ -47,7 +49,7 @@ from nlcontrol.service.offers import (
 )
 from nlcontrol.session.controller import Controller
 from nlcontrol.session.conversation import Conversation
-from nlcontrol.session.frame_documents import text_of
+from nlcontrol.session.frame_documents import Frames, text_of
 from objectmodels import ModelError, Registry
 from planner.problem.footprints import footprint, gap, room_to_edge
 from planner.types.defaults import with_settings
@@ -61,11 +63,8 @@ if TYPE_CHECKING:
     from grammar.frames.command import Command
     from nlcontrol.questions.push_prediction import PushPrediction
     from nlcontrol.results.result import Result
-    from nlcontrol.service.bundle import RunRequest
-    from nlcontrol.service.documents import Source, StatedObject
     from nlcontrol.session.events import Event
     from nlcontrol.session.executor import Executor, Motion
-    from nlcontrol.session.frame_documents import Frames
     from sim.traces.trace import Trace
 
     Deed = Callable[[Callable[[Event], None], StopToken], Result]

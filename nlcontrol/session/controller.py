@@ -11,7 +11,7 @@ from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from threading import RLock
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Unpack
 
 from grammar.frames.command import Command, Frame
 from nlcontrol.errors import ControlError, error, executor_failures_raised, known_errors_raised
@@ -19,7 +19,7 @@ from nlcontrol.references.object_names import names_on_table
 from nlcontrol.references.reference_resolution import NOTHING_SAID, resolve_references
 from nlcontrol.references.reference_search import Context
 from nlcontrol.results.result import Result, result_with, status_of
-from nlcontrol.session.events import FORCE_RATE, Supervisor
+from nlcontrol.session.events import FORCE_RATE, Event, Supervisor
 from nlcontrol.session.executor import Executor, Motion, Planner, StoppableRobot
 from nlcontrol.session.recipe import LOOKED, Journal, Recipe
 from nlcontrol.session.turns import in_turn
@@ -28,24 +28,21 @@ from planner.types.plan import Plan, Reached
 from planner.types.refusal import Refusal
 from planner.types.world_state import Held, PlanarPose, SeenObject, TableState, WorldState
 from sim.control.object_estimate import LastLook
-from sim.robots.cell_description import LOOK
+from sim.robots.cell_description import LOOK, CellObject
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
-    from typing import Unpack
 
     from grammar.parser import Parser
     from nlcontrol.checks.verdicts import Check
     from nlcontrol.questions.answer import Answer
     from nlcontrol.session.conversation import Options
-    from nlcontrol.session.events import Event
     from nlcontrol.session.frame_documents import Frames
     from nlcontrol.session.frame_execution import Approval
     from planner.affordances import Affordance
     from planner.types.defaults import Defaults
     from planner.types.robot import Failed, Robot
     from sim import Scene
-    from sim.robots.cell_description import CellObject
     from sim.supervision import Progress, StopToken
     from sim.traces.trace import Trace
 

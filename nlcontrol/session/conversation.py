@@ -11,18 +11,18 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal, TypedDict
+from typing import TYPE_CHECKING, Literal, TypedDict, Unpack
 
 from grammar.frames import command as g
 from grammar.part_reader import understood_part
-from nlcontrol.errors import ControlError, defects_raised
+from nlcontrol.errors import ControlError, ErrorInfo, defects_raised
 from nlcontrol.questions.answer import Answer
 from nlcontrol.references.reference_search import Context
 from nlcontrol.reports.result_report import deed_answer, why_answer, why_not_answer
-from nlcontrol.results.result import result_with, status_of
+from nlcontrol.results.result import Result, result_with, status_of
 from nlcontrol.session.corrected_sentences import result_with_corrections
-from nlcontrol.session.events import FORCE_RATE, Supervisor
-from nlcontrol.session.frame_documents import text_of
+from nlcontrol.session.events import FORCE_RATE, Event, Supervisor
+from nlcontrol.session.frame_documents import Frames, text_of
 from nlcontrol.session.frame_execution import Approval, Intention, Proposal
 from nlcontrol.session.recipe import Deed
 from nlcontrol.session.remarks import follow_up_frames as follow_up
@@ -32,15 +32,9 @@ from nlcontrol.session.remarks.undo_frames import PastPush, undo_frames, undo_te
 from nlcontrol.session.turns import in_turn
 
 if TYPE_CHECKING:
-    from typing import Unpack
-
     from grammar.frames.command import Command
-    from nlcontrol.errors import ErrorInfo
-    from nlcontrol.results.result import Result
     from nlcontrol.session.controller import Controller
-    from nlcontrol.session.events import Event
     from nlcontrol.session.executor import Motion
-    from nlcontrol.session.frame_documents import Frames
     from objectmodels import ObjectModel
     from sim.robots.cell_description import CellDescription
     from sim.supervision import Progress, StopToken

@@ -23,8 +23,8 @@ from typing import TYPE_CHECKING, get_args
 import grammar
 from grammar.frames.vocabulary import Direction
 from nlcontrol.errors import ControlError, ErrorInfo, refusal_error
-from nlcontrol.results.result import result_with
-from nlcontrol.session.executor import StoppableRobot
+from nlcontrol.results.result import Result, result_with
+from nlcontrol.session.executor import PlanningRobot, StoppableRobot
 from nlcontrol.session.remarks.follow_up_frames import correct_frame
 from nlcontrol.session.remarks.remark_aims import without_spans
 from planner import plan
@@ -32,14 +32,11 @@ from planner.affordances import frame_with_less
 from planner.problem.planning_problem import SearchBudget
 from planner.problem.predicted_states import state_after
 from planner.types.refusal import Refusal
-from sim.supervision import Stopped
+from sim.supervision import Stopped, StopToken
 
 if TYPE_CHECKING:
     from grammar.frames.command import Command, Frame, Span
-    from nlcontrol.results.result import Result
-    from nlcontrol.session.executor import PlanningRobot
     from planner.types.world_state import WorldState
-    from sim.supervision import StopToken
 
     Parse = Callable[[str], Command]
     Frames = tuple[Frame, ...]

@@ -7,15 +7,13 @@ real robot is another one: it has the members of `Executor`, and derives from no
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Literal, Protocol
 
 from nlcontrol.errors import error
-from sim.robots.cell_description import LOOK
+from sim.robots.cell_description import LOOK, CellDescription
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from grammar.frames.command import Command, Frame
     from nlcontrol.questions.answer import Answer
     from objectmodels import ObjectModel
@@ -27,7 +25,6 @@ if TYPE_CHECKING:
     from planner.types.world_state import Held, WorldState
     from sim.control.object_estimate import LastLook
     from sim.exploration.trial_extraction import Recording
-    from sim.robots.cell_description import CellDescription
     from sim.supervision import Progress, StopToken
     from sim.traces.trace import Trace
 

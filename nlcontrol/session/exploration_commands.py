@@ -29,6 +29,7 @@ from nlcontrol.learning.lessons import SPREAD, felt_weight, weight_from_grasp
 from nlcontrol.questions.answer import Answer
 from nlcontrol.questions.push_questions import target_of
 from nlcontrol.results.result import (
+    Result,
     Step,
     result_with,
     result_with_step,
@@ -48,16 +49,14 @@ from planner.touch_experiments import expected_trials, experiments
 from planner.types.actions import SetDown
 from planner.types.plan import Plan
 from planner.types.refusal import Refusal
-from sim.supervision import Stopped
+from sim.supervision import Progress, Stopped
 
 if TYPE_CHECKING:
-    from nlcontrol.results.result import Result
     from nlcontrol.session.events import Supervisor
     from nlcontrol.session.executor import PlanningRobot
     from objectmodels import ObjectModel
     from planner.types.robot import RobotLimits
     from planner.types.world_state import WorldState
-    from sim.supervision import Progress
 
 
 BY_TOUCH: dict[str, tuple[str, ...]] = {

@@ -21,8 +21,8 @@ from typing import TYPE_CHECKING, get_args
 
 from grammar import paraphrase
 from grammar.frames import command as g
-from nlcontrol.errors import ControlError, refusal_error
-from nlcontrol.session.executor import StoppableRobot
+from nlcontrol.errors import ControlError, ErrorInfo, refusal_error
+from nlcontrol.session.executor import PlanningRobot, StoppableRobot
 from nlcontrol.text_format import place_text
 from objectmodels.geometry.rotations import from_quaternion
 from planner import plan, planning
@@ -40,22 +40,17 @@ from planner.problem.directions import angle_between
 from planner.problem.planning_problem import SearchBudget
 from planner.problem.predicted_states import state_after
 from planner.true_reasons import REASON_WORK
-from planner.types.defaults import CLEARED
+from planner.types.defaults import CLEARED, Defaults
 from planner.types.plan import Plan, PlanningResult, Reached
 from planner.types.refusal import Refusal
-from planner.types.robot import ReachAnswer
-from sim.robots.cell_description import LOOK
+from planner.types.robot import ReachAnswer, ReachEffort, Robot
+from sim.robots.cell_description import LOOK, Vision
 from sim.supervision import Stopped, StopToken
 
 if TYPE_CHECKING:
-    from nlcontrol.errors import ErrorInfo
     from nlcontrol.session.events import Supervisor
-    from nlcontrol.session.executor import PlanningRobot
     from planner.types.actions import Push
-    from planner.types.defaults import Defaults
-    from planner.types.robot import ReachEffort, Robot
     from planner.types.world_state import PlanarPose, WorldState
-    from sim.robots.cell_description import Vision
     from sim.traces.trace import Trace
 
     PlanStep = Callable[[g.Frame, WorldState], PlanningResult]

@@ -31,7 +31,7 @@ import numpy as np
 
 from grammar.frames import command as g
 from grammar.paraphrasing.command_wording import paraphrase
-from nlcontrol.checks.verdicts import PLANNED_ENDS
+from nlcontrol.checks.verdicts import PLANNED_ENDS, Check
 from nlcontrol.errors import ControlError, refusal_error
 from nlcontrol.plan_text import plan_lines
 from nlcontrol.questions.answer import Answer
@@ -66,19 +66,16 @@ from planner.problem.directions import angle_between
 from planner.types.plan import Plan, PlanningResult, Reached
 from planner.types.refusal import Refusal
 from planner.types.robot import Failed, FailedHold, FailedPush
-from planner.types.world_state import WorldState
-from sim.supervision import Stopped
+from planner.types.world_state import Held, WorldState
+from sim.supervision import Stopped, StopToken
 from sim.traces.trace import EndReason, Trace, join_traces
 
 if TYPE_CHECKING:
     from grammar.frames.command import Command
-    from nlcontrol.checks.verdicts import Check
     from nlcontrol.learning.learning_reports import Lesson
     from nlcontrol.session.controller import Controller
     from nlcontrol.session.executor import Motion
     from nlcontrol.session.remarks.undo_frames import PastPush, WayBack
-    from planner.types.world_state import Held
-    from sim.supervision import StopToken
 
 
 # Answers to the questions of a command; what can be done is planned as it would be done.

@@ -15,13 +15,12 @@ from starlette.responses import Response
 from nlcontrol.errors import error
 from nlcontrol.json_document import Document
 from nlcontrol.service.documents import NumberedEvent
-from nlcontrol.service.http.service_access import document_response
+from nlcontrol.service.http.service_access import HttpSettings, document_response
 
 if TYPE_CHECKING:
     from fastapi import Request
     from starlette.types import Receive, Scope, Send
 
-    from nlcontrol.service.http.service_access import HttpSettings
     from nlcontrol.service.planning_service import PlanningService
 
 STREAM_CONTENT = {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from http import HTTPStatus
 from textwrap import shorten
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from fastapi.exceptions import RequestValidationError
 from pydantic import Field
@@ -19,7 +19,6 @@ from objectmodels.files.yaml_documents import classes_in, short_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
-    from typing import Any
 
     from fastapi import APIRouter, FastAPI
     from starlette.requests import Request

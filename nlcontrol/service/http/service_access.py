@@ -20,7 +20,6 @@ from nlcontrol.service.planning_service import PlanningService
 from nlcontrol.session.executor import Motion
 
 if TYPE_CHECKING:
-    from nlcontrol.service.methods import SaidBody
     from nlcontrol.service.service_settings import ServiceSettings
 
 

@@ -15,11 +15,10 @@ from nlcontrol.service.http import (
 )
 from nlcontrol.service.http.openapi_document import PROBLEMS, openapi_document
 from nlcontrol.service.http.problem_documents import answer_problems
-from nlcontrol.service.http.request_guard import RequestGuard
+from nlcontrol.service.http.request_guard import BrowserLogin, RequestGuard
 from nlcontrol.service.http.session_routes import add_questions
 
 if TYPE_CHECKING:
-    from nlcontrol.service.http.request_guard import BrowserLogin
     from nlcontrol.service.http.service_access import HttpSettings
     from nlcontrol.service.planning_service import PlanningService
 

@@ -13,13 +13,12 @@ from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
 from nlcontrol.errors import INTERNAL, ControlError, ErrorInfo, error
-from nlcontrol.service.documents import NumberedEvent, RunInfo
+from nlcontrol.service.documents import NumberedEvent, RunInfo, RunState
 from nlcontrol.service.workers.session_host import RunEnd
 from nlcontrol.service.workers.worker_process import Bell, daemon_timer, queue_full
 from nlcontrol.session.events import Event
 
 if TYPE_CHECKING:
-    from nlcontrol.service.documents import RunState
     from nlcontrol.service.run_store import RunStore
     from nlcontrol.service.workers.live_session import LiveSession
 

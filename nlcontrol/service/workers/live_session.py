@@ -12,19 +12,18 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from nlcontrol.errors import ControlError, error
-from nlcontrol.service.documents import SessionInfo
+from nlcontrol.service.documents import SessionInfo, SessionSpec
 from nlcontrol.service.offers import LIFE
 from nlcontrol.service.workers.worker_process import (
     Bell,
+    WorkerProcess,
     daemon_timer,
     queue_full,
     time_limit_error,
 )
 
 if TYPE_CHECKING:
-    from nlcontrol.service.documents import SessionSpec
     from nlcontrol.service.service_settings import ServiceSettings
-    from nlcontrol.service.workers.worker_process import WorkerProcess
 
 MOST_CALLS = 8
 """Calls of one session that may be open at once."""

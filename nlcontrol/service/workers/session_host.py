@@ -34,10 +34,10 @@ from nlcontrol.service.documents import (
     TableSpec,
     Understanding,
 )
-from nlcontrol.service.methods import QUESTIONS
-from nlcontrol.service.session import Session
+from nlcontrol.service.methods import QUESTIONS, PlanningSession
+from nlcontrol.service.session import Session, SessionRun
 from nlcontrol.session.corrected_sentences import error_with_corrections
-from nlcontrol.session.frame_documents import text_of
+from nlcontrol.session.frame_documents import Frames, text_of
 from objectmodels import Registry
 from objectmodels.geometry.rotations import quaternion
 from sim.simulated_executor import SimulatedExecutor
@@ -46,13 +46,10 @@ from sim.truth.scene_file import load_scene
 from sim.views.viewer_recording import save_recording, save_replay
 
 if TYPE_CHECKING:
-    from nlcontrol.service.methods import PlanningSession
-    from nlcontrol.service.session import SessionRun
     from nlcontrol.service.workers.worker_process import Tell
     from nlcontrol.session.controller import Controller
     from nlcontrol.session.events import Event
     from nlcontrol.session.executor import Executor, Motion
-    from nlcontrol.session.frame_documents import Frames
     from sim.worlds.ports import Sample
 
 
