@@ -43,13 +43,13 @@ from objectmodels.identification.joint_fit import (
 from objectmodels.identification.measurement_model import with_belief
 from planner.touch_experiments import Experiment, Kind, expected_trials
 from sim.supervision import Monitor, Progress, Stopped
+from sim.traces.trace import Trace, join_traces
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel
     from objectmodels.identification import Trial
     from planner.types.world_state import SeenObject, WorldState
     from sim.exploration.exploration_run import Explorer, Touched, TouchExecutor
-    from sim.traces.trace import Trace
 
 
 CENTRE_OF_MASS = ("com_x", "com_y", "com_z")
@@ -110,8 +110,6 @@ class ExplorationStopped(Stopped):
 
 def touch_trace(touches: Sequence[Touched]) -> Trace | None:
     """Everything that happened in some touches; None if nothing did."""
-    from sim.traces.trace import join_traces
-
     traces = [t.recording.trace for t in touches if t.recording.trace is not None]
     return join_traces(traces) if traces else None
 

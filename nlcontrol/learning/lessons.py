@@ -21,9 +21,14 @@ from objectmodels.errors import ModelError
 from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.identification.belief_update import (
     RevisedBelief,
+    Update,
     belief_of_slipperier_object,
     belief_of_stiffer_lid,
+    doubt_belief,
     standing_belief,
+    update_belief,
+    update_without_motion,
+    widen_belief,
 )
 from objectmodels.identification.measurement_model import container_with_mass, container_with_volume
 from objectmodels.mechanics.push_motion import learned_radius
@@ -37,7 +42,6 @@ from sim.exploration.trial_extraction import trial_from_push
 if TYPE_CHECKING:
     from objectmodels import ObjectModel
     from objectmodels.identification import Trial
-    from objectmodels.identification.belief_update import Update
     from planner.types.world_state import SeenObject
     from sim.traces.trace import EndReason, Trace
 
@@ -125,8 +129,6 @@ def _from_turn(made: Plan, target: SeenObject, trace: Trace) -> tuple[ObjectMode
 
 def apply_lesson(model: ObjectModel, trial: Trial) -> Update:
     """The belief after a trial; one that the trial contradicts was too sure, and is widened."""
-    from objectmodels.identification.belief_update import update_without_motion
-
     if trial.moved == "none":
         return update_without_motion(model, trial)
     if trial.moved == "slip":
@@ -139,12 +141,6 @@ def apply_lesson(model: ObjectModel, trial: Trial) -> Update:
 
 def _explained(model: ObjectModel, trial: Trial) -> Update:
     """The belief after a trial in which something moved."""
-    from objectmodels.identification.belief_update import (
-        doubt_belief,
-        update_belief,
-        widen_belief,
-    )
-
     first = update_belief(model, [trial], spread=SPREAD)
     if not first.is_contradiction:
         return first

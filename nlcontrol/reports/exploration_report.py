@@ -10,6 +10,7 @@ import numpy as np
 from nlcontrol.learning.exploration_session import CENTRE_OF_MASS
 from nlcontrol.learning.learning_reports import ExplorationReport
 from nlcontrol.learning.log_fitting import NAMES, UNITS
+from objectmodels.geometry.base_shapes import mean_distance
 
 if TYPE_CHECKING:
     from sim.truth.object_truth import Truth
@@ -20,8 +21,6 @@ _COLUMNS = ("mean", "sd", "%", "min", "max", "joint fit", "±", "believed", "tru
 
 def with_truth(report: ExplorationReport, truth: Truth) -> ExplorationReport:
     """The report of a finished exploration with how the object really is, by an observer."""
-    from objectmodels.geometry.base_shapes import mean_distance
-
     feet = np.array(truth.support)
     figures = {
         "mass": truth.mass_kg,

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 from pydantic import BaseModel
 
 from grammar.frames import command as g
+from nlcontrol.errors import ErrorInfo, error
 from nlcontrol.questions.answer import DOES, Answer, Considered, force_text
 from nlcontrol.questions.push_prediction import CERTAIN
 from nlcontrol.references.reference_resolution import parts_within
@@ -42,7 +43,6 @@ from planner.types.refusal import probability_text
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from nlcontrol.errors import ErrorInfo
     from nlcontrol.results.result import Result, Step
 
 
@@ -430,8 +430,6 @@ def save_explanation(result: Result, path: Path) -> None:
         ControlError: `cannot_write` if the format is unknown.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
-
-    from nlcontrol.errors import error
 
     if path.suffix.lstrip(".").lower() not in FigureCanvasAgg.get_supported_filetypes():
         raise error(

@@ -19,6 +19,7 @@ from nlcontrol.results.result import Result
 from nlcontrol.service.documents import NumberedEvent, RunInfo, SessionInfo, SessionSpec
 from nlcontrol.service.methods import PlanningSession, Question, SaidBody, is_question
 from nlcontrol.session.events import LOGGER, Event
+from sim.traces.trace import Trace
 
 if TYPE_CHECKING:
     import httpx
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
 
     from nlcontrol.session.executor import Motion
     from nlcontrol.session.frame_documents import Frames
-    from sim.traces.trace import Trace
 
 
 # A connection to a planning service: requests, answers as documents, problems as errors.
@@ -285,8 +285,6 @@ class RemoteRun:
 
     def trace(self) -> Trace | None:
         """The trace of what happened; None if nothing moved. Waits until it has ended."""
-        from sim.traces.trace import Trace
-
         self._ended_info(None)
         try:
             content = self._connection.response("GET", f"{self._path}/trace").content

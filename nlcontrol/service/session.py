@@ -23,6 +23,9 @@ from threading import Condition, RLock, Thread
 from typing import TYPE_CHECKING, Literal
 
 from nlcontrol.errors import ControlError, ErrorInfo, error, exception_info, known_errors_raised
+from nlcontrol.outcome_maps.outcome_map_table import map_document
+from nlcontrol.questions.push_prediction import PushPrediction, predict_push
+from nlcontrol.references.object_names import face_of
 from nlcontrol.service.bundle import RunRequest, run_request
 from nlcontrol.service.documents import (
     Affordances,
@@ -51,6 +54,7 @@ from nlcontrol.session.controller import Controller
 from nlcontrol.session.conversation import Conversation
 from nlcontrol.session.frame_documents import Frames, text_of
 from objectmodels import ModelError, Registry
+from objectmodels.mechanics.outcome_map import outcome_map
 from planner.problem.footprints import footprint, gap, room_to_edge
 from planner.types.defaults import with_settings
 from planner.types.world_state import PlanarPose, SeenObject
@@ -61,7 +65,6 @@ from sim.supervision import StopToken
 
 if TYPE_CHECKING:
     from grammar.frames.command import Command
-    from nlcontrol.questions.push_prediction import PushPrediction
     from nlcontrol.results.result import Result
     from nlcontrol.session.events import Event
     from nlcontrol.session.executor import Executor, Motion
@@ -420,9 +423,6 @@ class Session(PlanningSession):
         Raises:
             ControlError: `unknown_object`, `unknown_face`, `bad_push`, `busy`.
         """
-        from nlcontrol.questions.push_prediction import predict_push
-        from nlcontrol.references.object_names import face_of
-
         seen = self._seen(name)
         yaw = seen.pose.yaw
         if direction is not None:
@@ -451,10 +451,6 @@ class Session(PlanningSession):
         Raises:
             ControlError: `unknown_object`, `unknown_face`, `bad_value`, `busy`.
         """
-        from nlcontrol.outcome_maps.outcome_map_table import map_document
-        from nlcontrol.references.object_names import face_of
-        from objectmodels.mechanics.outcome_map import outcome_map
-
         seen = self._seen(name)
         side = face_of(seen.model, face, seen.pose.yaw)
         with known_errors_raised():

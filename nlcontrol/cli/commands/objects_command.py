@@ -17,7 +17,7 @@ from nlcontrol.cli.console.console_output import (
     print_lines,
 )
 from nlcontrol.errors import CODES, OK, ErrorInfo, error, exception_info
-from nlcontrol.text_format import error_lines
+from nlcontrol.text_format import enumeration, error_lines
 
 if TYPE_CHECKING:
     from objectmodels import ModelError, ObjectModel, Registry
@@ -330,7 +330,6 @@ def _model_lines(model: ObjectModel, place: str) -> list[str]:
         rows.insert(4, ("friction, sliding", f"{model.friction_kinetic:.4f}"))
     # Above which height a level push in the middle of each face topples it.
     from nlcontrol.references.object_names import face_names
-    from nlcontrol.text_format import enumeration
 
     found: dict[str, list[str]] = {}
     for name, face in face_names(model).items():

@@ -12,6 +12,7 @@ import click
 from click.shell_completion import CompletionItem
 
 from nlcontrol.cli.console.console_output import FILE, Command, print_skipped
+from nlcontrol.errors import known_errors_raised
 
 if TYPE_CHECKING:
     from nlcontrol.session.controller import Controller
@@ -189,7 +190,6 @@ def open_controller(
         ControlError: the scene cannot be read, a default is none, or there is no room for what is
             to be put there.
     """
-    from nlcontrol.errors import known_errors_raised
     from nlcontrol.session.controller import Controller
     from planner.types.defaults import with_settings
     from sim.truth.scene_file import load_scene

@@ -43,7 +43,7 @@ from objectmodels.geometry.rotations import quaternion
 from sim.simulated_executor import SimulatedExecutor
 from sim.traces.trace import Trace
 from sim.truth.scene_file import load_scene
-from sim.views.viewer_recording import save_recording, save_replay
+from sim.views.viewer_recording import SceneBodies, believed_scene, save_recording, save_replay
 
 if TYPE_CHECKING:
     from nlcontrol.service.workers.worker_process import Tell
@@ -73,8 +73,6 @@ class ObservedWorld:
     """
 
     def __init__(self, executor: SimulatedExecutor) -> None:
-        from sim.views.viewer_recording import SceneBodies
-
         self._executor = executor
         # A viewer's own world shows how things are before anything moves: the executor's is built
         # then, and no sooner because somebody looks.
@@ -125,8 +123,6 @@ class BelievedTable:
 
     def geometry(self) -> SceneGeometry:
         """Each object in the shape of its model."""
-        from sim.views.viewer_recording import believed_scene
-
         name, models = self._controller.cell.name, self._controller.models
         return SceneGeometry(source="belief", **believed_scene(name, models))
 
