@@ -329,7 +329,7 @@ def test_an_end_that_cannot_be_written_is_told_and_written_later(
         runs.take(session, "ended", RunEnd(error=None).model_dump_json().encode())
         assert runs.run(run.run_id).state == "ended"
         assert session.run_id is None
-        page = [runs.as_it_is(info).state for info in store.runs("s").runs]
+        page = [(runs.live_info(info.run_id) or info).state for info in store.runs("s").runs]
         assert "queued" not in page[1:]
     wait_until(lambda: store.run(run.run_id).state == "ended", "the end in the store")
     assert len(store.events(run.run_id)) == 1
