@@ -57,7 +57,8 @@ class Wire(httpx.BaseTransport):
         if isinstance(answer, httpx.Response):
             return answer
         if isinstance(answer, Stream):
-            return httpx.Response(200, stream=answer)
+            headers = {"Content-Type": "text/event-stream"}
+            return httpx.Response(200, headers=headers, stream=answer)
         return httpx.Response(200, json=answer)
 
     def sent(self, call: str) -> list[httpx.Request]:
