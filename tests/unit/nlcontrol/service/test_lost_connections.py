@@ -203,6 +203,19 @@ def test_events_go_on_where_the_stream_was_lost() -> None:
     assert asked == ["0", "1", "1", "2"]
 
 
+def test_newlines_alone_end_the_lines_of_a_stream() -> None:
+    class Split(Stream):
+        def __iter__(self) -> Iterator[bytes]:
+            event = {"kind": "phase", "time": 0.0, "wall_time": 0.0, "text": "a\u2028b"}
+            data = json.dumps({"number": 1, "event": event}, ensure_ascii=False)
+            yield b"id: 1\r\nda"
+            yield f"ta: {data}\r\n\r\nid: 2\ndata: cut off".encode()
+
+    wire = Wire(say=[RUN], events=[Split(), Stream(2, 3)], r1=[RUN])
+    events = client(wire).say("push the mug").events()
+    assert [told.event.text for told in events] == ["a\u2028b", "2", "3"]
+
+
 def test_events_of_a_run_that_was_cut_off_come_to_an_end() -> None:
     cut = {**RUN, "state": "cut_off", "events": 2}
     wire = Wire(say=[RUN], events=[Stream(1), Stream(2)], r1=[RUN, cut])
