@@ -19,148 +19,102 @@ guard_packages()
 
 TYPE_CHECKING = False  # `typing` is not imported before signals are held
 if TYPE_CHECKING:
-    from grammar import Command, Frame, ParseError, parse
-    from nlcontrol.batches.batch import batch
-    from nlcontrol.batches.rows import BatchRow, DrawnScene
-    from nlcontrol.checks.verdicts import Check
-    from nlcontrol.errors import ControlError, ErrorInfo
-    from nlcontrol.questions.answer import Answer
-    from nlcontrol.results.result import Result
-    from nlcontrol.service.remote_session import Client
-    from nlcontrol.service.session import Session
-    from nlcontrol.session.controller import Controller
-    from nlcontrol.session.conversation import Conversation
-    from nlcontrol.session.events import Event
-    from nlcontrol.session.executor import Executor, Perception, Planner
-    from objectmodels import (
-        BoxModel,
-        CylinderModel,
-        HullModel,
-        ModelError,
-        ObjectModel,
-        PrismModel,
-        Registry,
-    )
-    from objectmodels.identification import fit
-    from objectmodels.mechanics.push_outcomes import Prediction, Thresholds
-    from planner.affordances import Affordance
-    from planner.types.defaults import DEFAULTS, Defaults, with_settings
-    from planner.types.plan import Plan, Reached
-    from planner.types.refusal import Refusal
-    from planner.types.robot import Robot
-    from sim.simulated_executor import SimulatedExecutor
-    from sim.supervision import Monitor, StopToken
-    from sim.traces.trace import Trace
-    from sim.truth.scene_file import Scene, load_scene
-    from sim.views.trace_picture import save_picture
-    from sim.views.viewer_recording import save_replay
+    from grammar import Command as Command
+    from grammar import Frame as Frame
+    from grammar import ParseError as ParseError
+    from grammar import parse as parse
+    from nlcontrol.batches.batch import batch as batch
+    from nlcontrol.batches.rows import BatchRow as BatchRow
+    from nlcontrol.batches.rows import DrawnScene as DrawnScene
+    from nlcontrol.checks.verdicts import Check as Check
+    from nlcontrol.errors import ControlError as ControlError
+    from nlcontrol.errors import ErrorInfo as ErrorInfo
+    from nlcontrol.questions.answer import Answer as Answer
+    from nlcontrol.results.result import Result as Result
+    from nlcontrol.service.remote_session import Client as Client
+    from nlcontrol.service.session import Session as Session
+    from nlcontrol.session.controller import Controller as Controller
+    from nlcontrol.session.conversation import Conversation as Conversation
+    from nlcontrol.session.events import Event as Event
+    from nlcontrol.session.executor import Executor as Executor
+    from nlcontrol.session.executor import Perception as Perception
+    from nlcontrol.session.executor import Planner as Planner
+    from objectmodels import BoxModel as BoxModel
+    from objectmodels import CylinderModel as CylinderModel
+    from objectmodels import HullModel as HullModel
+    from objectmodels import ModelError as ModelError
+    from objectmodels import ObjectModel as ObjectModel
+    from objectmodels import PrismModel as PrismModel
+    from objectmodels import Registry as Registry
+    from objectmodels.identification import fit as fit
+    from objectmodels.mechanics.push_outcomes import Prediction as Prediction
+    from objectmodels.mechanics.push_outcomes import Thresholds as Thresholds
+    from planner.affordances import Affordance as Affordance
+    from planner.types.defaults import DEFAULTS as DEFAULTS
+    from planner.types.defaults import Defaults as Defaults
+    from planner.types.defaults import with_settings as with_settings
+    from planner.types.plan import Plan as Plan
+    from planner.types.plan import Reached as Reached
+    from planner.types.refusal import Refusal as Refusal
+    from planner.types.robot import Robot as Robot
+    from sim.simulated_executor import SimulatedExecutor as SimulatedExecutor
+    from sim.supervision import Monitor as Monitor
+    from sim.supervision import StopToken as StopToken
+    from sim.traces.trace import Trace as Trace
+    from sim.truth.scene_file import Scene as Scene
+    from sim.truth.scene_file import load_scene as load_scene
+    from sim.views.trace_picture import save_picture as save_picture
+    from sim.views.viewer_recording import save_replay as save_replay
 
 __version__ = "0.1.0"
 
 _HOMES = {
-    "Affordance": "planner.affordances",
-    "Answer": "nlcontrol.questions.answer",
-    "BatchRow": "nlcontrol.batches.rows",
-    "BoxModel": "objectmodels",
-    "Check": "nlcontrol.checks.verdicts",
-    "Client": "nlcontrol.service.remote_session",
-    "Command": "grammar",
-    "ControlError": "nlcontrol.errors",
-    "Controller": "nlcontrol.session.controller",
-    "Conversation": "nlcontrol.session.conversation",
-    "CylinderModel": "objectmodels",
-    "DEFAULTS": "planner.types.defaults",
-    "Defaults": "planner.types.defaults",
-    "DrawnScene": "nlcontrol.batches.rows",
-    "ErrorInfo": "nlcontrol.errors",
-    "Event": "nlcontrol.session.events",
-    "Executor": "nlcontrol.session.executor",
-    "Frame": "grammar",
-    "HullModel": "objectmodels",
-    "ModelError": "objectmodels",
-    "Monitor": "sim.supervision",
-    "ObjectModel": "objectmodels",
-    "ParseError": "grammar",
-    "Perception": "nlcontrol.session.executor",
-    "Plan": "planner.types.plan",
-    "Planner": "nlcontrol.session.executor",
-    "Prediction": "objectmodels.mechanics.push_outcomes",
-    "PrismModel": "objectmodels",
-    "Reached": "planner.types.plan",
-    "Refusal": "planner.types.refusal",
-    "Registry": "objectmodels",
-    "Result": "nlcontrol.results.result",
-    "Robot": "planner.types.robot",
-    "Scene": "sim.truth.scene_file",
-    "Session": "nlcontrol.service.session",
-    "SimulatedExecutor": "sim.simulated_executor",
-    "StopToken": "sim.supervision",
-    "Thresholds": "objectmodels.mechanics.push_outcomes",
-    "Trace": "sim.traces.trace",
-    "batch": "nlcontrol.batches.batch",
-    "fit": "objectmodels.identification",
-    "load_scene": "sim.truth.scene_file",
-    "parse": "grammar",
-    "save_picture": "sim.views.trace_picture",
-    "save_replay": "sim.views.viewer_recording",
-    "with_settings": "planner.types.defaults",
+    "grammar": ["Command", "Frame", "ParseError", "parse"],
+    "nlcontrol.batches.batch": ["batch"],
+    "nlcontrol.batches.rows": ["BatchRow", "DrawnScene"],
+    "nlcontrol.checks.verdicts": ["Check"],
+    "nlcontrol.errors": ["ControlError", "ErrorInfo"],
+    "nlcontrol.questions.answer": ["Answer"],
+    "nlcontrol.results.result": ["Result"],
+    "nlcontrol.service.remote_session": ["Client"],
+    "nlcontrol.service.session": ["Session"],
+    "nlcontrol.session.controller": ["Controller"],
+    "nlcontrol.session.conversation": ["Conversation"],
+    "nlcontrol.session.events": ["Event"],
+    "nlcontrol.session.executor": ["Executor", "Perception", "Planner"],
+    "objectmodels": [
+        "BoxModel",
+        "CylinderModel",
+        "HullModel",
+        "ModelError",
+        "ObjectModel",
+        "PrismModel",
+        "Registry",
+    ],
+    "objectmodels.identification": ["fit"],
+    "objectmodels.mechanics.push_outcomes": ["Prediction", "Thresholds"],
+    "planner.affordances": ["Affordance"],
+    "planner.types.defaults": ["DEFAULTS", "Defaults", "with_settings"],
+    "planner.types.plan": ["Plan", "Reached"],
+    "planner.types.refusal": ["Refusal"],
+    "planner.types.robot": ["Robot"],
+    "sim.simulated_executor": ["SimulatedExecutor"],
+    "sim.supervision": ["Monitor", "StopToken"],
+    "sim.traces.trace": ["Trace"],
+    "sim.truth.scene_file": ["Scene", "load_scene"],
+    "sim.views.trace_picture": ["save_picture"],
+    "sim.views.viewer_recording": ["save_replay"],
 }
 
-__all__ = [
-    "DEFAULTS",
-    "Affordance",
-    "Answer",
-    "BatchRow",
-    "BoxModel",
-    "Check",
-    "Client",
-    "Command",
-    "ControlError",
-    "Controller",
-    "Conversation",
-    "CylinderModel",
-    "Defaults",
-    "DrawnScene",
-    "ErrorInfo",
-    "Event",
-    "Executor",
-    "Frame",
-    "HullModel",
-    "ModelError",
-    "Monitor",
-    "ObjectModel",
-    "ParseError",
-    "Perception",
-    "Plan",
-    "Planner",
-    "Prediction",
-    "PrismModel",
-    "Reached",
-    "Refusal",
-    "Registry",
-    "Result",
-    "Robot",
-    "Scene",
-    "Session",
-    "SimulatedExecutor",
-    "StopToken",
-    "Thresholds",
-    "Trace",
-    "__version__",
-    "batch",
-    "fit",
-    "load_scene",
-    "parse",
-    "save_picture",
-    "save_replay",
-    "with_settings",
-]
+__all__ = [name for names in _HOMES.values() for name in names]
+__all__ += ["__version__"]
 
 
 def __getattr__(name: str) -> object:
-    if name not in _HOMES:
+    home = next((module for module, names in _HOMES.items() if name in names), None)
+    if home is None:
         raise AttributeError(f"module 'nlcontrol' has no attribute '{name}'")
-    value: object = getattr(importlib.import_module(_HOMES[name]), name)
+    value: object = getattr(importlib.import_module(home), name)
     globals()[name] = value
     return value
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 import signal
 import traceback
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -20,8 +20,6 @@ from nlcontrol.interruption import EXIT_CODES
 from nlcontrol.json_document import DocumentPart
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from grammar.frames.command import Span
     from planner.types.refusal import Refusal
 

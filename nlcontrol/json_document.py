@@ -18,14 +18,9 @@ SCHEMA_VERSION = "2.2"
 """Version of the form; documents that bear none are of version 1."""
 
 
-def versioned_document(content: Mapping[str, Any]) -> dict[str, Any]:
-    """Document with its version and, if the content does not say otherwise, that all went well."""
-    return {"schema_version": SCHEMA_VERSION, "ok": True, **content}
-
-
 def document_text(content: Mapping[str, Any], indent: int | None = 2) -> str:
     """Document as text; on one line if `indent` is None."""
-    document = versioned_document(content)
+    document = {"schema_version": SCHEMA_VERSION, "ok": True, **content}
     return json.dumps(document, indent=indent, ensure_ascii=False, allow_nan=False)
 
 

@@ -29,7 +29,6 @@ _ANSWERS = (
     RowResult,
     BatchSummary,
 )
-_SCHEMA = "https://json-schema.org/draft/2020-12/schema"
 
 
 class DescribedSchema(GenerateJsonSchema):
@@ -84,31 +83,28 @@ def schema() -> dict[str, Any]:
     parts["Failure"] = {"type": "object", "properties": error, "required": ["error"]}
     answers = (*(model.__name__ for model in _ANSWERS), "Failure")
     for name in answers:
-        parts[name] = _versioned_schema(parts[name])
+        # JSON schema of a document with what all of them bear.
+        answer = parts[name]
+        major = SCHEMA_VERSION.partition(".")[0]
+        every = {
+            "schema_version": {
+                "type": "string",
+                "pattern": rf"^{major}\.\d+$",
+                "description": "of the form, major.minor",
+            },
+            "ok": {"type": "boolean", "description": "whether the command did what was asked"},
+        }
+        required = dict.fromkeys((*every, *answer.get("required", ())))
+        parts[name] = {
+            **answer,
+            "properties": {**every, **answer["properties"], **every},
+            "required": list(required),
+            "additionalProperties": True,
+        }
     return {
-        "$schema": _SCHEMA,
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
         **definitions,
         "anyOf": [{"$ref": f"#/$defs/{name}"} for name in answers],
-    }
-
-
-def _versioned_schema(answer: dict[str, Any]) -> dict[str, Any]:
-    """JSON schema of a document with what all of them bear."""
-    major = SCHEMA_VERSION.partition(".")[0]
-    every = {
-        "schema_version": {
-            "type": "string",
-            "pattern": rf"^{major}\.\d+$",
-            "description": "of the form, major.minor",
-        },
-        "ok": {"type": "boolean", "description": "whether the command did what was asked"},
-    }
-    required = dict.fromkeys((*every, *answer.get("required", ())))
-    return {
-        **answer,
-        "properties": {**every, **answer["properties"], **every},
-        "required": list(required),
-        "additionalProperties": True,
     }
 
 

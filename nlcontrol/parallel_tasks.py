@@ -25,8 +25,6 @@ from contextlib import ExitStack, closing, contextmanager
 from queue import SimpleQueue
 from typing import Generic, TypeVar
 
-# --- worker processes -----------------------------------------------------------------------------
-#
 # Processes that carry out a part of the work, and none of which outlives its parent.
 
 
@@ -79,9 +77,6 @@ def _wait_for_parent() -> None:
     assert parent is not None, "a worker has a parent"
     parent.join()
     os._exit(1)
-
-
-# --- parallel tasks -------------------------------------------------------------------------------
 
 
 T = TypeVar("T")
@@ -146,7 +141,7 @@ def finished_tasks(
                 pool.wait()
                 yield from pool.results()
             pool.submit(bundle)
-        while pool.is_busy:
+        while pool.waiting:
             pool.wait()
             yield from pool.results()
 
@@ -165,7 +160,7 @@ class _Pool(ExitStack, Generic[T, R]):
         self._function, self._given = function, executor
         self._workers, self._initializer = workers, initializer
         self._executor = executor or self._new_processes()
-        self._waiting: deque[tuple[Sequence[T], Future[list[R]]]] = deque()
+        self.waiting: deque[tuple[Sequence[T], Future[list[R]]]] = deque()
         self._done: SimpleQueue[Future[list[R]]] = SimpleQueue()
         self._under_way = 0
         """Bundles."""
@@ -176,12 +171,8 @@ class _Pool(ExitStack, Generic[T, R]):
     def is_full(self) -> bool:
         return self._under_way >= UNDER_WAY * self._workers or self._held >= AHEAD * self._workers
 
-    @property
-    def is_busy(self) -> bool:
-        return bool(self._waiting)
-
     def submit(self, bundle: Sequence[T]) -> None:
-        self._waiting.append((bundle, self._begun(bundle)))
+        self.waiting.append((bundle, self._begun(bundle)))
         self._held += len(bundle)
 
     def wait(self) -> None:
@@ -191,11 +182,11 @@ class _Pool(ExitStack, Generic[T, R]):
 
     def results(self) -> Generator[Future[R]]:
         """Futures that are next in order, and done; raises `BrokenExecutor` at the first lost."""
-        while self._waiting and self._waiting[0][1].done():
-            bundle, future = self._waiting.popleft()
+        while self.waiting and self.waiting[0][1].done():
+            bundle, future = self.waiting.popleft()
             self._held -= len(bundle)
             self._require_executor(future)
-            lost = _is_lost(future) or _has_lost_workers(future)
+            lost = _is_lost(future) or type(_reason(future)).__name__ == "KilledWorker"
             if lost or (future.exception() and len(bundle) > 1):
                 yield from self._tried_alone(bundle, quietly=lost or self._given is None)
             else:
@@ -217,7 +208,9 @@ class _Pool(ExitStack, Generic[T, R]):
         except BrokenExecutor:
             if self._given is not None:
                 raise
-            self._renew()
+            self.close()
+            self._executor = self._new_processes()
+            self._executor.submit(_results, self._function, ()).result()
             future = self._executor.submit(_results, self._function, bundle)
         self._under_way += 1
         future.add_done_callback(self._done.put)
@@ -227,12 +220,6 @@ class _Pool(ExitStack, Generic[T, R]):
         """Raises `BrokenExecutor` if the caller's executor has ended at a bundle."""
         if self._given is not None and _is_lost(future):
             raise BrokenExecutor("the executor has ended") from _reason(future)
-
-    def _renew(self) -> None:
-        """Begins new processes; raises `BrokenExecutor` if they do not come to their first task."""
-        self.close()
-        self._executor = self._new_processes()
-        self._executor.submit(_results, self._function, ()).result()
 
     def _new_processes(self) -> Executor:
         return self.enter_context(worker_processes(self._workers, self._initializer))
@@ -257,11 +244,6 @@ def _futures(done: Future[list[R]]) -> Generator[Future[R]]:
 
 def _is_lost(future: Future[R]) -> bool:
     return future.cancelled() or isinstance(future.exception(), BrokenExecutor)
-
-
-def _has_lost_workers(future: Future[R]) -> bool:
-    """Check for a task that Dask gave up since workers ended that had it, whoever ended them."""
-    return type(_reason(future)).__name__ == "KilledWorker"
 
 
 def _reason(future: Future[R]) -> BaseException | None:

@@ -33,51 +33,6 @@ from planner.types.actions import (
 from planner.types.plan import Plan
 from planner.types.refusal import probability_text
 
-# --- drag text ------------------------------------------------------------------------------------
-#
-# A drag in words: an object that a fingertip presses from above and draws along.
-
-
-def drag_text(push: Push, extent: str) -> str:
-    """One drag in words: which way, pressed how hard, how fast, and how far, in words."""
-    x, y, _ = push.direction_W
-    return (
-        f"draw the {push.object} {phrase(math.atan2(y, x))}, pressed from above with "
-        f"{quantity(push.press, 'N')} by one finger, at {quantity(push.speed, 'm/s')} {extent}"
-    )
-
-
-def drag_prediction(push: PushAction) -> str:
-    """Prediction of a drag."""
-    p = push.prediction
-    return (
-        f"it goes along (probability {probability_text(p.probability)}), which takes "
-        f"{quantity(p.onset, 'N')} along its top."
-    )
-
-
-def drag_safety(push: PushAction) -> str:
-    """Force that is left before the fingertip slips."""
-    return (
-        f"the fingertip would slip over it with {quantity(push.margins.force, 'N')} more, as it is "
-        "believed to be; that is seen, and ends it."
-    )
-
-
-def drag_reason(push: PushAction, way: str) -> str:
-    """Reason why an object goes along on its way, which is given in words."""
-    return (
-        f"Pressed from above with {quantity(push.press, 'N')}, the {push.object} {way} with the "
-        f"fingertip: that takes {quantity(push.prediction.onset, 'N')} along its top, and the "
-        f"fingertip slips only with {quantity(push.margins.force, 'N')} more."
-    )
-
-
-# --- plan text ------------------------------------------------------------------------------------
-
-
-_LEAST_TOLD = 0.05  # a margin that would be told as 0.0 N is told otherwise [N]
-
 
 def plan_lines(plan: Plan) -> Iterator[str]:
     """Lines on what will be done, what that will do, why it works, and where it ends."""
@@ -95,7 +50,12 @@ def deciding_figures(plan: Plan) -> dict[str, float]:
     """The numbers that decide about a plan, by their names [SI]."""
     if plan.pushes:
         return _push_figures(plan.push)
-    numbers = predicted_figures(plan)
+    predictions = (
+        action.prediction
+        for action in plan.actions
+        if not isinstance(action, Carry | TurnOver | SetDown | PutOn)
+    )
+    numbers = {name: x for each in predictions if each for name, x in each if x is not None}
     if plan.grasp is not None:
         numbers |= {
             "squeeze": plan.grasp.squeeze,
@@ -106,9 +66,6 @@ def deciding_figures(plan: Plan) -> dict[str, float]:
         if isinstance(step, LiftUp) and "height" not in numbers:
             numbers["height"] = step.height
     return numbers
-
-
-# -- pushes -------------------------------------------------------------------------------------
 
 
 def _push_lines(plan: Plan) -> Iterator[str]:
@@ -127,9 +84,13 @@ def push_text(push: Push) -> str:
     """One push in words: with what, where, which way, how hard, and until when."""
     fingers = "one finger" if push.fingers == 1 else "two fingers"
     apart = f" {quantity(push.spread, 'm')} apart" if push.fingers == 2 else ""
-    if push.press:
-        return drag_text(push, _extent(push))
     x, y, _ = push.direction_W
+    if push.press:
+        return (
+            f"draw the {push.object} {phrase(math.atan2(y, x))}, pressed from above with "
+            f"{quantity(push.press, 'N')} by one finger, at {quantity(push.speed, 'm/s')} "
+            f"{_extent(push)}"
+        )
     return (
         f"push the {push.object} with {fingers}{apart} on its {push.face} face, "
         f"{quantity(push.p_BC[2], 'm')} above the table, {phrase(math.atan2(y, x))}, "
@@ -188,7 +149,10 @@ _VERBS = {"slide": "slides", "topple": "topples", "none": "stays"}
 def _prediction(push: PushAction) -> str:
     p = push.prediction
     if push.press:
-        return drag_prediction(push)
+        return (
+            f"it goes along (probability {probability_text(p.probability)}), which takes "
+            f"{quantity(p.onset, 'N')} along its top."
+        )
     starts = [
         f"{verb} would start at {quantity(force, 'N')}"
         for verb, force in (("sliding", p.slide_force), ("toppling", p.topple_force))
@@ -213,12 +177,16 @@ def _prediction(push: PushAction) -> str:
 def _safety(push: PushAction) -> str:
     """Margins between the push and the outcome that it must not have."""
     if push.press:
-        return drag_safety(push)
+        return (
+            f"the fingertip would slip over it with {quantity(push.margins.force, 'N')} more, as "
+            "it is believed to be; that is seen, and ends it."
+        )
     margins = push.margins
     plural = "" if margins.sigmas == 1 else "s"
     case = f"in the worst case of {margins.sigmas:g} standard deviation{plural}"
     case = f"{case if margins.sigmas else 'as it is believed to be'}, whichever way it is pressed"
-    spare = quantity(margins.force, "N") if margins.force >= _LEAST_TOLD else "less than 0.1 N"
+    # A margin that would be told as 0.0 N is told otherwise.
+    spare = quantity(margins.force, "N") if margins.force >= 0.05 else "less than 0.1 N"
     if push.prediction.critical_height is None:
         return f"anywhere on this face it slides before it topples; {spare} to spare, {case}."
     slides = push.prediction.outcome == "slide"
@@ -240,7 +208,11 @@ def _push_reason(plan: Plan) -> str:
     }[push.ends_on]
     later = len(plan.pushes) - 1
     if push.press:
-        return drag_reason(push, way)
+        return (
+            f"Pressed from above with {quantity(push.press, 'N')}, the {push.object} {way} with "
+            f"the fingertip: that takes {quantity(push.prediction.onset, 'N')} along its top, and "
+            f"the fingertip slips only with {quantity(push.margins.force, 'N')} more."
+        )
     more = f" It is the first of {later + 1} pushes, as foreseen." if later else ""
     return (
         f"Pushed on its {push.face} face, {quantity(push.p_BC[2], 'm')} above the table, the "
@@ -275,9 +247,6 @@ def _push_figures(push: PushAction) -> dict[str, float]:
         "press": push.press or None,
     }
     return {name: value for name, value in numbers.items() if value is not None}
-
-
-# -- hands --------------------------------------------------------------------------------------
 
 
 def _hand_lines(plan: Plan) -> Iterator[str]:
@@ -429,13 +398,3 @@ def _bearing_texts(p: FlipPrediction, name: str) -> Iterator[str]:
             f"giving way, it takes {quantity(p.nearest_force, 'N')}, and the {name} "
             f"{enumeration(gives)}"
         )
-
-
-def predicted_figures(plan: Plan) -> dict[str, float]:
-    """Numbers that the actions of a hand predict, by their names."""
-    predictions = (
-        action.prediction
-        for action in plan.actions
-        if not isinstance(action, Carry | TurnOver | SetDown | PutOn)
-    )
-    return {name: x for each in predictions if each for name, x in each if x is not None}

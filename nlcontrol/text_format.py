@@ -135,16 +135,12 @@ def error_lines(error: ErrorInfo, text: str | None = None) -> Iterator[str]:
     yield f"{title}{code}: {path}{error.message}"
     if text and error.span and len(text) <= 100 and text.isprintable():
         yield f"  {text}"
-        yield f"  {_underlined_sentence(error.spans or (error.span,))}"
+        spans = error.spans or (error.span,)
+        marks = [" "] * max(end + 1 for _, end in spans)
+        for start, end in spans:
+            length = max(1, end - start)
+            marks[start : start + length] = "^" * length
+        yield f"  {''.join(marks).rstrip()}"
     if error.capability:
         yield f"  missing capability: {error.capability}"
     yield from (f"  → {suggestion}" for suggestion in error.suggestions)
-
-
-def _underlined_sentence(spans: Sequence[tuple[int, int]]) -> str:
-    """Carets below the spans of a line."""
-    marks = [" "] * max(end + 1 for _, end in spans)
-    for start, end in spans:
-        length = max(1, end - start)
-        marks[start : start + length] = "^" * length
-    return "".join(marks).rstrip()

@@ -33,8 +33,6 @@ from nlcontrol.parallel_tasks import UNDER_WAY, finished_tasks
 from objectmodels import Registry
 from objectmodels.files.yaml_documents import error_of_system
 
-# --- result file ----------------------------------------------------------------------------------
-#
 # File of a batch's results, one JSON line for each row in the order of the rows.
 #
 # Lines are added as results come and are on the disk a second later at most. What a batch that
@@ -42,11 +40,6 @@ from objectmodels.files.yaml_documents import error_of_system
 
 
 _SYNC_TIME = 1.0  # from one flush to the disk to the next [s]
-
-
-def result_line(result: RowResult) -> str:
-    """The line of a result, without its end."""
-    return result.model_dump_json()
 
 
 def read_outcomes(path: Path) -> Iterator[RowOutcome]:
@@ -100,7 +93,7 @@ class ResultFile(AbstractContextManager["ResultFile"]):
             ControlError: `cannot_write`.
         """
         with self._known_failures():
-            self._file.write(result_line(result).encode() + b"\n")
+            self._file.write(result.model_dump_json().encode() + b"\n")
             self._file.flush()
             if time.monotonic() > self._sync_due:
                 os.fsync(self._file.fileno())
@@ -144,9 +137,6 @@ def _outcomes(path: Path) -> Iterator[tuple[RowOutcome, int]]:
                     suggestions=("give the file that `nlcontrol batch --output` has written",),
                 ) from raised
             yield outcome, end
-
-
-# --- batch ----------------------------------------------------------------------------------------
 
 
 PLANS_TOGETHER = 5
@@ -328,8 +318,6 @@ class _ProgressMeter:
         )
 
 
-# --- batch summary --------------------------------------------------------------------------------
-#
 # Summary of a batch: how many rows ended how, which clauses did not hold, how long it took.
 
 
@@ -395,20 +383,18 @@ class Tally:
     """Counts outcomes as they come."""
 
     def __init__(self) -> None:
-        self._statuses, self._codes = Counter[str](), Counter[str]()
-        self._not_held, self._unknown = Counter[str](), Counter[str]()
-        self._differs = Counter[str]()
+        counted = ("statuses", "codes", "not_held", "unknown", "differs")
+        self._counts = {name: Counter[str]() for name in counted}
         self._seconds, self._simulated = array("d"), array("d")
         self._error: ErrorInfo | None = None
 
     def add(self, outcome: RowOutcome) -> None:
         """Counts one more."""
-        self._statuses[outcome.status] += 1
-        self._not_held.update(set(outcome.not_held))
-        self._unknown.update(set(outcome.unknown))
-        self._differs.update(set(outcome.differs))
+        self._counts["statuses"][outcome.status] += 1
+        for name in ("not_held", "unknown", "differs"):
+            self._counts[name].update(set(getattr(outcome, name)))
         if outcome.error is not None:
-            self._codes[outcome.error.code] += 1
+            self._counts["codes"][outcome.error.code] += 1
         if outcome.has_result:
             self._seconds.append(outcome.seconds)
         elif self._error is None:
@@ -418,14 +404,15 @@ class Tally:
 
     def summary(self) -> BatchSummary:
         """The summary of all that were counted."""
+        counts = {name: dict(count.most_common()) for name, count in self._counts.items()}
         return BatchSummary(
             ok=self._error is None,
-            rows=self._statuses.total(),
-            statuses=dict(self._statuses.most_common()),
-            codes=dict(self._codes.most_common()),
-            not_held=dict(self._not_held.most_common()),
-            unknown=dict(self._unknown.most_common()),
-            differs=dict(self._differs.most_common()),
+            rows=self._counts["statuses"].total(),
+            statuses=counts["statuses"],
+            codes=counts["codes"],
+            not_held=counts["not_held"],
+            unknown=counts["unknown"],
+            differs=counts["differs"],
             seconds=Spread.of(self._seconds),
             simulated=Spread.of(self._simulated),
             error=self._error,
@@ -504,8 +491,6 @@ def save_summary_picture(summary: BatchSummary, path: Path) -> None:
     figure.savefig(path)
 
 
-# --- dask executor --------------------------------------------------------------------------------
-#
 # Executor of a Dask cluster, as Dask itself offers it.
 
 

@@ -41,8 +41,6 @@ GAP = 0.08
 FRAGILE = 0.25
 """Share of the objects not spoken of that are fragile."""
 
-_TRIES = 200  # places that are tried for an object before it is left out
-_GRIP = 0.01  # an object must be so much higher than the lowest contact [m]
 _HANDLED = frozenset({"ice tea", "ice tea cup", "jar", "storage bin"})
 
 
@@ -103,7 +101,8 @@ def pushable_models() -> tuple[ObjectModel, ...]:
     of pushing stay comparable.
     """
     models = (model for model in Registry.built_in() if model.name not in _HANDLED)
-    return tuple(model for model in models if model.top > lowest_contact(HAND) + _GRIP)
+    # An object must be 10 mm higher than the lowest contact.
+    return tuple(model for model in models if model.top > lowest_contact(HAND) + 0.01)
 
 
 def scene_of(name: str, objects: Sequence[SceneObject], vision: Vision) -> Scene:
@@ -127,7 +126,8 @@ def free_place(
         rng: to draw from.
         apart: least distance from the others [m].
     """
-    for _ in range(_TRIES):
+    # 200 places are tried for an object before it is left out.
+    for _ in range(200):
         x, y = (float(rng.uniform(*span)) for span in spans)
         quarters = int(rng.integers(4))
         yaw = np.radians(90.0 * quarters + 45.0 * float(rng.uniform(-1.0, 1.0)))

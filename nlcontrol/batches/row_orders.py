@@ -29,8 +29,6 @@ from sim.truth.scene_file import load_scene
 Row = BatchRow | Mapping[str, object] | str | bytes
 """A row, or its JSON."""
 
-_KEPT_FILES = 64
-
 
 def rows_in_file(file: BinaryIO) -> Iterator[bytes]:
     """Lines of a file; of one that is too long, no more than shows that."""
@@ -58,7 +56,7 @@ class RowOrders:
         self._registry, self._folder = registry, folder
         self._plan_only, self._brief = plan_only, brief
         self._built_in = {model.name: model for model in Registry.built_in()}
-        self._file_world = lru_cache(maxsize=_KEPT_FILES)(self._read_world)
+        self._file_world = lru_cache(maxsize=64)(self._read_world)
         self._own_world = self._world_with(registry)
 
     def orders(self, rows: Iterable[Row]) -> Iterator[Order | RowResult]:

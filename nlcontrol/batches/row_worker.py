@@ -12,7 +12,7 @@ import json
 import time
 from collections.abc import Mapping
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,12 +22,9 @@ from nlcontrol.errors import ControlError, error, exception_info, known_errors_r
 from nlcontrol.installed_versions import library_versions
 from nlcontrol.results.result import Result, result_with
 from nlcontrol.session.controller import Controller
-from objectmodels import Registry
+from objectmodels import ObjectModel, Registry
 from planner.types.defaults import with_settings
 from sim.truth.scene_file import Scene, load_scene
-
-if TYPE_CHECKING:
-    from objectmodels import ObjectModel
 
 KEPT_WORLDS = 8
 """Scenes that a worker keeps."""

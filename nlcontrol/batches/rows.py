@@ -13,8 +13,6 @@ from nlcontrol.errors import ErrorInfo
 from nlcontrol.json_document import Document, DocumentPart
 from nlcontrol.results.result import Result, ResultStatus
 
-# --- batch row ------------------------------------------------------------------------------------
-#
 # Row of a batch: what is said, where, and from which seed.
 
 
@@ -66,9 +64,6 @@ class BatchRow(DocumentPart):
     def said(self) -> str | list[Any] | dict[str, Any]:
         """The sentence, or the frames."""
         return self.frames if self.text is None else self.text  # type: ignore[return-value]
-
-
-# --- rows -----------------------------------------------------------------------------------------
 
 
 RowStatus = ResultStatus | Literal["bad_row", "lost", "crashed"]

@@ -15,7 +15,7 @@ import numpy as np
 from grammar.frames import command as g
 from nlcontrol.checks import trace_measures as measures
 from nlcontrol.checks.goal_checks import by_hand, has_fallen, stands_on_base, stands_up
-from nlcontrol.checks.verdicts import Check, Relation, compare, object_name, place_check
+from nlcontrol.checks.verdicts import Check, Evidence, Relation, compare, object_name, place_check
 from planner.problem.directions import face_name, heading_of, unit
 from planner.problem.footprints import footprint, gap
 from planner.problem.goal_poses import goal_heading
@@ -23,7 +23,6 @@ from planner.problem.places import region, table_region
 
 if TYPE_CHECKING:
     from nlcontrol.checks.trace_measures import Array
-    from nlcontrol.checks.verdicts import Evidence
     from sim.traces.trace import Trace
 
 
@@ -49,7 +48,8 @@ def others(e: Evidence) -> Iterator[Check]:
         yield object_name(_Implied(), "touched on the way", "none", None)
         return
     allowed = {frozenset((e.name, name)) for name in _to_be_touched(e)}
-    begun = _new_contacts(e.trace)
+    touching = np.flatnonzero(measures.during(e.trace, ("touch", "push", "grasp", "lid")))
+    begun = float(e.trace.time[touching[0]]) if len(touching) else float("inf")
     touched: set[str] = set()
     for contact in e.trace.contacts:
         pair = frozenset((contact.body_a, contact.body_b))
@@ -75,12 +75,6 @@ def _to_be_touched(e: Evidence) -> Iterator[str]:
     for clause in e.frame.constraints:
         if isinstance(clause, g.Until) and clause.event == "touching" and clause.object:
             yield clause.object.id or clause.object.text
-
-
-def _new_contacts(trace: Trace) -> float:
-    """When the robot began to touch anything [s]."""
-    touching = np.flatnonzero(measures.during(trace, ("touch", "push", "grasp", "lid")))
-    return float(trace.time[touching[0]]) if len(touching) else float("inf")
 
 
 def until(clause: g.Until, e: Evidence) -> Iterator[Check]:

@@ -19,11 +19,10 @@ from grammar.frames import command as g
 from nlcontrol.checks.constraint_checks import CONSTRAINTS, others
 from nlcontrol.checks.goal_checks import GOALS
 from nlcontrol.checks.verdicts import HAND_ENDS, PLANNED_ENDS, Check, Evidence, object_name
-from nlcontrol.errors import error, whole_span
+from nlcontrol.errors import ErrorInfo, error, whole_span
 from planner.types.defaults import DEFAULTS, Defaults
 
 if TYPE_CHECKING:
-    from nlcontrol.errors import ErrorInfo
     from objectmodels import ObjectModel
     from planner.types.world_state import TableState
     from sim.traces.trace import Trace

@@ -35,8 +35,6 @@ if TYPE_CHECKING:
     from planner.types.defaults import Defaults
 
 
-# --- grasp checks ---------------------------------------------------------------------------------
-#
 # Did what a whole hand was to do come about? One function per kind of goal.
 #
 # Volumes and lids are those of the account that is checked: a share of the contents is one of
@@ -95,9 +93,6 @@ def _stays_put(clause: Clause, name: str, e: Evidence) -> Check:
     return compare(clause, "at_most", quantity, 0.0, moved, e.defaults.stays_put, "m")
 
 
-# -- lifted and set down ------------------------------------------------------------------------
-
-
 def lift_check(goal: g.Lift, e: Evidence) -> Iterator[Check]:
     """It is up at the end, and upright."""
     d = e.defaults
@@ -121,9 +116,6 @@ def set_down(goal: g.SetDown, e: Evidence) -> Iterator[Check]:
         limit = e.defaults.place_tolerance
         yield compare(goal, "at_most", "moved while it was set down", 0.0, moved, limit, "m")
     yield from set_down_upright(goal, e)
-
-
-# -- lids ---------------------------------------------------------------------------------------
 
 
 def opening_check(goal: g.Open, e: Evidence) -> Iterator[Check]:
@@ -165,25 +157,14 @@ def _stood_still(clause: Clause, e: Evidence) -> Iterator[Check]:
     yield stands_on_base(clause, e)
 
 
-# -- poured -------------------------------------------------------------------------------------
-
-
 def pour_check(goal: g.Pour, e: Evidence) -> Iterator[Check]:
     """So much arrived, hardly any was spilled, what it went into stands, the source is back."""
     assert goal.into is not None, "what is poured is poured into something"
     into, d = goal.into.id or goal.into.text, e.defaults
     before, last, first = e.contents(e.name, 0), e.contents(into, -1), e.contents(into, 0)
     received = None if last is None or first is None else last - first
-    if (
-        goal.fill is None
-        and goal.volume is None
-        and goal.amount is None
-        and goal.fraction
-        in (
-            None,
-            1.0,
-        )
-    ):
+    whole = goal.fill is None and goal.volume is None and goal.amount is None
+    if whole and goal.fraction in (None, 1.0):
         least = d.pour_least * (before or 0.0)
         yield compare(goal, "at_least", f"arrived in the {into}", least, received, 0.0, "m³")
     else:
@@ -191,7 +172,8 @@ def pour_check(goal: g.Pour, e: Evidence) -> Iterator[Check]:
         tolerance = d.tolerance_of(asked, max(d.pour_share * asked, d.pour_margin))
         yield compare(goal, "about", f"arrived in the {into}", asked, received, tolerance, "m³")
     if not e.has("no_spill"):
-        yield spill_check(goal, e)
+        limit = d.spill_tolerance * (before or 0.0)
+        yield compare(goal, "at_most", "spilled", limit, e.spilled, 0.0, "m³")
     yield _stays_put(goal, into, e)
     yield from set_down_upright(goal, e)
 
@@ -211,29 +193,16 @@ def _asked_volume(goal: g.Pour, before: float, into: str, e: Evidence) -> float:
     return (d.pour_lot if goal.amount == "lot" else goal.fraction or 1.0) * before
 
 
-def spill_check(clause: Clause, e: Evidence) -> Check:
-    """Check of the volume that ran onto the table, against what was in it."""
-    limit = e.defaults.spill_tolerance * (e.contents(e.name, 0) or 0.0)
-    return compare(clause, "at_most", "spilled", limit, e.spilled, 0.0, "m³")
-
-
-# --- goal checks ----------------------------------------------------------------------------------
-
-
 def has_fallen(clause: Clause, e: Evidence) -> Check:
     """It comes to rest on a side."""
     tilt, _ = measures.tilt_at_end(e.trace, e.name)
     return compare(clause, "at_least", "tilt at the end", e.defaults.toppled, tilt, 0.0, "rad")
 
 
-def _falls(e: Evidence) -> bool:
-    """True if it is to be pushed until it tips over."""
-    return any(isinstance(c, g.Until) and c.event == "tips" for c in e.frame.constraints)
-
-
 def _still_stands(clause: Clause, e: Evidence) -> Iterator[Check]:
     """It stands at the end, unless the sentence says so itself or wants it to fall."""
-    if not _falls(e) and not e.has("no_topple"):
+    falls = any(isinstance(c, g.Until) and c.event == "tips" for c in e.frame.constraints)
+    if not falls and not e.has("no_topple"):
         yield stands_on_base(clause, e)
 
 

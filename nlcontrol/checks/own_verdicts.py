@@ -16,24 +16,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nlcontrol.checks.frame_checks import check
-from nlcontrol.checks.own_accounts import own_accounts
+from nlcontrol.checks.own_accounts import Knowledge, own_accounts
 from nlcontrol.checks.verdicts import NOT_PERCEIVED, Check, Observed, Verdict, holds
 from objectmodels.errors import ModelError
 from sim.control.pose_tracks import CALM, WILD
 
 if TYPE_CHECKING:
     from grammar.frames.command import Frame
-    from nlcontrol.checks.own_accounts import Knowledge
     from sim.traces.trace import Trace
 
 SURE = 0.975
 """Share of the accounts on which a clause holds that is told as held."""
 
-_TWO_SIGMA = (0.023, 0.977)  # of a normal distribution: two standard deviations
 _DIGITS = 9  # of what is told, in SI: the last ones depend on the machine's threads
-_NOTHING = 3.0  # standard deviations by which a size may seem to be there that is 0
-_ROUNDING = 1e-9  # of values that are the same, in SI
-_KNOWN = 0.9  # share of the accounts that must tell a quantity at all
 
 
 def verdicts(frame: Frame, trace: Trace, known: Knowledge) -> tuple[Check, ...]:
@@ -111,7 +106,8 @@ def _depends(calm: Sequence[Check | None], wild: Sequence[Check | None]) -> bool
     if not all(told) or any(isinstance(value, str) for each in told for value in each):
         return set(map(str, told[0])) != set(map(str, told[1]))
     apart = abs(float(np.median(told[0])) - float(np.median(told[1])))  # type: ignore[arg-type]
-    return apart > 2.0 * float(np.std(told[0])) + _ROUNDING  # type: ignore[arg-type]
+    # 1e-9: rounding of values that are the same, in SI.
+    return apart > 2.0 * float(np.std(told[0])) + 1e-9  # type: ignore[arg-type]
 
 
 def _untold(check: Check, observed: Observed | None = None) -> Check:
@@ -134,7 +130,8 @@ def _verdict(mean: Check, drawn: Sequence[Check | None]) -> Check:
         for one in drawn
         if one is not None and one.verdict != "unknown" and one.quantity == mean.quantity
     ]
-    if mean.verdict == "unknown" or len(told) < _KNOWN * len(drawn):
+    # Nine tenths of the accounts must tell a quantity at all.
+    if mean.verdict == "unknown" or len(told) < 0.9 * len(drawn):
         return _untold(mean)
     held = [float(np.mean([one.ok for one in told]))]
     low = high = None
@@ -150,9 +147,11 @@ def _verdict(mean: Check, drawn: Sequence[Check | None]) -> Check:
         pairs = zip(asked, mirrored, strict=True)
         allowed = mean.tolerance or 0.0
         held.append(float(np.mean([holds(mean.relation, a, m, allowed) for a, m in pairs])))
-        ranges = [np.quantile(some, _TWO_SIGMA) for some in (values, mirrored)]
+        # Two standard deviations of a normal distribution.
+        ranges = [np.quantile(some, (0.023, 0.977)) for some in (values, mirrored)]
         low, high = float(min(r[0] for r in ranges)), float(max(r[1] for r in ranges))
-        if is_size and mean.measured < _NOTHING * float(values.std()):
+        # A size that is 0 may seem to be there by three standard deviations.
+        if is_size and mean.measured < 3.0 * float(values.std()):
             low = min(low, 0.0)
         low, high = round(low, _DIGITS), round(high, _DIGITS)
         mean = mean.model_copy(update={"measured": round(mean.measured, _DIGITS)})

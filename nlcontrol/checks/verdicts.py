@@ -11,25 +11,23 @@ from typing import TYPE_CHECKING, Literal, Protocol
 
 import numpy as np
 
-from grammar.frames.command import Bound, Spans
+from grammar.frames.command import Bound, Frame, Spans
 from nlcontrol.checks import trace_measures as measures
 from nlcontrol.json_document import DocumentPart
 from nlcontrol.text_format import quantity
 from objectmodels.errors import ModelError
 from objectmodels.html_table import html_table
 from planner.problem.stacks import with_supports
-from planner.types.world_state import PlanarPose, SeenObject, WorldState
+from planner.types.world_state import PlanarPose, SeenObject, TableState, WorldState
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from grammar.frames.command import Frame
     from nlcontrol.checks.trace_measures import Array
     from objectmodels import ObjectModel
     from objectmodels.models.object_model import Resting
     from planner.problem.places import Measure
     from planner.types.defaults import Defaults
-    from planner.types.world_state import TableState
     from sim.traces.trace import Trace
 
 
@@ -134,21 +132,9 @@ def compare(
     unit: Unit,
 ) -> Check:
     """A verdict on a number; None if nothing tells it."""
-    if measured is None:
-        return _untold(clause, relation, quantity, float(expected), tolerance, unit)
-    ok = holds(relation, expected, measured, tolerance)
-    return Check(
-        clause=clause.kind,
-        spans=clause.spans,
-        quantity=quantity,
-        relation=relation,
-        expected=float(expected),
-        measured=float(measured),
-        tolerance=tolerance,
-        unit=unit,
-        verdict="held" if ok else "not_held",
-        ok=ok,
-    )
+    ok = measured is not None and holds(relation, expected, measured, tolerance)
+    told = None if measured is None else float(measured)
+    return _check(clause, relation, quantity, float(expected), told, ok, tolerance, unit)
 
 
 def relation_of(bound: Bound) -> Relation:
@@ -163,43 +149,38 @@ def holds(relation: Relation, expected: float, measured: float, tolerance: float
     return bool(miss <= tolerance)
 
 
-def _untold(
+def object_name(clause: Clause, quantity: str, expected: str, measured: str | None) -> Check:
+    """A verdict on a name; None if nothing tells it."""
+    return _check(clause, "is", quantity, expected, measured, measured == expected)
+
+
+def _check(
     clause: Clause,
     relation: Relation,
     quantity: str,
     expected: float | str,
+    measured: float | str | None,
+    ok: bool,
     tolerance: float | None = None,
     unit: Unit = "",
 ) -> Check:
-    """The verdict on what nothing was recorded of."""
+    """The verdict on a clause; nothing is claimed of what nothing was recorded of."""
+    if measured is None:
+        verdict: Verdict = "unknown"
+    else:
+        verdict = "held" if ok else "not_held"
     return Check(
         clause=clause.kind,
         spans=clause.spans,
         quantity=quantity,
         relation=relation,
         expected=expected,
-        measured=NOT_PERCEIVED,
+        measured=NOT_PERCEIVED if measured is None else measured,
         tolerance=tolerance,
         unit=unit,
-        verdict="unknown",
-        ok=False,
-        why="not_perceived",
-    )
-
-
-def object_name(clause: Clause, quantity: str, expected: str, measured: str | None) -> Check:
-    """A verdict on a name; None if nothing tells it."""
-    if measured is None:
-        return _untold(clause, "is", quantity, expected)
-    return Check(
-        clause=clause.kind,
-        spans=clause.spans,
-        quantity=quantity,
-        relation="is",
-        expected=expected,
-        measured=measured,
-        verdict="held" if expected == measured else "not_held",
-        ok=expected == measured,
+        verdict=verdict,
+        ok=ok,
+        why="not_perceived" if measured is None else None,
     )
 
 
@@ -216,8 +197,6 @@ def place_check(clause: Clause, measure: Measure) -> Check:
     )
 
 
-# --- evidence -------------------------------------------------------------------------------------
-#
 # Evidence for the checks of one frame: an account of what happened, and the believed shapes.
 #
 # There are two sources, and the checks do not know which one speaks: an observer of a simulation,

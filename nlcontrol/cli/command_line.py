@@ -121,7 +121,21 @@ def run(args: Sequence[str]) -> int:
         _require_output()
         return _run_command(args, as_json="--json" in args)
     except OSError as raised:
-        return _tell_lost_output(raised)
+        # Tell on standard error that standard output takes nothing; a reader that has gone is none.
+        if sys.stdout is not None:
+            # Python would complain once more when it flushes at the end.
+            with contextlib.suppress(OSError):
+                os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        info = ErrorInfo(
+            code="cannot_write",
+            message=f"cannot write to standard output: {raised.strerror or raised}",
+            suggestions=("let standard output go to a file with room, a pipe or a terminal",),
+        )
+        if isinstance(raised, BrokenPipeError):
+            return OK
+        with contextlib.suppress(OSError):
+            print_error(info, as_json=False)
+        return info.status.exit
 
 
 def _run_command(args: Sequence[str], *, as_json: bool) -> int:
@@ -131,7 +145,18 @@ def _run_command(args: Sequence[str], *, as_json: bool) -> int:
         status = cli.main(args=list(args), prog_name="nlcontrol", standalone_mode=False)
         return status if isinstance(status, int) else OK
     except click.UsageError as raised:
-        return _print_usage_error(raised, as_json)
+        if not as_json:
+            raised.show()
+            return USAGE
+        command = raised.ctx.command_path if raised.ctx else "nlcontrol"
+        hints = [f"`{command} --help` shows what it takes"]
+        if "unexpected extra argument" in raised.format_message():
+            hints.insert(0, "put what belongs together, like a sentence, in quotes")
+        print_error(
+            ErrorInfo(code="usage", message=raised.format_message(), suggestions=tuple(hints)),
+            as_json=True,
+        )
+        return USAGE
     except (click.Abort, KeyboardInterrupt, Terminated):
         return _print_interruption(as_json)
     except SystemExit as raised:  # the way of click to tell that the reader has gone
@@ -144,7 +169,9 @@ def _run_command(args: Sequence[str], *, as_json: bool) -> int:
             is_of_file = raised.filename is not None or isinstance(raised, FileNotFoundError)
             if not (is_of_file or as_json):
                 raise  # of a stream
-        return _print_failure(raised, as_json)
+        info = exception_info(raised)
+        print_error(info, as_json=as_json)
+        return info.status.exit
 
 
 def _require_output() -> None:
@@ -158,39 +185,6 @@ def _require_output() -> None:
     sys.stdout.flush()
 
 
-def _tell_lost_output(raised: OSError) -> int:
-    """Tell on standard error that standard output takes nothing; a reader that has gone is none."""
-    if sys.stdout is not None:
-        # Python would complain once more when it flushes at the end.
-        with contextlib.suppress(OSError):
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    info = ErrorInfo(
-        code="cannot_write",
-        message=f"cannot write to standard output: {raised.strerror or raised}",
-        suggestions=("let standard output go to a file with room, a pipe or a terminal",),
-    )
-    if isinstance(raised, BrokenPipeError):
-        return OK
-    with contextlib.suppress(OSError):
-        print_error(info, as_json=False)
-    return info.status.exit
-
-
-def _print_usage_error(raised: click.UsageError, as_json: bool) -> int:
-    if not as_json:
-        raised.show()
-        return USAGE
-    command = raised.ctx.command_path if raised.ctx else "nlcontrol"
-    hints = [f"`{command} --help` shows what it takes"]
-    if "unexpected extra argument" in raised.format_message():
-        hints.insert(0, "put what belongs together, like a sentence, in quotes")
-    print_error(
-        ErrorInfo(code="usage", message=raised.format_message(), suggestions=tuple(hints)),
-        as_json=True,
-    )
-    return USAGE
-
-
 def _print_interruption(as_json: bool) -> int:
     SIGNALS.ignore()
     print_error(
@@ -202,10 +196,3 @@ def _print_interruption(as_json: bool) -> int:
         as_json=as_json,
     )
     return SIGNALS.exit_code
-
-
-def _print_failure(raised: Exception, as_json: bool) -> int:
-    """The last resort: a known error, or a defect with the place where it arose."""
-    info = exception_info(raised)
-    print_error(info, as_json=as_json)
-    return info.status.exit

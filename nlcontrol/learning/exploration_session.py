@@ -42,15 +42,14 @@ from objectmodels.identification.joint_fit import (
 )
 from objectmodels.identification.measurement_model import with_belief
 from planner.touch_experiments import Experiment, Kind, expected_trials
-from sim.supervision import Monitor, Stopped
+from sim.supervision import Monitor, Progress, Stopped
+from sim.traces.trace import Trace, join_traces
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel
     from objectmodels.identification import Trial
     from planner.types.world_state import SeenObject, WorldState
     from sim.exploration.exploration_run import Explorer, Touched, TouchExecutor
-    from sim.supervision import Progress
-    from sim.traces.trace import Trace
 
 
 CENTRE_OF_MASS = ("com_x", "com_y", "com_z")
@@ -67,7 +66,6 @@ NEEDS: Mapping[str, tuple[Kind, ...]] = {
 TRIALS = 10
 """Repetitions, if nothing else is said."""
 
-_AGAIN = 0.1  # share by which a touch that was made before costs more
 
 _ELSEWHERE = "move it where the hand reaches more of its sides, and explore it there"
 _BELIEVING = "what was believed before counts as measured, since the touches are few"
@@ -101,26 +99,17 @@ class ExplorationStopped(Stopped):
 
     Args:
         trace: of the touches.
-        findings: makes them.
+        findings: makes those of the touches so far, what was believed before counting too; raises
+            `not_explorable` if they tell nothing.
     """
 
     def __init__(self, trace: Trace | None, findings: Callable[[], Exploration]) -> None:
         super().__init__(trace)
-        self._findings = findings
-
-    def findings(self) -> Exploration:
-        """Findings of the touches so far, what was believed before counting too.
-
-        Raises:
-            ControlError: `not_explorable` if they tell nothing.
-        """
-        return self._findings()
+        self.findings = findings
 
 
 def touch_trace(touches: Sequence[Touched]) -> Trace | None:
     """Everything that happened in some touches; None if nothing did."""
-    from sim.traces.trace import join_traces
-
     traces = [t.recording.trace for t in touches if t.recording.trace is not None]
     return join_traces(traces) if traces else None
 
@@ -163,7 +152,13 @@ def explore(
     models[name] = start
 
     def learn(touched: Touched) -> None:
-        models[name] = _belief_after(models[name], touched.trials)
+        model = models[name]
+        for trial in touched.trials:
+            try:
+                model = apply_lesson(model, trial).model
+            except ModelError:
+                continue
+        models[name] = model
         if told is not None:
             told(touched, models[name])
 
@@ -256,16 +251,6 @@ def kinds_for(parameters: Sequence[str]) -> tuple[Kind, ...]:
     return tuple(kind for kind in order if kind in needed)
 
 
-def _belief_after(model: ObjectModel, trials: Sequence[Trial]) -> ObjectModel:
-    """The belief after the trials of one touch; those that no values explain do not count."""
-    for trial in trials:
-        try:
-            model = apply_lesson(model, trial).model
-        except ModelError:
-            continue
-    return model
-
-
 def _touch_repeatedly(
     models: Mapping[str, ObjectModel],
     explorer: Explorer,
@@ -314,7 +299,8 @@ def _until(
 def _cost(experiment: Experiment, explorer: Explorer) -> float:
     """More for what was done before: of equals, sides take turns."""
     done = [t.experiment for t in explorer.touches]
-    return 1.0 + _AGAIN * sum(
+    # A touch costs a tenth more for each time that it was made before.
+    return 1.0 + 0.1 * sum(
         (e.kind, e.push.face) == (experiment.kind, experiment.push.face) for e in done
     )
 
@@ -399,8 +385,6 @@ def _touch_made(touched: Touched) -> TouchMade:
     )
 
 
-# --- expected beliefs -----------------------------------------------------------------------------
-#
 # What would be believed once parameters were found out: as now on average, and known better.
 
 

@@ -21,9 +21,14 @@ from objectmodels.errors import ModelError
 from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.identification.belief_update import (
     RevisedBelief,
+    Update,
     belief_of_slipperier_object,
     belief_of_stiffer_lid,
+    doubt_belief,
     standing_belief,
+    update_belief,
+    update_without_motion,
+    widen_belief,
 )
 from objectmodels.identification.measurement_model import container_with_mass, container_with_volume
 from objectmodels.mechanics.push_motion import learned_radius
@@ -37,7 +42,6 @@ from sim.exploration.trial_extraction import trial_from_push
 if TYPE_CHECKING:
     from objectmodels import ObjectModel
     from objectmodels.identification import Trial
-    from objectmodels.identification.belief_update import Update
     from planner.types.world_state import SeenObject
     from sim.traces.trace import EndReason, Trace
 
@@ -53,8 +57,6 @@ CONTRADICTIONS: dict[EndReason, str] = {
 SPREAD = 0.05
 """Relative standard deviation by which friction is taken to differ from push to push."""
 
-SHOWS_RADIUS = math.radians(8.0)
-"""A turn by less than this does not show where its pivot lies."""
 
 RADIUS_SD = 0.15
 """Relative standard deviation of a friction radius that one turn shows: the finger rolls, the load
@@ -99,7 +101,8 @@ def _from_turn(made: Plan, target: SeenObject, trace: Trace) -> tuple[ObjectMode
     """The friction radius that a turn shows: the pivot lies the nearer the smaller it is."""
     push, model, R_WB = made.push, target.model, target.pose.R_WB
     moved, turned = R_WB.T @ trace.seen_displacement(push.object), trace.seen_turn(push.object)
-    if abs(turned) < SHOWS_RADIUS:
+    # A turn by less than this does not show where its pivot lies.
+    if abs(turned) < math.radians(8.0):
         return None
     direction = R_WB.T @ np.array(push.direction_W)
     shown = learned_radius(model, push.p_BC, direction, (moved[0], moved[1], turned))
@@ -126,8 +129,6 @@ def _from_turn(made: Plan, target: SeenObject, trace: Trace) -> tuple[ObjectMode
 
 def apply_lesson(model: ObjectModel, trial: Trial) -> Update:
     """The belief after a trial; one that the trial contradicts was too sure, and is widened."""
-    from objectmodels.identification.belief_update import update_without_motion
-
     if trial.moved == "none":
         return update_without_motion(model, trial)
     if trial.moved == "slip":
@@ -140,12 +141,6 @@ def apply_lesson(model: ObjectModel, trial: Trial) -> Update:
 
 def _explained(model: ObjectModel, trial: Trial) -> Update:
     """The belief after a trial in which something moved."""
-    from objectmodels.identification.belief_update import (
-        doubt_belief,
-        update_belief,
-        widen_belief,
-    )
-
     first = update_belief(model, [trial], spread=SPREAD)
     if not first.is_contradiction:
         return first
@@ -165,11 +160,6 @@ def parameter_changes(before: ObjectModel, after: ObjectModel) -> tuple[Change, 
         for name, b, b_sd, a, a_sd in rows
         if (b, b_sd) != (a, a_sd)
     )
-
-
-_SWUNG = 2.0 / 3.0  # share of the time for which it is held at the end in which it hangs still
-_HELD = 0.4  # least of that time [s]
-_FROM_LEVEL = 0.02  # a share of the contents that always stays unknown
 
 
 def beliefs_after_grasp(
@@ -198,8 +188,9 @@ def felt_weight(made: Plan, trace: Trace) -> Weight | None:
     if held is None or not lifts or trace.end in ("no_grasp", "unreachable"):
         return None
     up = lifts[0]
-    # It hangs still in the end; the arm still swings at first.
-    still = up[trace.time[up] > trace.time[up[-1]] - _SWUNG * max(held, _HELD)]
+    # It hangs still in the last two thirds of the time, and for 0.4 s at least; the arm still
+    # swings at first.
+    still = up[trace.time[up] > trace.time[up[-1]] - (2.0 / 3.0) * max(held, 0.4)]
     vertical = np.sum([force[still, 2] for force in trace.felt.values()], axis=0)
     return estimate_weight(vertical, len(still))
 
@@ -248,7 +239,8 @@ def change_contents(model: ObjectModel, more: float, sd: float = 0.0) -> ObjectM
     assert container is not None, "what is poured is in a container"
     assert vessel is not None
     before = container.contents
-    spread = math.hypot(container.contents_sd, sd, _FROM_LEVEL * abs(more))
+    # 2 % of the contents always stay unknown.
+    spread = math.hypot(container.contents_sd, sd, 0.02 * abs(more))
     held = container_with_volume(model, before + more, min(spread, max(before + more, 0.0)))
     after = held.contents
     shell = model.mass - container.mass
@@ -262,8 +254,6 @@ def change_contents(model: ObjectModel, more: float, sd: float = 0.0) -> ObjectM
     )
 
 
-# --- hand lessons ---------------------------------------------------------------------------------
-#
 # Lessons of the whole hand: of what it lifted or poured, and of what it tried and failed at.
 #
 # A lid that withstood the force, the pull or the torque that was to be enough takes more than
@@ -287,9 +277,6 @@ TRIED_AGAIN: frozenset[EndReason] = frozenset(
     }
 )
 """Ends after which the hand tries once more, if it may."""
-
-_WITHSTOOD = 0.3  # time at the end over which a force that was withstood is felt [s]
-_LEARNED = ("friction_torque", "snap_torque", "retention")
 
 
 def lessons_from_hand(
@@ -358,7 +345,8 @@ def _flip_force(step: FlipOver, angle: float, trace: Trace) -> float:
     out = np.array([np.cos(step.heading), np.sin(step.heading), 0.0])
     across = np.cos(angle) * np.array([0.0, 0.0, 1.0]) - np.sin(angle) * out
     pressing = np.flatnonzero(measures.during(trace, ("lid",)))
-    last = pressing[trace.time[pressing] > trace.time[pressing[-1]] - _WITHSTOOD]
+    # A force that was withstood is felt over the last 0.3 s.
+    last = pressing[trace.time[pressing] > trace.time[pressing[-1]] - 0.3]
     felt = np.sum([force[last] for force in trace.felt.values()], axis=0)
     return abs(float(np.mean(felt @ across)))
 
@@ -367,7 +355,7 @@ def _changes(before: ObjectModel, after: ObjectModel) -> tuple[Change, ...]:
     """Changes of the lid's resistance, or of friction at the fingers."""
     parts: list[tuple[str, object, object, tuple[str, ...]]] = [
         ("", before, after, ("finger_friction",)),
-        ("lid_", before.lid, after.lid, _LEARNED),
+        ("lid_", before.lid, after.lid, ("friction_torque", "snap_torque", "retention")),
     ]
     return tuple(
         Change(

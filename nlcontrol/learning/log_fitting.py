@@ -169,9 +169,6 @@ def correlations(found: Fit) -> Iterator[tuple[str, str, float]]:
                 yield b, a, float(found.correlation[i, j])
 
 
-# -- in words ----------------------------------------------------------------------------------
-
-
 def report_lines(report: FitReport) -> Iterator[str]:
     """The report as people read it."""
     kinds = ", ".join(

@@ -17,24 +17,20 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
 
 from grammar.words.lexicon import default_lexicon
-from nlcontrol.errors import error
+from nlcontrol.errors import ErrorInfo, error
 from nlcontrol.json_document import docstring_parts
 from nlcontrol.plan_text import deciding_figures, plan_lines
 from nlcontrol.questions.push_prediction import PushPrediction
 from nlcontrol.results.result import Result
 from nlcontrol.service.documents import Affordances, Offer, RunInfo, TableView
-from nlcontrol.service.methods import QUESTIONS, Question
+from nlcontrol.service.methods import QUESTIONS, PlanningSession, Question, Run
 from nlcontrol.text_format import quantity, words
 
 if TYPE_CHECKING:
     from nlcontrol.checks.verdicts import Check
-    from nlcontrol.errors import ErrorInfo
-    from nlcontrol.service.methods import PlanningSession, Run
     from planner.affordances import Affordance
 
 
-# --- foreign text ---------------------------------------------------------------------------------
-#
 # Text that others wrote, marked so that a language model cannot take it for ours.
 #
 # Names of objects, models and scenes come from files of the host or from a caller's table. In our
@@ -99,8 +95,6 @@ class ForeignNames:
         return quoted_name(name if name.casefold() in self._names else name[1:-1])
 
 
-# --- tool answers ---------------------------------------------------------------------------------
-#
 # Answers of the tools: one form for all of them, short by rule.
 #
 # A language model pays for every word, so an answer stays below `MOST_BYTES` unless all is asked
@@ -108,10 +102,6 @@ class ForeignNames:
 
 
 MOST_BYTES = 2000
-MOST_SUMMARY = 300
-
-_DISPENSABLE = ("notes", "facts", "numbers", "from_others", "verdicts", "suggestions", "say")
-"""Parts that are shortened if there is no room for all, the first ones first."""
 
 
 class ToolAnswer(BaseModel):
@@ -177,7 +167,7 @@ class ToolAnswer(BaseModel):
     def summary(self, names: ForeignNames) -> str:
         """The answer in some 300 characters: status, what decided, what would do instead."""
         head = f"{self.status} ({self.code})" if self.code else self.status
-        text = short_text(f"{head}: {names.sentence_with_marks(self.message)}", MOST_SUMMARY - 40)
+        text = short_text(f"{head}: {names.sentence_with_marks(self.message)}", 300 - 40)
         if text[-1] not in ".?!…":
             text += "."
         return " ".join([text, *map(names.sentence_with_marks, self._next_steps())])
@@ -239,7 +229,8 @@ def _fitted(content: dict[str, Any]) -> dict[str, Any]:
     for key in ("message", "understood"):
         if key in content:
             content[key] = short_text(content[key], 600)
-    for key in _DISPENSABLE:
+    # Parts that are shortened if there is no room for all, the first ones first.
+    for key in ("notes", "facts", "numbers", "from_others", "verdicts", "suggestions", "say"):
         while content.get(key) and _size(content) > MOST_BYTES:
             whole = content[key]
             content[key] = _first_half(whole)
@@ -254,8 +245,6 @@ def _first_half(part: Any) -> Any:
     return part[: len(part) // 2]
 
 
-# --- agent documents ------------------------------------------------------------------------------
-#
 # Documents of a session as a language model reads them: the decisive part of each.
 #
 # A result has 8 to 13 kB; here are its outcome, the figures that decided and the verdicts.
@@ -329,6 +318,12 @@ def run_answer(info: RunInfo, detail: bool) -> ToolAnswer:
 def _result_answer(result: Result, detail: bool) -> ToolAnswer:
     """The outcome of a sentence."""
     answer = _outcome(result)
+    # The trace in a few numbers, and what the sentence left open.
+    facts: dict[str, Any] = {}
+    if result.execution is not None:
+        facts["execution"] = result.execution.model_dump(mode="json", exclude_none=True)
+    if result.defaults:
+        facts["defaults"] = [default.model_dump(mode="json") for default in result.defaults]
     return answer.model_copy(
         update={
             "ok": result.ok,
@@ -340,14 +335,10 @@ def _result_answer(result: Result, detail: bool) -> ToolAnswer:
                 *result.notes,
                 *(learnt.text for step in result.steps for learnt in step.lessons),
             ],
-            "facts": answer.facts | _execution_facts(result),
+            "facts": answer.facts | facts,
             "document": result.model_dump(mode="json", exclude_none=True) if detail else None,
         }
     )
-
-
-def _lessons(result: Result) -> list[str]:
-    return [learnt.text for step in result.steps for learnt in step.lessons]
 
 
 def _outcome(result: Result) -> ToolAnswer:
@@ -385,16 +376,6 @@ def _verdict(check: Check, text: str) -> dict[str, Any]:
     fields = check.model_dump(mode="json", exclude={"spans"}, exclude_none=True)
     fields["asked"] = fields.pop("expected")
     return {**fields, "words": words(text, check.spans)} if check.spans else fields
-
-
-def _execution_facts(result: Result) -> dict[str, Any]:
-    """The trace in a few numbers, and what the sentence left open."""
-    facts: dict[str, Any] = {}
-    if result.execution is not None:
-        facts["execution"] = result.execution.model_dump(mode="json", exclude_none=True)
-    if result.defaults:
-        facts["defaults"] = [default.model_dump(mode="json") for default in result.defaults]
-    return facts
 
 
 @document_answer.register
@@ -447,19 +428,11 @@ def _affordance_text(found: Affordance) -> str:
     return f"{said}, from the {found.face}, with {quantity(found.least_force, 'N')} at least"
 
 
-# --- agent tools ----------------------------------------------------------------------------------
-
-
-KEPT_RUNS = 20
-"""Runs whose verdict can still be asked for."""
-
 Sentence = Annotated[str, Field(min_length=1, max_length=1000)]
 Identifier = Annotated[str, Field(min_length=1, max_length=200)]
 
 _Detail = Annotated[bool, Field(description="show the whole document, which may have 10 kB")]
 
-_SENTENCES = ("text",)
-"""Fields that hold a sentence: a tool takes no frames in its place."""
 
 _NOT_FOR_TOOLS = ("frames", "explain", "objects")
 
@@ -534,7 +507,8 @@ class AgentTools:
             )
         run = self.session.execute(asked.plan_id)
         self._runs[run.run_id] = run
-        for old in list(self._runs)[:-KEPT_RUNS]:
+        # The verdict of the last 20 can still be asked for.
+        for old in list(self._runs)[:-20]:
             del self._runs[old]
         return run
 
@@ -624,7 +598,8 @@ def _arguments_of(question: Question) -> type[Arguments]:
     fields: dict[str, Any] = {}
     for name, field in _taken(question).items():
         of_body = question.asks.model_fields[field]
-        is_sentence = field in _SENTENCES
+        # Fields that hold a sentence: a tool takes no frames in its place.
+        is_sentence = field == "text"
         kind = Sentence if is_sentence else of_body.annotation
         taken = (kind, Field(description=told[field]), *of_body.metadata)
         fields[name] = (

@@ -26,7 +26,7 @@ from grammar.frames.constraints import CONSTRAINTS, Limit, new_constraint
 from grammar.frames.goals import GOALS
 from grammar.paraphrasing.command_wording import paraphrase
 from grammar.words.lexicon import default_lexicon
-from nlcontrol.errors import ErrorInfo, error, exception_info
+from nlcontrol.errors import error, exception_info
 from nlcontrol.mcp.agent_tools import (
     TOOLS,
     AgentTool,
@@ -46,8 +46,6 @@ if TYPE_CHECKING:
     from nlcontrol.service.methods import PlanningSession, Run
 
 
-# --- grammar card ---------------------------------------------------------------------------------
-#
 # The language on one card: an example of every kind, in the language's own words.
 #
 # The kinds come from the frames and the words from the lexicon, so that a new kind or another
@@ -57,7 +55,6 @@ if TYPE_CHECKING:
 _BOX, _MUG = g.ObjectRef(text="box"), g.ObjectRef(text="mug")
 _VALUES = {"rad": 0.17453292519943295, "N": 5.0, "m/s": 0.05, "s": 20.0, "m": 0.1}
 
-_MOST_VERBS = 10  # of a kind; it knows more
 
 _GOAL_FIELDS: dict[str, dict[str, Any]] = {
     "displace": {"direction": "away", "distance": 0.1},
@@ -118,7 +115,8 @@ def _lines() -> Iterator[str]:
 
 def _verbs(kind: str) -> str:
     said = [word for word, verb in default_lexicon().verbs.items() if verb.goal == kind]
-    return ", ".join(said[:_MOST_VERBS])
+    # Ten of a kind; it knows more.
+    return ", ".join(said[:10])
 
 
 def _goal_example(kind: str) -> str:
@@ -143,9 +141,6 @@ def _direction_words(direction: g.Direction) -> str:
 
 def _said(frame: g.Frame) -> str:
     return f"“{paraphrase(frame)}”"
-
-
-# --- stdio server ---------------------------------------------------------------------------------
 
 
 _LOOP = (
@@ -225,8 +220,17 @@ def tool_server(tools: AgentTools) -> Server[Any]:
         try:
             answer = await _answer(tools, context, asked.name, given)
         except Exception as raised:
-            answer = error_answer(_told_failure(raised))
-        return _call_result(answer, tools.names, detail=given.get("detail") is True)
+            info = exception_info(raised)
+            if info.code == "internal":
+                print(info.message, file=sys.stderr)
+            answer = error_answer(info)
+        return protocol.CallToolResult(
+            content=[protocol.TextContent(type="text", text=answer.summary(tools.names))],
+            structured_content=answer.structured_content(
+                tools.names, detail=(given.get("detail") is True)
+            ),
+            is_error=answer.status == "error",
+        )
 
     return Server(
         "nlcontrol",
@@ -253,24 +257,6 @@ def _listing(tool: AgentTool) -> protocol.Tool:
             open_world_hint=False,
         ),
     )
-
-
-def _call_result(
-    answer: ToolAnswer, names: ForeignNames, *, detail: bool
-) -> protocol.CallToolResult:
-    return protocol.CallToolResult(
-        content=[protocol.TextContent(type="text", text=answer.summary(names))],
-        structured_content=answer.structured_content(names, detail=detail),
-        is_error=answer.status == "error",
-    )
-
-
-def _told_failure(raised: Exception) -> ErrorInfo:
-    """A failure as data; of a defect the place is told on standard error alone."""
-    info = exception_info(raised)
-    if info.code == "internal":
-        print(info.message, file=sys.stderr)
-    return info
 
 
 async def _answer(

@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from nlcontrol import __version__
-from nlcontrol.errors import ControlError, error, known_errors_raised
+from nlcontrol.errors import error, known_errors_raised
 from nlcontrol.json_document import SCHEMA_VERSION, is_readable
 from nlcontrol.outcome_maps import outcome_map_table as maps
 from nlcontrol.parallel_tasks import run_all
@@ -50,8 +50,6 @@ if TYPE_CHECKING:
     from sim.robots.cell_description import CellDescription, CellObject
 
 
-# --- experiment record ----------------------------------------------------------------------------
-#
 # Results of experiments, kept in a file of JSON lines, so that a broken run can go on.
 #
 # The first line names the format and its version, each further one a result with the key of all
@@ -95,7 +93,17 @@ class Record:
         self.path = path
         content = _read(path)
         self._size = content.rfind(b"\n") + 1
-        _require_head(content, path)
+        # Refuses a file of something else, or of another version.
+        other = ("give another file with --record",)
+        version = _version(content.partition(b"\n")[0])
+        if version is not None and not is_readable(version):
+            message = f"{path} has version {version}, this program reads version {SCHEMA_VERSION}"
+            raise error("bad_record", message, suggestions=other)
+        if version is None and not _HEAD.startswith(content):
+            message = (
+                f"{path} is not a record of touches: it does not begin with {_HEAD.decode()!r}"
+            )
+            raise error("bad_record", message, suggestions=other)
         self._known: dict[str, TouchResult] = {}
         for number, text in enumerate(content[: self._size].splitlines()[1:], start=2):
             line = _parse_line(text, path, number)
@@ -145,18 +153,6 @@ def _read(path: Path) -> bytes:
         raise error("bad_record", message, suggestions=raised.suggestions) from raised
 
 
-def _require_head(content: bytes, path: Path) -> None:
-    """Refuses a file of something else, or of another version."""
-    other = ("give another file with --record",)
-    version = _version(content.partition(b"\n")[0])
-    if version is not None and not is_readable(version):
-        message = f"{path} has version {version}, this program reads version {SCHEMA_VERSION}"
-        raise error("bad_record", message, suggestions=other)
-    if version is None and not _HEAD.startswith(content):
-        message = f"{path} is not a record of touches: it does not begin with {_HEAD.decode()!r}"
-        raise error("bad_record", message, suggestions=other)
-
-
 def _version(head: bytes) -> str | None:
     """Version that the first line of a record names; None if it is no such line."""
     try:
@@ -172,20 +168,16 @@ def _parse_line(text: bytes, path: Path, number: int) -> _Line:
     try:
         return _Line.model_validate_json(text)
     except ValidationError as raised:
-        raise _damage_error(path, number, raised.errors(include_url=False)[0]) from raised
+        fault = raised.errors(include_url=False)[0]
+        where = ".".join(str(part) for part in fault["loc"])
+        damage_error = error(
+            "bad_record",
+            f"{path}, line {number}: {f'{where}: ' if where else ''}{fault['msg']}",
+            suggestions=("remove that line: its push is then carried out anew", "use another file"),
+        )
+        raise damage_error from raised
 
 
-def _damage_error(path: Path, number: int, fault: Any) -> ControlError:
-    where = ".".join(str(part) for part in fault["loc"])
-    return error(
-        "bad_record",
-        f"{path}, line {number}: {f'{where}: ' if where else ''}{fault['msg']}",
-        suggestions=("remove that line: its push is then carried out anew", "use another file"),
-    )
-
-
-# --- experiment runner ----------------------------------------------------------------------------
-#
 # Many pushes carried out in simulation, in parallel, and going on where a run was broken off.
 #
 # A push is plain data and its result depends on that alone, so that it does not matter which
@@ -226,21 +218,17 @@ def object_on_table(
         return next(item for item in cell.objects if item.name == found[0].name)
     with known_errors_raised():
         model = registry.find_one(name)
-    raise error(
-        "not_on_table",
-        f"the {model.name} does not stand in the scene {cell.name}, so that nobody "
-        "knows how it really is",
-        suggestions=(*_scenes_with(model), f"there stand: {enumeration(cell.names)}"),
-    )
-
-
-def _scenes_with(model: ObjectModel) -> list[str]:
-    """Options that choose a built-in scene in which an object stands."""
-    return [
+    scenes_with = [
         f"it stands in another: --scene {name}"
         for name in built_in_scenes()
         if model.name in [item.model for item in load_scene(name).objects]
     ]
+    raise error(
+        "not_on_table",
+        f"the {model.name} does not stand in the scene {cell.name}, so that nobody "
+        "knows how it really is",
+        suggestions=(*scenes_with, f"there stand: {enumeration(cell.names)}"),
+    )
 
 
 class FaceExperiment:
@@ -332,9 +320,6 @@ class FaceExperiment:
 def _digest(*parts: object) -> str:
     text = json.dumps(parts, sort_keys=True, allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()[:24]
-
-
-# --- face experiment ------------------------------------------------------------------------------
 
 
 BY = {"force": "a force applied directly", "robot": "the robot's finger"}

@@ -19,14 +19,13 @@ from numpy.typing import NDArray
 
 from nlcontrol.outcome_maps.face_experiment import BY, Comparison, agreement_text
 from nlcontrol.outcome_maps.outcome_map_table import legend
-from objectmodels.mechanics.outcome_map import COLOURS
+from objectmodels.mechanics.outcome_map import COLOURS, OutcomeMap
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from objectmodels.geometry.side_faces import Face
-    from objectmodels.mechanics.outcome_map import OutcomeMap
 
 MARKERS = {"slide": "o", "topple": "^", "undecided": "s", "none": "x"}
 _TITLES = {way: f"experiment by\n{words}" for way, words in BY.items()}

@@ -26,7 +26,6 @@ _VERBS: dict[DragOutcome, str] = {
     "slips": "stays behind: the fingertip slips over it",
     "tips": "tips",
 }
-_TURNS = np.radians(5.0)  # rate from which on a turn is told, as of pushes [rad/m]
 
 
 class AskedDrag(BaseModel):
@@ -155,7 +154,8 @@ def _sentences(found: DragPrediction) -> list[str]:
     ]
     if found.tips_at is not None:
         lines.append(f"It tips from {found.tips_at:.2f} N on.")
-    if abs(found.turning) >= _TURNS:
+    # A turn is told from 5° a metre on, as of pushes.
+    if abs(found.turning) >= np.radians(5.0):
         sense, rate = ("left" if found.turning > 0.0 else "right"), abs(found.turning)
         lines.append(f"It turns {sense}, {np.degrees(rate) / 100.0:.1f}° for each centimetre.")
     chance = probability_text(found.probability)

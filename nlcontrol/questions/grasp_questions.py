@@ -41,7 +41,6 @@ if TYPE_CHECKING:
 
 
 _NOTHING = 1e-6  # less than this is not spilled [m³]
-_ON_ITS_SIDE = math.pi / 2.0
 
 
 def possible_answer(made: Plan) -> Answer:
@@ -97,9 +96,6 @@ def hand_answer(frame: g.Frame, state: WorldState, robot: Robot, defaults: Defau
     )
 
 
-# -- what is spilled ----------------------------------------------------------------------------
-
-
 def spill_answer(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answer:
     """The volume that a tilt or a push would spill.
 
@@ -107,7 +103,14 @@ def spill_answer(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answe
         ControlError: `unsupported` if it is no container; as `push_asked_about` for a push.
     """
     target = target_of(frame, state)
-    _require_container(target, frame)
+    if target.model.vessel is None:
+        raise error(
+            "unsupported",
+            f"the model of the {target.name} does not say that it holds anything",
+            span=frame.object.spans[0] if frame.object and frame.object.spans else None,
+            capability=f"knowing what is in the {target.name}",
+            suggestions=("add a `container` block to its model",),
+        )
     if isinstance(frame.goal, g.Tilt):
         angle = frame.goal.angle or tilt_goal(frame.goal, target.model, defaults)[0]
         heading = HEADINGS[frame.goal.direction or "away"]
@@ -133,19 +136,8 @@ def spill_answer(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answe
     fallen = (
         f"{start}, the {target.name} would topple (probability {probability_text(p)}); on its side"
     )
-    told = _spill_text(target, _ON_ITS_SIDE, heading, fallen, p, defaults)
+    told = _spill_text(target, math.pi / 2.0, heading, fallen, p, defaults)
     return told.model_copy(update={"push": push.push_in_answer})
-
-
-def _require_container(target: SeenObject, frame: g.Frame) -> None:
-    if target.model.vessel is None:
-        raise error(
-            "unsupported",
-            f"the model of the {target.name} does not say that it holds anything",
-            span=frame.object.spans[0] if frame.object and frame.object.spans else None,
-            capability=f"knowing what is in the {target.name}",
-            suggestions=("add a `container` block to its model",),
-        )
 
 
 def _spill_text(

@@ -23,8 +23,6 @@ from objectmodels.mechanics.push_outcomes import sample_at
 from planner.problem.directions import HEADINGS, angle_between, heading_of
 from planner.types.refusal import probability_text
 
-# --- push direction -------------------------------------------------------------------------------
-#
 # The direction of a push that is asked about: as a unit vector, and in words.
 
 
@@ -52,9 +50,6 @@ def heading_text(heading: float) -> str:
     if abs(degrees) < 0.5:
         return name
     return f"{abs(degrees):.0f}° {'left' if degrees > 0 else 'right'} of '{name}'"
-
-
-# --- push prediction ------------------------------------------------------------------------------
 
 
 Array = NDArray[np.float64]

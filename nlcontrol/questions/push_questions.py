@@ -44,8 +44,6 @@ if TYPE_CHECKING:
     from planner.types.world_state import SeenObject, WorldState
 
 
-# --- asked push -----------------------------------------------------------------------------------
-#
 # The push that a question speaks of: which face, where on it, which way and how hard.
 #
 # It is read as the planner reads a command. What the question leaves open: the way is away from
@@ -158,7 +156,26 @@ def push_asked_about(frame: g.Frame, state: WorldState, defaults: Defaults) -> I
     try:
         asked = interpret_frame(_as_command(frame), state, defaults)
         require_resting(target)
-        face_name, face, heading = _touched_face(asked, target)
+        # The heading of the push if it is not straight in: what falls is pushed square to its face.
+        by_default = any(used.name == "direction" for used in asked.defaults_used)
+        square = by_default or asked.goal.outcome == "topple"
+        heading = None if square else asked.goal.heading
+        if asked.contact.face == "top":
+            raise not_capable(
+                "predicting presses on the top face",
+                "questions are answered about pushes on side faces; the top face is not one",
+                asked.contact.spans,
+                "say “at the top” for the upper third of a side face",
+            )
+        if asked.contact.face is not None:
+            into = FACE_HEADINGS[asked.contact.face] + math.pi
+        else:
+            into = HEADINGS["away"] if asked.goal.heading is None else asked.goal.heading
+        found = pushed_face(target, into)
+        if found is None or asked.contact.face not in (None, found[0]):
+            where = "side" if asked.contact.face is None else f"{asked.contact.face} face"
+            raise no_plan("no_side", spans=asked.contact.spans, object=target.name, where=where)
+        face_name, face = found
     except NoPlanError as refused:
         raise ControlError(refusal_error(refused.refusal)) from refused
     low, high = max(asked.contact.low, face.bottom), min(asked.contact.high, face.top)
@@ -213,32 +230,6 @@ def _as_command(frame: g.Frame) -> g.Frame:
     )
 
 
-def _touched_face(asked: PushProblem, target: SeenObject) -> tuple[FaceName, Face, float | None]:
-    """The face that is touched, its name, and the heading of the push if it is not straight in."""
-    heading = asked.goal.heading
-    if (
-        any(used.name == "direction" for used in asked.defaults_used)
-        or asked.goal.outcome == "topple"
-    ):
-        heading = None  # what falls is pushed square to its face
-    if asked.contact.face == "top":
-        raise not_capable(
-            "predicting presses on the top face",
-            "questions are answered about pushes on side faces; the top face is not one",
-            asked.contact.spans,
-            "say “at the top” for the upper third of a side face",
-        )
-    if asked.contact.face is not None:
-        into = FACE_HEADINGS[asked.contact.face] + math.pi
-    else:
-        into = HEADINGS["away"] if asked.goal.heading is None else asked.goal.heading
-    found = pushed_face(target, into)
-    if found is None or asked.contact.face not in (None, found[0]):
-        where = "side" if asked.contact.face is None else f"{asked.contact.face} face"
-        raise no_plan("no_side", spans=asked.contact.spans, object=target.name, where=where)
-    return *found, heading
-
-
 def _along(
     heading: float, asked: PushProblem, target: SeenObject, face_name: FaceName, face: Face
 ) -> Vector3:
@@ -265,9 +256,6 @@ def _force(frame: g.Frame) -> float | None:
     """The force that a question speaks of; of a limit, the limit."""
     said = [c.value for c in frame.constraints if isinstance(c, g.Force | g.MaxForce | g.MinForce)]
     return said[0] if said else None
-
-
-# --- push questions -------------------------------------------------------------------------------
 
 
 _MAKE = {"moves": "move", "slides": "slide", "tips": "topple", "tilts": "tilt", "turns": "turn"}
@@ -409,7 +397,11 @@ def where_answer(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answe
     """The places of a face where an event is sure, with the map that shows them."""
     event, push = wanted_event(frame), push_asked_about(frame, state, defaults)
     found = event_places(push, event, defaults.probability)
-    numbers = {"probability": defaults.probability} | _flip(push)
+    middle, normals = push.face.points_at([0.0], [push.height])
+    height = push.target.model.cone_thresholds(middle, normals, yaw=False).critical_height[0]
+    numbers = {"probability": defaults.probability} | (
+        {"critical_height": float(height)} if np.isfinite(height) else {}
+    )
     if found.sure.any():
         heights = found.chart.height[found.sure]
         numbers |= {"lowest": float(heights.min()), "highest": float(heights.max())}
@@ -462,13 +454,6 @@ def most_favourable(push: Inquiry, event: g.Event, defaults: Defaults) -> Inquir
         best = int(np.lexsort((aside, -found.likely.round(4)))[0])
     chart = found.chart
     return replace(push, lateral=float(chart.lateral[best]), height=float(chart.height[best]))
-
-
-def _flip(push: Inquiry) -> dict[str, float]:
-    """The height that separates sliding from toppling, if the object topples at all."""
-    middle, normals = push.face.points_at([0.0], [push.height])
-    height = push.target.model.cone_thresholds(middle, normals, yaw=False).critical_height[0]
-    return {"critical_height": float(height)} if np.isfinite(height) else {}
 
 
 def _places_text(push: Inquiry, event: g.Event, found: Places, numbers: dict[str, float]) -> str:

@@ -6,7 +6,8 @@ and by the code behind `nlcontrol affordances`, where by the one behind `nlcontr
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from itertools import islice, permutations
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +15,6 @@ import numpy as np
 from grammar.frames import command as g
 from nlcontrol.checks.frame_checks import require_checkable
 from nlcontrol.errors import ControlError, error
-from nlcontrol.questions.ability_answer import abilities_answer
 from nlcontrol.questions.answer import (
     DOES,
     Answer,
@@ -37,7 +37,6 @@ from nlcontrol.questions.push_prediction import (
 )
 from nlcontrol.questions.push_questions import (
     EVENTS,
-    Inquiry,
     figures,
     how_hard,
     most_favourable,
@@ -56,13 +55,13 @@ from nlcontrol.questions.scene_answers import (
 )
 from nlcontrol.text_format import enumeration, quantity
 from planner import plan
-from planner.affordances import TURNING_ARM, affordances
+from planner.affordances import TURNING_ARM, Affordance, affordances
 from planner.problem.directions import HEADINGS, heading_of, phrase
+from planner.problem.planning_problem import SearchBudget
 from planner.types.plan import Plan, Reached
 from planner.types.refusal import probability_text
 
 if TYPE_CHECKING:
-    from planner.affordances import Affordance
     from planner.types.defaults import Defaults
     from planner.types.robot import Robot
     from planner.types.world_state import WorldState
@@ -132,15 +131,14 @@ def _value(frame: g.Frame, state: WorldState, position_sd: float) -> Answer:
     return property_answer(frame, state, position_sd)
 
 
-# -- what happens -----------------------------------------------------------------------------
-
-
 def _predict(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answer:
     """The outcome of a push and, if the question is about an event, whether it would come."""
     goal_event = EVENTS.get(frame.goal.kind, "moves")
     push = most_favourable(push_asked_about(frame, state, defaults), goal_event, defaults)
     found = push.push_prediction()
-    turns = _turns(push, found)
+    model = push.target.model
+    r, u = np.array(found.push.point) - np.array(model.com), found.push.direction
+    turns = bool(abs(r[0] * u[1] - r[1] * u[0]) > TURNING_ARM * model.friction_radius)
     with_force = "" if push.force is None else f" with {force_text(push.force)}"
     start = f"Pushed{with_force} {push.where}"
     if frame.event is None:
@@ -185,13 +183,6 @@ def _probability(event: g.Event, found: PushPrediction, turns: bool) -> float:
     }[event]
 
 
-def _turns(push: Inquiry, found: PushPrediction) -> bool:
-    """True if the push has the arm to turn the object about the vertical as it slides."""
-    model = push.target.model
-    r, u = np.array(found.push.point) - np.array(model.com), found.push.direction
-    return bool(abs(r[0] * u[1] - r[1] * u[0]) > TURNING_ARM * model.friction_radius)
-
-
 def _state(found: PushPrediction, event: g.Event | None, turns: bool) -> str:
     """Outcome as a verb: "topple", "slide", "stay where it is"."""
     if found.outcome == "slide":
@@ -209,9 +200,6 @@ def _reasons(found: PushPrediction) -> str:
     second = threshold(found, other, force_text, only=True)
     believed = "" if found.nominal == found.outcome else "just as it is believed, "
     return f"{believed}it {threshold(found, first, force_text)} and {second}"
-
-
-# -- what can be done -------------------------------------------------------------------------
 
 
 def _possible(frame: g.Frame, state: WorldState, robot: Robot, defaults: Defaults) -> Answer:
@@ -312,3 +300,74 @@ def _ways(outcome: str, can: list[Affordance]) -> str:
     least = min(a.least_force for a in ways if a.least_force is not None)
     directions = enumeration([phrase(HEADINGS[a.direction]) for a in ways])
     return f"{outcome} it {directions} (from {force_text(least)} on)"
+
+
+# What the robot can do: each ability is asked of the planner, with the things that stand there.
+#
+# An ability is there if a plan is made for it with any of them; the others are told as not found.
+
+
+_Goal = Callable[[tuple[g.ObjectRef, ...]], g.Goal]
+_ABILITIES: tuple[tuple[str, g.Action, int, _Goal], ...] = (
+    ("push things", "push", 0, lambda _: g.Displace(direction="away")),
+    ("turn them", "turn", 0, lambda _: g.Rotate(sense="ccw")),
+    ("tilt them", "tilt", 0, lambda _: g.Tilt()),
+    ("topple them", "topple", 0, lambda _: g.Topple()),
+    ("lift them", "lift", 0, lambda _: g.Lift()),
+    ("put them beside others", "place", 1, lambda o: g.Place(relation="next_to", reference=o)),
+    ("put them on others", "place", 1, lambda o: g.Place(relation="on", reference=o)),
+    ("put them into others", "place", 1, lambda o: g.Place(relation="in", reference=o)),
+    ("pour from them", "pour", 1, lambda o: g.Pour(into=o[0])),
+    ("open their lids", "open", 0, lambda _: g.Open()),
+    ("close their lids", "close", 0, lambda _: g.Close()),
+    ("hand them over", "hand_over", 0, lambda _: g.HandOver()),
+)
+"""Words of an ability, its action, how many other objects it takes, and its goal."""
+
+
+def abilities_answer(state: WorldState, robot: Robot, defaults: Defaults) -> Answer:
+    """What the robot finds a plan for with the things before it, and for what it finds none."""
+    found = {
+        words: _is_found(action, others, goal, state, robot, defaults)
+        for words, action, others, goal in _ABILITIES
+    }
+    can = [words for words, is_planned in found.items() if is_planned]
+    cannot = [words for words, is_planned in found.items() if not is_planned]
+    names = enumeration([f"the {name}" for name in state.objects]) or "nothing"
+    text = f"I can {enumeration(can) or 'do nothing with what stands here'}"
+    text += (
+        f"; with what stands here I found no way to {enumeration(cannot, 'or')}" if cannot else ""
+    )
+    return Answer(
+        query="affordances",
+        text=(
+            f"{text}. I measure weight and friction by touch, and say beforehand what would "
+            f"happen. Before me I have {names}."
+        ),
+        suggestions=("ask “what can you do with the box?” of a thing",),
+        numbers={
+            "objects": float(len(state.objects)),
+            "can": float(len(can)),
+            "asked": float(len(found)),
+        },
+    )
+
+
+def _is_found(
+    action: g.Action, others: int, goal: _Goal, state: WorldState, robot: Robot, defaults: Defaults
+) -> bool:
+    """Return True if there is a plan for an ability with any of the things."""
+    # The work of all plans together: what can be done mostly shows soon.
+    budget = SearchBudget(600)
+    # At most 30 plans are asked for to find one ability.
+    frames = islice(_frames(action, others, goal, state), 30)
+    made = (plan(frame, state, robot, defaults=defaults, budget=budget) for frame in frames)
+    return any(isinstance(each, Plan) for each in made)
+
+
+def _frames(action: g.Action, others: int, goal: _Goal, state: WorldState) -> Iterator[g.Frame]:
+    """Frames of an ability, about one thing after the other."""
+    for name, *rest in permutations(state.objects, 1 + others):
+        refs = tuple(g.ObjectRef(text=each, id=each) for each in rest)
+        own = g.ObjectRef(text=name, id=name)
+        yield g.Frame(action=action, object=own, goal=goal(refs))

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from planner.types.world_state import SeenObject, WorldState
 
 
-# --- property values ------------------------------------------------------------------------------
-#
 # Believed values of an object: weight, friction, size, place, with where the figures come from.
 #
 # The width of an object is what it measures from left to right as it stands, its length what it
@@ -185,9 +183,6 @@ _TOLD: dict[str, Callable[[SeenObject], Told]] = {
 }
 
 
-# --- scene answers --------------------------------------------------------------------------------
-
-
 _MORE = {
     "mass": ("heavier", "kg"),
     "height": ("taller", "m"),
@@ -303,8 +298,6 @@ def destination_answer(
     return Answer(query="predict", text=text, numbers={"x": x, "y": y})
 
 
-# --- place answers --------------------------------------------------------------------------------
-#
 # Where objects are seen to stand to each other: how far apart, beside what, upright or not.
 
 

@@ -18,13 +18,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from nlcontrol.errors import error
-from objectmodels import suggest
+from objectmodels import Face, ObjectModel, suggest
 from planner.problem.directions import face_name
 from planner.problem.footprints import footprint, gap
 
 if TYPE_CHECKING:
     from grammar.frames.command import Quality, Relation
-    from objectmodels import Face, ObjectModel
     from planner.types.world_state import SeenObject
     from sim.robots.cell_description import CellObject
 
@@ -138,8 +137,6 @@ def face_of(model: ObjectModel, name: str, yaw: float = 0.0) -> Face:
     )
 
 
-# --- object attributes ----------------------------------------------------------------------------
-#
 # Attributes that tell seen objects apart: colour, size and place.
 #
 # Model of colours: each name stands for a few colours that many people called so, from light to
@@ -225,9 +222,6 @@ TOUCHING = 0.01
 BESIDE = 0.30
 """Gap up to which an object is next to another one [m]."""
 
-_ROUNDING = 1e-9
-"""Lengths below it are zero [m]."""
-
 
 class _Scale(NamedTuple):
     """Figure that a quality compares; by its sign most or least of it is meant."""
@@ -252,7 +246,12 @@ def with_attribute(
     if quality in SHADES:
         return [s for s in seen if s.colour is not None and quality in colour_names(s.colour)]
     if quality == "middle":
-        return _middle_ones(seen)
+        # The middle one of a row, or of a file if they are spread farther along x.
+        places = np.array([s.pose.p_WB[:2] for s in seen])
+        along = places[:, int(np.ptp(places, axis=0).argmax())]
+        row = np.sort(along)
+        low, high = row[(len(row) - 1) // 2] - SAME_PLACE, row[len(row) // 2] + SAME_PLACE
+        return [s for s, place in zip(seen, along, strict=True) if low < place < high]
     if quality in {"near", "far"} and beside:
         sign = 1 if quality == "far" else -1
         return _extreme_ones(seen, _Scale(lambda s: _farthest_gap(s, beside), sign, _same_place))
@@ -284,15 +283,6 @@ def _extreme_ones(seen: Sequence[SeenObject], scale: _Scale) -> list[SeenObject]
         return abs(scale.value(s) - scale.value(best)) < scale.tie(s, best)
 
     return [s for s in seen if s is best or is_close(s)]
-
-
-def _middle_ones(seen: Sequence[SeenObject]) -> list[SeenObject]:
-    """The middle one of a row, or of a file if they are spread farther along x."""
-    places = np.array([s.pose.p_WB[:2] for s in seen])
-    along = places[:, int(np.ptp(places, axis=0).argmax())]
-    row = np.sort(along)
-    low, high = row[(len(row) - 1) // 2] - SAME_PLACE, row[len(row) // 2] + SAME_PLACE
-    return [s for s, place in zip(seen, along, strict=True) if low < place < high]
 
 
 def stands_in_relation(relation: Relation, s: SeenObject, to: Sequence[SeenObject]) -> bool:
@@ -330,7 +320,8 @@ def _farthest_gap(s: SeenObject, others: Sequence[SeenObject]) -> float:
 def _off_line(s: SeenObject, a: SeenObject, b: SeenObject) -> float:
     """Distance of an object's middle from the line through two others' [m]."""
     (x, y, _), (u, v, _) = s.pose.p_WB - a.pose.p_WB, b.pose.p_WB - a.pose.p_WB
-    return float(abs(x * v - y * u) / max(math.hypot(u, v), _ROUNDING))
+    # Lengths below 1e-9 m are zero.
+    return float(abs(x * v - y * u) / max(math.hypot(u, v), 1e-9))
 
 
 def _prism_volume(s: SeenObject) -> float:

@@ -43,7 +43,7 @@ from grammar.words.plurals import singular
 from nlcontrol.errors import error, whole_span
 from nlcontrol.references.object_names import Candidate
 from nlcontrol.references.reference_search import (
-    Spoken,
+    Context,
     Surroundings,
     find_object,
     find_several,
@@ -61,8 +61,6 @@ if TYPE_CHECKING:
     from objectmodels import ObjectModel
 
 
-# --- arrangements ---------------------------------------------------------------------------------
-#
 # Frames whose objects stand to each other in the end: in a row, stacked, in each other's place.
 #
 # What such a frame asks depends on where its objects stand when the sentence is said. So here it
@@ -76,8 +74,6 @@ if TYPE_CHECKING:
 
 
 _MUTUAL = ("in_row", "together", "stacked", "place_of", "back")
-_ROOM = 0.06
-"""Gap between the objects of a row, in which a finger has room [m]."""
 
 
 def arranged_frames(
@@ -202,41 +198,15 @@ def _spots_of_row(own: Sequence[SeenObject], others: Sequence[SeenObject]) -> np
     order = np.argsort(at[:, along], kind="stable")
     middle = at[:, along].mean()
     for before, after in pairwise(order):
-        least = at[before, along] + half[before] + _ROOM + half[after]
+        # In a gap of 60 mm between the objects of a row a finger has room.
+        least = at[before, along] + half[before] + 0.06 + half[after]
         at[after, along] = max(at[after, along], least)
     if not others:
         at[:, along] += middle - at[:, along].mean()  # as far to the one side as to the other
     return at[: len(own)]
 
 
-# --- reference resolution -------------------------------------------------------------------------
-
-
 Part = TypeVar("Part", bound=BaseModel)
-
-
-@dataclass(frozen=True)
-class Context:
-    """Objects that a command may refer back to.
-
-    Attributes:
-        last: names of the objects that were spoken of, the most recent first.
-        held: name of the object in the hand; None if it holds nothing.
-        latest: those of the last sentence.
-        moved: names of the objects that were moved, in that order.
-        group: those that were handled or compared together last, if nothing else was since.
-        doubt: those of which a pronoun may mean any, since all were handled alike, or told as an
-            answer, or fit a name that was refused; None if it is clear.
-        ranked: a property, and two objects of which an answer told that the first has more of it.
-    """
-
-    last: tuple[str, ...] = ()
-    held: str | None = None
-    latest: tuple[str, ...] = ()
-    moved: tuple[str, ...] = ()
-    group: tuple[str, ...] = ()
-    doubt: tuple[str, ...] | None = None
-    ranked: tuple[str, ...] = ()
 
 
 NOTHING_SAID = Context()
@@ -282,7 +252,9 @@ def resolve_references(
         doubt = None if frames or it != spoken else context.doubt
         own = dict.fromkeys(f.object.id for f in frames if f.object and f.object.id)
         group = tuple(own) if len(own) > 1 else context.group
-        before = Spoken(it, it[:1], latest, context.moved, group, doubt, context.ranked)
+        before = replace(
+            context, last=it, other=it[:1], held=None, latest=latest, group=group, doubt=doubt
+        )
         about = _with_this_one(frame, command.text, around, before)
         each = [
             _resolve_frame(f, around, before) for f in _frames_of_several(about, around, before)
@@ -294,18 +266,18 @@ def resolve_references(
     return command.model_copy(update={"frames": arranged_frames(frames, around.look)})
 
 
-def _with_this_one(frame: Frame, text: str, around: Surroundings, spoken: Spoken) -> Frame:
+def _with_this_one(frame: Frame, text: str, around: Surroundings, spoken: Context) -> Frame:
     """A frame about "this box" of several boxes: the one that was spoken of last, if it is one."""
     ref = frame.object
     if ref is None or ref.pronoun or ref.id or ref.quantifier or not ref.spans or spoken.doubt:
         return frame
     start = ref.spans[0][0]
-    if not spoken.it or not _THIS.search(text[:start]) or ref.text not in text[start:].casefold():
+    if not spoken.last or not _THIS.search(text[:start]) or ref.text not in text[start:].casefold():
         return frame
     fitting = [each.name for each in matching_objects(ref, around, spoken)]
-    if len(fitting) < 2 or spoken.it[0] not in fitting:
+    if len(fitting) < 2 or spoken.last[0] not in fitting:
         return frame
-    return frame.model_copy(update={"object": ref.model_copy(update={"id": spoken.it[0]})})
+    return frame.model_copy(update={"object": ref.model_copy(update={"id": spoken.last[0]})})
 
 
 def _pronoun_meanings(frame: Frame, spoken: tuple[str, ...], held: str | None) -> tuple[str, ...]:
@@ -345,7 +317,7 @@ def _references_in(part: BaseModel) -> list[ObjectRef]:
     return [part for part in parts if isinstance(part, ObjectRef)]
 
 
-def _frame_of_pair(frame: Frame, spoken: Spoken) -> Frame:
+def _frame_of_pair(frame: Frame, spoken: Context) -> Frame:
     """A question about "the two" as one about the first and the second of them.
 
     Those that were compared last, or handled together, come before those that were moved last.
@@ -371,7 +343,7 @@ def _frame_of_pair(frame: Frame, spoken: Spoken) -> Frame:
         there = goal.model_copy(update={"which": ("position",)})  # "how far away is the mug?"
         return frame.model_copy(update={"goal": there})
     moved = tuple(dict.fromkeys(reversed(spoken.moved)))[:2]
-    may = (spoken.latest, spoken.group) if apart else (spoken.group, spoken.it)
+    may = (spoken.latest, spoken.group) if apart else (spoken.group, spoken.last)
     pair = next((set(names) for names in (*may, moved) if len(set(names)) == 2), None)
     if pair is None and apart:
         raise no_group_error(ref, spoken)
@@ -382,7 +354,7 @@ def _frame_of_pair(frame: Frame, spoken: Spoken) -> Frame:
     return frame.model_copy(update={"object": one, "goal": goal})
 
 
-def _frames_of_several(frame: Frame, around: Surroundings, spoken: Spoken) -> list[Frame]:
+def _frames_of_several(frame: Frame, around: Surroundings, spoken: Context) -> list[Frame]:
     """A frame for each of its objects: first what is foremost on the way, which would be hit."""
     frame = _frame_of_pair(frame, spoken)
     ref = frame.object
@@ -420,9 +392,9 @@ def _way_of(frame: Frame) -> tuple[float, float]:
     return sum(u for u, _ in ways), sum(v for _, v in ways)
 
 
-def _resolve_frame(frame: Frame, around: Surroundings, before: Spoken) -> Frame:
+def _resolve_frame(frame: Frame, around: Surroundings, before: Context) -> Frame:
     """A frame whose objects are bound, given what was spoken of before it."""
-    spoken = before.it
+    spoken = before.last
     unnamed = frame.object is None or frame.object.pronoun
     if (frame.dialogue in {"undo", "stop"} and unnamed) or frame.query == "capable":
         return frame  # "them", "the boxes": which ones, the answer says
@@ -435,19 +407,19 @@ def _resolve_frame(frame: Frame, around: Surroundings, before: Spoken) -> Frame:
             doubt = before.doubt and tuple(name for name in before.doubt if name not in beside)
             if doubt and len(doubt) == 1:
                 it, doubt = doubt, None
-            binder = replace(binder, spoken=replace(before, it=it, doubt=doubt))
+            binder = replace(binder, spoken=replace(before, last=it, doubt=doubt))
         asked = replace(binder, prefers_open=_is_about_inside(frame.goal))
         target = asked.bind_reference(target, alone=_answered_alone(frame))
     own = (target.id,) if target is not None and target.id is not None else ()
     others = tuple(name for name in spoken if name not in own)
     last = own or spoken[:1]
-    around_goal = replace(before, it=others, last=last)
+    around_goal = replace(before, last=others, other=last)
     inside = _is_about_inside(frame.goal)
     goal_binder = replace(binder, own=own, spoken=around_goal, prefers_open=inside)
     goal = goal_binder.fill_part(frame.goal)
     named = tuple(ref.id for ref in _references_in(goal) if ref.id is not None)
     said = (*named, *own)
-    about = replace(around_goal, it=(*said, *others), doubt=None if said else before.doubt)
+    about = replace(around_goal, last=(*said, *others), doubt=None if said else before.doubt)
     within = replace(binder, own=own, spoken=about)
     constraints = tuple(within.fill_part(clause) for clause in frame.constraints)
     return frame.model_copy(update={"object": target, "goal": goal, "constraints": constraints})
@@ -491,7 +463,7 @@ class _Binder:
     """
 
     around: Surroundings
-    spoken: Spoken
+    spoken: Context
     own: tuple[str, ...] = ()
     prefers_open: bool = False
 
@@ -507,7 +479,12 @@ class _Binder:
             case ObjectRef():
                 return self.bind_reference(value)
             case RelativeLength():
-                return self._length_in_metres(value)
+                model = self.around.model(self._measuring_object(value.of))
+                shorter, longer = sorted(model.extents[:2])
+                side = {"length": longer, "width": shorter, "height": model.top}[
+                    value.side or "width"
+                ]
+                return value.value * side
             case BaseModel():
                 return self.fill_part(value)
             case tuple():
@@ -536,12 +513,6 @@ class _Binder:
             return None
         opened = [name for name in names if self.around.model(name).inside is not None]
         return opened[0] if len(opened) == 1 else None
-
-    def _length_in_metres(self, length: RelativeLength) -> float:
-        model = self.around.model(self._measuring_object(length.of))
-        shorter, longer = sorted(model.extents[:2])
-        side = {"length": longer, "width": shorter, "height": model.top}[length.side or "width"]
-        return length.value * side
 
     def _measuring_object(self, ref: ObjectRef) -> str:
         """The object that a length is measured in: the frame's own, wherever that fits."""

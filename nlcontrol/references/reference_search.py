@@ -36,8 +36,6 @@ if TYPE_CHECKING:
     from planner.types.world_state import SeenObject, WorldState
 
 
-# --- disambiguation text --------------------------------------------------------------------------
-#
 # References in words: what was said, and what could be said to tell objects apart.
 
 
@@ -196,8 +194,6 @@ def require_no_more_than_a_name(
         )
 
 
-# --- general words --------------------------------------------------------------------------------
-#
 # Objects by what they are, where none is called so: the carton, the cup, the one with the lid.
 #
 # A general word is looked up last, after names and synonyms. It fits every object of its kind, so
@@ -306,9 +302,6 @@ def compares_two(ref: ObjectRef) -> bool:
     return compares and not ref.reference and not set(COLOURS) & set(ref.qualities)
 
 
-# --- reference search -----------------------------------------------------------------------------
-
-
 _SIDES: tuple[Quality, ...] = ("left", "right", "near", "far")
 """Qualities of which all that stand on that side of the table have some."""
 
@@ -316,27 +309,30 @@ _SPOKEN: tuple[Quality, ...] = ("other", "same", "moved_first", "moved_last")
 
 
 @dataclass(frozen=True)
-class Spoken:
-    """Objects that were spoken of before a reference, the most recent first.
+class Context:
+    """Objects that a command, or a reference in it, may refer back to.
 
     Attributes:
-        it: what "it" may mean.
-        last: what "the other one" may be the other of.
-        latest: what the rest is the rest of.
-        moved: what was moved, in that order.
-        group: of what "the taller one" and "the other one" are one, if they are several; else
-            these are one of the two that were ever spoken of.
-        doubt: of what "it" may be any, and "the left one" is one; None if it is clear.
-        ranked: a property, and the two of which it was told that the first has more of it.
+        last: names of the objects that were spoken of, the most recent first; what "it" may mean.
+        held: name of the object in the hand; None if it holds nothing.
+        latest: those of the last sentence, of which the rest is the rest.
+        moved: names of the objects that were moved, in that order.
+        group: those that were handled or compared together last, if nothing else was since; of
+            these "the taller one" is one, else of the two that were ever spoken of.
+        doubt: those of which a pronoun may mean any, since all were handled alike, or told as an
+            answer, or fit a name that was refused, and "the left one" is one; None if it is clear.
+        ranked: a property, and two objects of which an answer told that the first has more of it.
+        other: what "the other one" may be the other of, within a command.
     """
 
-    it: tuple[str, ...] = ()
     last: tuple[str, ...] = ()
+    held: str | None = None
     latest: tuple[str, ...] = ()
     moved: tuple[str, ...] = ()
     group: tuple[str, ...] = ()
     doubt: tuple[str, ...] | None = None
     ranked: tuple[str, ...] = ()
+    other: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -366,7 +362,7 @@ class Surroundings:
 
 
 def find_object(
-    ref: ObjectRef, around: Surroundings, spoken: Spoken, *, alone: bool = False
+    ref: ObjectRef, around: Surroundings, spoken: Context, *, alone: bool = False
 ) -> str:
     """Name of the one object that a reference means.
 
@@ -380,7 +376,10 @@ def find_object(
         ControlError: `unknown_object`, `ambiguous_object`, `not_on_table` or `no_antecedent`.
     """
     if ref.id is not None:
-        return _object_by_id(ref.id, ref, around, alone)
+        known = tuple(model.name for model in around.known) if alone else ()
+        if ref.id in (*around.names, *known):
+            return ref.id
+        return _model_elsewhere(ObjectRef(text=ref.id, spans=ref.spans), around, alone)
     if ref.pronoun and not set(_SPOKEN) & set(ref.qualities):
         return _pronoun_object(ref, around, spoken, alone)
     if not _objects_named(ref, around):
@@ -404,7 +403,7 @@ def find_object(
 
 
 def _with_doubtful(
-    ref: ObjectRef, found: Sequence[Candidate], around: Surroundings, spoken: Spoken
+    ref: ObjectRef, found: Sequence[Candidate], around: Surroundings, spoken: Context
 ) -> list[Candidate]:
     """What a name fits, and the one among those to be told apart of whose name it is a part.
 
@@ -413,10 +412,6 @@ def _with_doubtful(
     doubtful = [c for c in around.on_table if c.name in (spoken.doubt or ())]
     parts = find_by_name(ref.text, doubtful)
     return [*found, *parts] if len(parts) == 1 and parts[0] not in found else list(found)
-
-
-_THEM = ("them", "these", "those")
-"""Last words of "each of them", which are those that were spoken of together, if any were."""
 
 
 def with_number(ref: ObjectRef, around: Surroundings) -> ObjectRef:
@@ -430,15 +425,19 @@ def with_number(ref: ObjectRef, around: Surroundings) -> ObjectRef:
     return several if _objects_named(several, around) else ref
 
 
-def find_several(ref: ObjectRef, around: Surroundings, spoken: Spoken) -> list[str]:
+def find_several(ref: ObjectRef, around: Surroundings, spoken: Context) -> list[str]:
     """Names of all objects that a reference to several means, without its exceptions.
 
     Raises:
         ControlError: `unknown_object` if there is none, or two are meant and there are not two.
     """
-    of_them = ref.quantifier == "all" and ref.text.split()[-1] in _THEM
+    # Last words of "each of them", which are those that were spoken of together, if any were.
+    of_them = ref.quantifier == "all" and ref.text.split()[-1] in ("them", "these", "those")
     if ref.pronoun or (of_them and len(spoken.group) > 1):
-        return _those_spoken_of(ref, spoken)
+        names = list(spoken.doubt or spoken.group)
+        if len(names) > 1:
+            return names
+        raise no_group_error(ref, spoken)
     excepted = {other.id for other in ref.exceptions}
     excepted |= set(spoken.latest) if ref.quantifier == "rest" else set()
     found = [c.name for c in matching_objects(ref, around, spoken) if c.name not in excepted]
@@ -456,33 +455,17 @@ def find_several(ref: ObjectRef, around: Surroundings, spoken: Spoken) -> list[s
     )
 
 
-def _those_spoken_of(ref: ObjectRef, spoken: Spoken) -> list[str]:
-    """Names of "them", if several were handled or named together."""
-    names = list(spoken.doubt or spoken.group)
-    if len(names) > 1:
-        return names
-    raise no_group_error(ref, spoken)
-
-
-def no_group_error(ref: ObjectRef, spoken: Spoken) -> ControlError:
+def no_group_error(ref: ObjectRef, spoken: Context) -> ControlError:
     """The error of "them" where no objects were spoken of together."""
     return error(
         "no_antecedent",
         f"'{ref.text}' — no objects were spoken of together",
         span=whole_span(ref.spans),
-        suggestions=tuple(f"the {name}" for name in spoken.it) or ("all of them",),
+        suggestions=tuple(f"the {name}" for name in spoken.last) or ("all of them",),
     )
 
 
-def _object_by_id(name: str, ref: ObjectRef, around: Surroundings, alone: bool) -> str:
-    """The object that is named exactly, whatever words there are for it."""
-    known = tuple(model.name for model in around.known) if alone else ()
-    if name in (*around.names, *known):
-        return name
-    return _model_elsewhere(ObjectRef(text=name, spans=ref.spans), around, alone)
-
-
-def matching_objects(ref: ObjectRef, around: Surroundings, spoken: Spoken) -> list[Candidate]:
+def matching_objects(ref: ObjectRef, around: Surroundings, spoken: Context) -> list[Candidate]:
     """All objects on the table that a reference with a name may mean.
 
     Raises:
@@ -495,7 +478,7 @@ def matching_objects(ref: ObjectRef, around: Surroundings, spoken: Spoken) -> li
         found = objects_called(noun, around.on_table) or found
     fitting = _fitting_objects(ref, found, qualities, around, spoken)
     if not fitting and set(COLOURS) & set(qualities):  # "the red one" beside two of other colours
-        alone = replace(spoken, group=(), it=spoken.it[:1], doubt=None)
+        alone = replace(spoken, group=(), last=spoken.last[:1], doubt=None)
         fitting = _fitting_objects(ref, found, qualities, around, alone)
     if fitting or noun in GENERIC or not (qualities or ref.qualities):
         return fitting
@@ -508,7 +491,7 @@ def _fitting_objects(
     found: list[Candidate],
     qualities: tuple[Quality, ...],
     around: Surroundings,
-    spoken: Spoken,
+    spoken: Context,
 ) -> list[Candidate]:
     """Those of some objects that are told apart as a reference tells them."""
     doubtful = [c for c in found if c.name in (spoken.doubt or ())]
@@ -520,16 +503,16 @@ def _fitting_objects(
         counted = 2 if ref.quantifier == "both" else count_in(ref)
         if len(together) != (counted or len(together)):
             together = []
-        if len(together) < 2 and len(spoken.it) == (counted or 2):
-            together = [c for c in found if c.name in spoken.it]
+        if len(together) < 2 and len(spoken.last) == (counted or 2):
+            together = [c for c in found if c.name in spoken.last]
         found = together if len(together) > 1 else found
         if len(found) > 2 and compares_two(ref):
             return found
     if "other" in ref.qualities:
-        last = _first_spoken_of(spoken.last, ref, around)
+        last = _first_spoken_of(spoken.other, ref, around)
         found = [c for c in found if c.name != last]
     if "same" in ref.qualities:
-        last = _first_spoken_of(spoken.it, ref, around)
+        last = _first_spoken_of(spoken.last, ref, around)
         found = [c for c in found if c.name == last]
     if {"moved_first", "moved_last"} & set(ref.qualities):
         moved = [name for name in spoken.moved if name in [c.name for c in found]]
@@ -547,7 +530,7 @@ def _fitting_objects(
     return found
 
 
-def _told_apart(qualities: Sequence[Quality], spoken: Spoken) -> str | None:
+def _told_apart(qualities: Sequence[Quality], spoken: Context) -> str | None:
     """Which of two "the lighter one" is after an answer has told it; None if none has."""
     which, place = RANKED.get(qualities[0], ("", 0)) if len(qualities) == 1 else ("", 0)
     return spoken.ranked[place] if spoken.ranked[:1] == (which,) else None
@@ -603,9 +586,9 @@ def _looked_for(ref: ObjectRef, around: Surroundings) -> tuple[Quality, ...]:
     return tuple(q for q in qualities if ref.reference and q in {"near", "far"})
 
 
-def _pronoun_object(ref: ObjectRef, around: Surroundings, spoken: Spoken, alone: bool) -> str:
+def _pronoun_object(ref: ObjectRef, around: Surroundings, spoken: Context, alone: bool) -> str:
     """Object of a pronoun; if nothing was spoken of, the only one that there is."""
-    if spoken == Spoken() and len(around.on_table) == 1:
+    if spoken == Context() and len(around.on_table) == 1:
         return around.on_table[0].name
     if spoken.doubt is not None:
         may = [name for name in around.names if name in spoken.doubt] or around.names
@@ -615,7 +598,7 @@ def _pronoun_object(ref: ObjectRef, around: Surroundings, spoken: Spoken, alone:
             span=whole_span(ref.spans),
             suggestions=tuple(f"the {name}" for name in may),
         )
-    name = _first_spoken_of(spoken.it, ref, around)
+    name = _first_spoken_of(spoken.last, ref, around)
     if name not in around.names and not alone:
         raise _not_on_table(f"'{ref.text}', the {name},", name, ref, around)
     return name

@@ -10,6 +10,7 @@ import numpy as np
 from nlcontrol.learning.exploration_session import CENTRE_OF_MASS
 from nlcontrol.learning.learning_reports import ExplorationReport
 from nlcontrol.learning.log_fitting import NAMES, UNITS
+from objectmodels.geometry.base_shapes import mean_distance
 
 if TYPE_CHECKING:
     from sim.truth.object_truth import Truth
@@ -20,8 +21,6 @@ _COLUMNS = ("mean", "sd", "%", "min", "max", "joint fit", "±", "believed", "tru
 
 def with_truth(report: ExplorationReport, truth: Truth) -> ExplorationReport:
     """The report of a finished exploration with how the object really is, by an observer."""
-    from objectmodels.geometry.base_shapes import mean_distance
-
     feet = np.array(truth.support)
     figures = {
         "mass": truth.mass_kg,
@@ -43,7 +42,10 @@ def report_lines(report: ExplorationReport) -> Iterator[str]:
     told = _COLUMNS if report.truth is not None else _COLUMNS[:-1]
     yield f"  {'':22}" + "".join(f"{name:>10}" for name in told)
     for name in report.parameters:
-        yield f"  {_label(name):22}" + "".join(f"{cell:>10}" for cell in _cells(report, name))
+        unit = _SCALES[UNITS.get(name, "")][2]
+        yield f"  {(f'{NAMES[name]} [{unit}]' if unit else NAMES[name]):22}" + "".join(
+            f"{cell:>10}" for cell in _cells(report, name)
+        )
     yield f"  each repetition by itself; then all {len(report.touches)} touches together"
     for a, b, value in report.correlations:
         yield f"  correlation of {NAMES[a]} and {NAMES[b]}: {value:+.2f}"
@@ -59,11 +61,6 @@ def report_lines(report: ExplorationReport) -> Iterator[str]:
         yield f"  The robot goes by it instead of: {report.instead_of}"
     for kind, path in report.files.items():
         yield f"{kind.capitalize()}: {path}"
-
-
-def _label(name: str) -> str:
-    unit = _SCALES[UNITS.get(name, "")][2]
-    return f"{NAMES[name]} [{unit}]" if unit else NAMES[name]
 
 
 def _cells(report: ExplorationReport, name: str) -> Iterator[str]:

@@ -39,8 +39,6 @@ if TYPE_CHECKING:
     from sim.exploration.exploration_run import Touched
 
 
-# --- predicted places -----------------------------------------------------------------------------
-#
 # Places that a plan predicts: where objects are touched, and the poses in which they end.
 #
 # All of it is belief. A pose is a row of a trace: quaternion (w, x, y, z) and position in W [m].
@@ -123,13 +121,9 @@ def _grasp_marks(grasp: GraspAction | None, R_WN: Array) -> Iterator[_Mark]:
         yield grasp.p_BG + 0.5 * side * grasp.width * closing, side * closing
 
 
-# --- plan drawing ---------------------------------------------------------------------------------
-
-
 BLUE, ORANGE, PURPLE, GREY, DARK = "#0072b2", "#d55e00", "#a0307a", "#8a8a8a", "#222222"
 _MARGIN = 0.06  # of the picture around what is drawn [m]
 _ROUND = np.linspace(0.0, 2.0 * np.pi, 33)
-_WRAP = 150  # characters of a line below the picture
 
 
 def save_plan(result: Result, state: WorldState, path: Path) -> None:
@@ -160,7 +154,8 @@ def plan_figure(result: Result, state: WorldState) -> Figure:
     _draw_table(above, step, step.plan, state)
     handles, labels = above.get_legend_handles_labels()
     entries = dict(zip(labels, handles, strict=True))
-    told = "\n".join(fill(line.strip(), _WRAP) for line in list(plan_lines(step.plan))[:2])
+    # 150 characters of a line fit below the picture.
+    told = "\n".join(fill(line.strip(), 150) for line in list(plan_lines(step.plan))[:2])
     figure.legend(
         entries.values(),
         entries.keys(),
@@ -176,23 +171,45 @@ def plan_figure(result: Result, state: WorldState) -> Figure:
     return figure
 
 
-# -- the table from above -------------------------------------------------------------------------
-
-
 def _draw_table(axes: Axes, step: Step, plan: Plan, state: WorldState) -> None:
     target = state.objects[plan.object]
     drawn = [footprint(target)]
     for seen in state.objects.values():
         _draw_object(axes, seen, moved=seen is target)
         if seen is not target:
-            kept = _grown(footprint(seen), _clearance(seen, step, plan))
+            # Distance that is kept from another object [m].
+            assert step.basis is not None, "what is planned has an object"
+            defaults = step.basis.defaults
+            usual = defaults.clearance_fragile if seen.fragile else defaults.clearance
+            kept = _grown(
+                footprint(seen), max(dict(plan.limits.clear_of).get(seen.name, 0.0), usual)
+            )
             style = {"color": GREY, "linestyle": ":", "linewidth": 1.2}
             drawn.append(_outline(axes, kept, "distance kept", **style))
     for ghost in end_poses([step]):
         corners = _corners(target, np.array(ghost.pose))
         style = {"color": ORANGE, "linestyle": "--", "linewidth": 1.8}
         drawn.append(_outline(axes, corners, "predicted end", **style))
-    drawn.append(_draw_way(axes, plan, target, state))
+    # The way of the object's middle and the push; returns its points in W, shape (k, 2) [m].
+    here = target.pose.p_WB[:2]
+    stops = [
+        (step.to.x, step.to.y) if step.kind == "carry" else state.objects[step.into].pose.p_WB[:2]
+        for step in plan.actions
+        if step.kind in ("carry", "pour_out")
+    ]
+    if plan.aim is not None and not stops:
+        stops = [(plan.aim.x, plan.aim.y)]
+    points = np.array([here, *stops])
+    for start, end in pairwise(points):
+        if np.linalg.norm(end - start) > 0.005:
+            _arrow(axes, start, end, "way", color=ORANGE, linewidth=1.4)
+    if plan.pushes:
+        push = plan.push
+        contact = here + (target.pose.R_WB @ np.array(push.p_BC))[:2]
+        ahead = 0.05 * np.array(push.direction_W[:2])
+        _arrow(axes, contact - ahead, contact, "push", color=PURPLE, linewidth=2.4)
+        points = np.vstack([points, contact - ahead])
+    drawn.append(points)
     R_WB, p_WB = target.body_pose
     marks = [p_WB + R_WB @ np.array(mark.place) for mark in plan_contacts(plan, R_WB, target.rest)]
     if marks:
@@ -209,14 +226,6 @@ def _draw_table(axes: Axes, step: Step, plan: Plan, state: WorldState) -> None:
             linestyle="none",
         )
     _frame(axes, np.concatenate(drawn), state)
-
-
-def _clearance(seen: SeenObject, step: Step, plan: Plan) -> float:
-    """Distance that is kept from another object [m]."""
-    assert step.basis is not None, "what is planned has an object"
-    defaults = step.basis.defaults
-    usual = defaults.clearance_fragile if seen.fragile else defaults.clearance
-    return max(dict(plan.limits.clear_of).get(seen.name, 0.0), usual)
 
 
 def _draw_object(axes: Axes, seen: SeenObject, *, moved: bool) -> None:
@@ -244,29 +253,6 @@ def _draw_object(axes: Axes, seen: SeenObject, *, moved: bool) -> None:
         zorder=6,
         fontweight="bold" if moved else "normal",
     )
-
-
-def _draw_way(axes: Axes, plan: Plan, target: SeenObject, state: WorldState) -> Array:
-    """The way of the object's middle and the push; returns its points in W, shape (k, 2) [m]."""
-    here = target.pose.p_WB[:2]
-    stops = [
-        (step.to.x, step.to.y) if step.kind == "carry" else state.objects[step.into].pose.p_WB[:2]
-        for step in plan.actions
-        if step.kind in ("carry", "pour_out")
-    ]
-    if plan.aim is not None and not stops:
-        stops = [(plan.aim.x, plan.aim.y)]
-    points = np.array([here, *stops])
-    for start, end in pairwise(points):
-        if np.linalg.norm(end - start) > 0.005:
-            _arrow(axes, start, end, "way", color=ORANGE, linewidth=1.4)
-    if plan.pushes:
-        push = plan.push
-        contact = here + (target.pose.R_WB @ np.array(push.p_BC))[:2]
-        ahead = 0.05 * np.array(push.direction_W[:2])
-        _arrow(axes, contact - ahead, contact, "push", color=PURPLE, linewidth=2.4)
-        points = np.vstack([points, contact - ahead])
-    return points
 
 
 def _arrow(axes: Axes, start: Array, end: Array, label: str, **style: Any) -> None:
@@ -330,9 +316,6 @@ def _grown(corners: Array, distance: float) -> Array:
     return np.asarray(hull_polygon((corners[:, None] + disc).reshape(-1, 2)).vertices)
 
 
-# -- the face from outside ------------------------------------------------------------------------
-
-
 def _draw_face(axes: Axes, push: PushAction, seen: SeenObject) -> None:
     """The touched face with the contacts, and the heights above which it would topple."""
     normal = seen.pose.R_WB.T @ push.normal_W
@@ -375,8 +358,6 @@ def _draw_face(axes: Axes, push: PushAction, seen: SeenObject) -> None:
     axes.set_title(f"{push.face} face, from outside\n{1e3 * push.p_BC[2]:.0f} mm up", fontsize=9)
 
 
-# --- drawing canvas -------------------------------------------------------------------------------
-#
 # A sheet to draw boxes, texts and ties on, measured in inches from its upper left corner.
 #
 # Texts are measured before they are placed, so a layout can give each as much room as it needs.
@@ -385,13 +366,13 @@ def _draw_face(axes: Axes, push: PushAction, seen: SeenObject) -> None:
 LINE = 1.35
 """Distance of lines as a share of the size of the letters."""
 
-_POINT = 1.0 / 72.0  # [in]
 _DPI = 150
 
 
 def line_height(size: float) -> float:
     """Height of a line of text [in], by the size of its letters in points."""
-    return LINE * size * _POINT
+    # 72 points are an inch.
+    return LINE * size * (1.0 / 72.0)
 
 
 class Sheet:
@@ -486,8 +467,6 @@ class Sheet:
         self._figure.savefig(path)
 
 
-# --- force curve plot -----------------------------------------------------------------------------
-#
 # Force curves of an exploration: one panel for each kind of experiment, the onsets marked.
 #
 # Thin and pale stand the samples, drawn through them their running mean. What a panel tells

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from nlcontrol.plan_text import plan_lines
 from nlcontrol.reports.plan_drawing import end_poses, plan_contacts
-from nlcontrol.reports.result_report import asked_text, default_line, measured_text
+from nlcontrol.reports.result_report import asked_text, default_line, value_text
 from nlcontrol.reports.word_explanation import part_at
 from nlcontrol.text_format import words
 from objectmodels.geometry.rotations import from_quaternion
@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from nlcontrol.results.result import Result, Step
     from planner.plan_explanation import Row
     from sim.traces.trace import Trace
-
-_BEGINS = ("touch", "grasp")  # phases with which the hand begins to touch what it was to touch
 
 
 def replay_story(result: Result) -> RunStory:
@@ -84,12 +82,9 @@ def _clauses(result: Result) -> Iterator[StoryClause]:
             said=words(result.text, check.spans),
             spans=check.spans,
             quantity=check.quantity,
-            measured=measured_text(check),
+            measured=value_text(check.measured, check),
             asked=asked_text(check),
         )
-
-
-# -- contacts -------------------------------------------------------------------------------------
 
 
 def _contacts(result: Result) -> Iterator[ContactMark]:
@@ -115,7 +110,8 @@ def _attempts(trace: Trace) -> Iterator[tuple[int, int]]:
     first, touch = 0, None
     for phase, members in groupby(trace.phase.tolist()):
         last = first + len(list(members)) - 1
-        if phase in _BEGINS and touch is None:
+        # With these phases the hand begins to touch what it was to touch.
+        if phase in ("touch", "grasp") and touch is None:
             touch = first
         if touch is not None and (phase == "retreat" or last == len(trace.phase) - 1):
             yield touch, last

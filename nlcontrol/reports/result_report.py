@@ -102,7 +102,13 @@ def _step_lines(result: Result, step: Step | Result, *, planned: bool) -> Iterat
         yield from (f"  {lesson.text}" for lesson in step.lessons)
     if step.answer:
         yield ""
-        yield from answer_lines(step.answer)
+        # An answer: its sentence, what stands below it, what would be possible instead.
+        yield step.answer.text
+        yield from (f"  {line}" for line in step.answer.lines)
+        yield from (f"  → {suggestion}" for suggestion in step.answer.suggestions)
+        if step.answer.map is not None and step.answer.chart is not None:
+            yield ""
+            yield from maps.map_lines(step.answer.map, step.answer.chart.face)
 
 
 def _is_there(result: Result, step: Step | Result) -> bool:
@@ -112,16 +118,6 @@ def _is_there(result: Result, step: Step | Result) -> bool:
     if step.status != "planned":
         return False
     return not isinstance(step, Step) or result.frames[step.frame].action != "explore"
-
-
-def answer_lines(answer: Answer) -> Iterator[str]:
-    """An answer: its sentence, what stands below it, what would be possible instead."""
-    yield answer.text
-    yield from (f"  {line}" for line in answer.lines)
-    yield from (f"  → {suggestion}" for suggestion in answer.suggestions)
-    if answer.map is not None and answer.chart is not None:
-        yield ""
-        yield from maps.map_lines(answer.map, answer.chart.face)
 
 
 def default_line(used: DefaultUsed) -> str:
@@ -135,7 +131,8 @@ def check_line(text: str, check: Check) -> str:
     Where an observer saw it otherwise, that is told too.
     """
     said = f" “{words(text, check.spans)}”" if check.spans else ""
-    told = f"{check.quantity}: {measured_text(check)} ({asked_text(check)}{_doubt(check)})"
+    measured = value_text(check.measured, check)
+    told = f"{check.quantity}: {measured} ({asked_text(check)}{_doubt(check)})"
     return f"  {MARKS[check.verdict]}{said} {told}{_observed(check)}"
 
 
@@ -154,21 +151,19 @@ def _observed(check: Check) -> str:
     seen = check.observed
     if seen is None or not check.differs:
         return ""
-    return f"; an observer saw {_value(seen.measured, check)}: {'held' if seen.ok else 'not held'}"
+    return (
+        f"; an observer saw {value_text(seen.measured, check)}: {'held' if seen.ok else 'not held'}"
+    )
 
 
-def measured_text(check: Check) -> str:
-    """The measured value, with its unit."""
-    return _value(check.measured, check)
-
-
-def _value(value: float | str, check: Check) -> str:
+def value_text(value: float | str, check: Check) -> str:
+    """A value of a check, with its unit."""
     return value if isinstance(value, str) else quantity(value, check.unit)
 
 
 def asked_text(check: Check) -> str:
     """The asked value with its tolerance: “asked: at most 5°”."""
-    expected = _value(check.expected, check)
+    expected = value_text(check.expected, check)
     if check.relation == "is" or check.tolerance is None:
         return f"asked: {expected}"
     tolerance = quantity(check.tolerance, check.unit)
@@ -182,8 +177,6 @@ def asked_text(check: Check) -> str:
     return f"asked: {bound} {expected}, tolerance {tolerance}"
 
 
-# --- why answers ----------------------------------------------------------------------------------
-#
 # Answers to "why": what a result, its plan or its refusal was decided by.
 
 
@@ -241,7 +234,7 @@ def deed_answer(deeds: Sequence[Result], *, first: bool = False) -> Answer:
         why = f": {result.error.message}" if result.error else ""
         text = f"I was told to {_told(result)}. {ends.get(result.status, 'It was not done')}{why}."
         return Answer(query="did", text=text, lines=lines, objects=objects)
-    held = [f"{c.quantity}: {_value_text(c.measured, c)}" for c in result.checks]
+    held = [f"{c.quantity}: {value_text(c.measured, c)}" for c in result.checks]
     ended = {"done": "It was done", "undecided": "It was carried out, and I cannot tell all of it"}
     came = ended.get(result.status, "It failed")
     return Answer(
@@ -262,10 +255,6 @@ def _told(result: Result) -> str:
     names = _names(result)
     about = f" ({enumeration(list(names))})" if names else ""
     return f"{result.paraphrase or result.text}{about}"
-
-
-def _value_text(value: float | str, check: Check) -> str:
-    return value if isinstance(value, str) else quantity(value, check.unit)
 
 
 def _missed_text(check: Check) -> str:
@@ -303,8 +292,6 @@ def _measured_figures(missed: list[Check]) -> dict[str, float]:
     return {check.clause: float(c) for check in missed if not isinstance(c := check.measured, str)}
 
 
-# --- notebook view --------------------------------------------------------------------------------
-#
 # A result as a notebook shows it: sentence, verdicts, picture of the words, report.
 
 

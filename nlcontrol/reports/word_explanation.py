@@ -19,13 +19,15 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 from pydantic import BaseModel
 
 from grammar.frames import command as g
-from nlcontrol.questions.answer import DOES, force_text
+from nlcontrol.errors import ErrorInfo, error
+from nlcontrol.questions.answer import DOES, Answer, Considered, force_text
 from nlcontrol.questions.push_prediction import CERTAIN
 from nlcontrol.references.reference_resolution import parts_within
 from nlcontrol.reports.plan_drawing import Sheet, line_height
 from nlcontrol.text_format import aside_text, quantity
 from planner.plan_explanation import (
     Clause,
+    PartName,
     Row,
     Value,
     belief_values,
@@ -41,10 +43,7 @@ from planner.types.refusal import probability_text
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from nlcontrol.errors import ErrorInfo
-    from nlcontrol.questions.answer import Answer, Considered
     from nlcontrol.results.result import Result, Step
-    from planner.plan_explanation import PartName
 
 
 NOT_PLANNED, NOT_ANSWERED = "not planned", "not answered"
@@ -97,9 +96,6 @@ def _of_frame(frame: g.Frame, step: Step | None, result: Result) -> tuple[Row, .
     return rows
 
 
-# --- what was not planned ----------------------------------------------------------------
-
-
 def _unplanned_rows(frame: g.Frame, reason: ErrorInfo | None, text: str) -> Iterator[Row]:
     """The parts of a frame without parameters; those that cannot be satisfied with the reason."""
     parts = list(frame_clauses(frame, _head(frame)))
@@ -137,9 +133,6 @@ def _concerns(error: ErrorInfo, frame: g.Frame) -> bool:
     if error.span is None:
         return True
     return any(a < error.span[1] and error.span[0] < b for a, b in _spans(frame))
-
-
-# --- questions ---------------------------------------------------------------------------
 
 
 def _answer_rows(frame: g.Frame, answer: Answer, step: Step | None, text: str) -> Iterator[Row]:
@@ -249,9 +242,6 @@ def _figure(name: str, value: float) -> str:
     if name in _UNITS:
         return f"{value:z.3f}{_UNITS[name]}"
     return quantity(value, "rad" if name == "yaw" else "m")
-
-
-# --- words without a part ----------------------------------------------------------------
 
 
 def _spans(part: BaseModel) -> tuple[g.Span, ...]:
@@ -382,8 +372,6 @@ def _add(drawn: Table, group: Group) -> None:
         )
 
 
-# --- explanation drawing --------------------------------------------------------------------------
-#
 # The way from the words to the controller, drawn: words, frames and parameters tied by lines.
 #
 # Above stands the sentence, each word in the colour of what it became. Below are three columns,
@@ -442,8 +430,6 @@ def save_explanation(result: Result, path: Path) -> None:
         ControlError: `cannot_write` if the format is unknown.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
-
-    from nlcontrol.errors import error
 
     if path.suffix.lstrip(".").lower() not in FigureCanvasAgg.get_supported_filetypes():
         raise error(

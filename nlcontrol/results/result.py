@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from textwrap import shorten
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import ConfigDict, Field
@@ -20,13 +20,9 @@ from nlcontrol.questions.answer import Answer
 from planner.plan_explanation import Basis, Row
 from planner.types.actions import Vector3
 from planner.types.plan import DefaultUsed, MotionGuide, Plan
-from planner.types.world_state import Mark, PlanarPose
+from planner.types.world_state import Held, Mark, PlanarPose
 from sim.robots.cell_description import AsItIs
 from sim.traces.trace import Trace
-
-if TYPE_CHECKING:
-    from planner.types.world_state import Held
-
 
 ResultStatus = Literal[
     "done",
@@ -235,8 +231,6 @@ def result_with(result: Result, **changes: object) -> Result:
     return result.model_copy(update=changes)
 
 
-# --- step endings ---------------------------------------------------------------------------------
-#
 # Ends of steps: the result with one more of them, its status, and what a stop has left.
 
 

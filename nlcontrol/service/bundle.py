@@ -45,9 +45,6 @@ if TYPE_CHECKING:
     from sim.supervision import Progress
 
 
-_NOT_COMPARED = ("files", "explanation")
-"""Fields of a result that tell of its reports and not of the run."""
-
 _LONGEST = 200  # characters of a place or a value; a bundle may come from anybody
 
 
@@ -90,7 +87,8 @@ def result_differences(
 ) -> Iterator[Difference]:
     """Fields of two results, as JSON, that are not the same."""
     for key in dict.fromkeys((*recorded, *repeated)):
-        if key not in _NOT_COMPARED:
+        # Fields of a result that tell of its reports and not of the run.
+        if key not in ("files", "explanation"):
             yield from _value_differences(key, recorded.get(key), repeated.get(key))
 
 
@@ -209,8 +207,6 @@ def _trace_difference(
     return Difference(part="trace", place=place, recorded=recorded, repeated=repeated, **figures)
 
 
-# --- recipe rebuilding ----------------------------------------------------------------------------
-#
 # From a recipe to a controller that goes on as the one that it was taken from.
 
 
@@ -301,13 +297,7 @@ def _bad_recipe(message: str) -> ControlError:
     return error("bad_recipe", f"it cannot be rebuilt: {told}", suggestions=(hint,))
 
 
-# --- bundle rerun ---------------------------------------------------------------------------------
-#
 # A run repeated from its bundle: the same to the digit, or what came out otherwise.
-
-
-MOST_DIFFERENCES = 50
-"""Differences that are told."""
 
 
 class RerunReport(Document):
@@ -362,11 +352,12 @@ def rerun(bundle: RunBundle, progress: Progress | None = None) -> RerunReport:
             trace_differences(bundle.trace, trace),
         )
     )
+    # The first 50 differences are told.
     return RerunReport(
         ok=not came_out,
         text=printable(request.text),
         samples=0 if bundle.trace is None else len(bundle.trace.time),
-        differences=(*others, *came_out[:MOST_DIFFERENCES]),
+        differences=(*others, *came_out[:50]),
         found=len(came_out),
         error=_differs(len(came_out), others) if came_out else None,
     )
@@ -393,25 +384,21 @@ def report_lines(report: RerunReport) -> Iterator[str]:
     else:
         yield f"It came out otherwise: “{report.text}”."
     for each in report.differences:
-        yield f"  {each.part} {each.place}: {_difference_text(each)}"
+        told = []
+        if each.recorded is not None or each.repeated is not None:
+            told.append(
+                f"{each.recorded or 'nothing'} in the bundle, {each.repeated or 'nothing'} now"
+            )
+        if each.largest is not None:
+            told.append(f"up to {each.largest:.3g} {each.unit or ''}".rstrip())
+        if each.begins is not None:
+            told.append(f"from {each.begins:.3f} s on")
+        yield f"  {each.part} {each.place}: {', '.join(told)}"
     untold = report.found - sum(each.part != "version" for each in report.differences)
     if untold > 0:
         yield f"  and {untold} more"
 
 
-def _difference_text(each: Difference) -> str:
-    told = []
-    if each.recorded is not None or each.repeated is not None:
-        told.append(f"{each.recorded or 'nothing'} in the bundle, {each.repeated or 'nothing'} now")
-    if each.largest is not None:
-        told.append(f"up to {each.largest:.3g} {each.unit or ''}".rstrip())
-    if each.begins is not None:
-        told.append(f"from {each.begins:.3f} s on")
-    return ", ".join(told)
-
-
-# --- run request ----------------------------------------------------------------------------------
-#
 # The request of a run: what was asked, where, by which versions, and how it can be repeated.
 
 
@@ -466,8 +453,6 @@ def run_request(controller: Controller, result: Result, digest: str | None = Non
     )
 
 
-# --- run bundle -----------------------------------------------------------------------------------
-#
 # A run in one zip file: what was asked, where, by which versions, and what came of it.
 #
 # The members are `request.json` (a `RunRequest`), `result.json`, and where there are any
@@ -478,7 +463,6 @@ def run_request(controller: Controller, result: Result, digest: str | None = Non
 
 
 _MOST_MEMBERS = 100
-_DIRECTORY_ENTRY = b"PK\x01\x02"
 _BROKEN = (zipfile.BadZipFile, zlib.error, ValueError, EOFError, OSError, RuntimeError)
 
 
@@ -570,13 +554,22 @@ def read_bundle(path: Path) -> RunBundle:
         content = read_bytes(path, "bundle_file")
     try:
         # Its list of members is read as a whole, so it may not be long.
-        if content.count(_DIRECTORY_ENTRY) > _MOST_MEMBERS:
+        if content.count(b"PK\x01\x02") > _MOST_MEMBERS:
             raise ValueError(f"it has more than {_MOST_MEMBERS} members")
         with zipfile.ZipFile(io.BytesIO(content)) as members:
             request = RunRequest.model_validate_json(_member(members, "request.json"))
             return RunBundle(request, _result_in(members), _trace_in(members))
     except (*_BROKEN, KeyError, NotImplementedError, RecursionError, ControlError) as raised:
-        raise _bad_bundle(path, raised) from raised
+        message = str(raised)
+        if isinstance(raised, ValidationError):
+            first = raised.errors(include_url=False, include_input=False)[0]
+            message = f"request.json: {'.'.join(map(str, first['loc']))}: {first['msg']}"
+        bad_bundle = error(
+            "bad_bundle",
+            f"{path} is no bundle of a run: {printable(message[:300])}",
+            suggestions=("give a file that `say --bundle` or the service has written",),
+        )
+        raise bad_bundle from raised
 
 
 def _member(members: zipfile.ZipFile, name: str) -> bytes:
@@ -606,15 +599,3 @@ def _trace_in(members: zipfile.ZipFile) -> Trace | None:
         file.flush()
         with known_errors_raised():
             return Trace.load(file.name)
-
-
-def _bad_bundle(path: Path, raised: Exception) -> ControlError:
-    message = str(raised)
-    if isinstance(raised, ValidationError):
-        first = raised.errors(include_url=False, include_input=False)[0]
-        message = f"request.json: {'.'.join(map(str, first['loc']))}: {first['msg']}"
-    return error(
-        "bad_bundle",
-        f"{path} is no bundle of a run: {printable(message[:300])}",
-        suggestions=("give a file that `say --bundle` or the service has written",),
-    )

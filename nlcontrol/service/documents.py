@@ -376,8 +376,6 @@ class FaceMap(Document):
     contacts: tuple[MapContact, ...]
 
 
-# --- live documents -------------------------------------------------------------------------------
-#
 # Documents for viewers, and for nobody else: shapes of bodies, and their poses over time.
 #
 # Where the robot is simulated these are the poses that an observer of that world sees; they are

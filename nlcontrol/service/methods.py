@@ -12,7 +12,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, wraps
-from types import MappingProxyType
+from types import MappingProxyType, TracebackType
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Protocol, Self, TypeVar, cast
 
 from pydantic import (
@@ -35,7 +35,9 @@ from nlcontrol.service.documents import (
     Affordances,
     FaceMap,
     Number,
+    NumberedEvent,
     Offer,
+    RunInfo,
     StatedObject,
     StatedObjects,
     TableSpec,
@@ -46,9 +48,6 @@ from nlcontrol.session.executor import Motion
 from nlcontrol.session.frame_documents import Frames
 
 if TYPE_CHECKING:
-    from types import TracebackType
-
-    from nlcontrol.service.documents import NumberedEvent, RunInfo
     from nlcontrol.session.events import Event
     from sim.traces.trace import Trace
 
@@ -467,8 +466,6 @@ QUESTIONS: tuple[Question, ...] = tuple(
 """All of them, in their order."""
 
 
-# --- session protocol -----------------------------------------------------------------------------
-#
 # A planning session and its runs, in this process or over a wire.
 #
 # `nlcontrol.service.session.Session` is one in this process, and

@@ -30,23 +30,15 @@ from nlcontrol.json_document import finite_or_none
 from nlcontrol.references.object_names import face_names
 from nlcontrol.reports.plan_drawing import end_poses, plan_contacts
 from nlcontrol.reports.replay_story import prediction_lines
-from nlcontrol.service.documents import Drawing, TableObject, TableView
+from nlcontrol.service.documents import Drawing, Source, TableObject, TableView
 from objectmodels.errors import printable
 from objectmodels.registry.model_registry import model_document
-from sim.robots.cell_description import LOOK
+from sim.robots.cell_description import LOOK, CellDescription, Vision
 
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result
-    from nlcontrol.service.documents import Source
     from nlcontrol.session.frame_execution import Proposal
-    from planner.types.actions import Vector3
     from planner.types.world_state import SeenObject, WorldState
-    from sim.robots.cell_description import CellDescription, Vision
-
-
-_DEVIATIONS = 6.0
-_LEAST_MOVE, _LEAST_TURN = 0.001, math.radians(0.5)
-_LEAST_LID = math.radians(2.0)
 
 
 @dataclass(frozen=True)
@@ -66,10 +58,12 @@ class Tolerances:
     @classmethod
     def of(cls, vision: Vision) -> Tolerances:
         """Those of a camera, after a look."""
-        share = _DEVIATIONS * math.sqrt(2.0 / max(vision.rate_hz * LOOK, 1.0))
+        share = 6.0 * math.sqrt(2.0 / max(vision.rate_hz * LOOK, 1.0))
         move = share * vision.position_noise_m
         turn = share * math.radians(vision.angle_noise_deg)
-        return cls(max(move, _LEAST_MOVE), max(turn, _LEAST_TURN), max(turn, _LEAST_LID))
+        # Without noise a look is good for 1 mm and half a degree, of a lid for two.
+        least_turn, least_lid = math.radians(0.5), math.radians(2.0)
+        return cls(max(move, 0.001), max(turn, least_turn), max(turn, least_lid))
 
 
 def table_view(state: WorldState, cell: CellDescription, time: float, source: Source) -> TableView:
@@ -135,7 +129,13 @@ def require_unchanged(then: WorldState, now: WorldState, tolerances: Tolerances)
     numbers: dict[str, float] = {}
     told = list(_changes(then, now, tolerances, numbers))
     if told:
-        raise _stale(told, numbers)
+        stale = error(
+            "stale_plan",
+            f"since it was planned, {', '.join(told)}",
+            suggestions=("plan it again: the new plan goes by what is seen now",),
+            numbers=numbers,
+        )
+        raise stale
 
 
 def _changes(
@@ -176,21 +176,7 @@ def _attitude(seen: SeenObject) -> Any:
     return seen.pose.R_WB if seen.attitude is None else np.reshape(seen.attitude, (3, 3))
 
 
-def _stale(told: list[str], numbers: dict[str, float]) -> ControlError:
-    return error(
-        "stale_plan",
-        f"since it was planned, {', '.join(told)}",
-        suggestions=("plan it again: the new plan goes by what is seen now",),
-        numbers=numbers,
-    )
-
-
-# --- offer drawing --------------------------------------------------------------------------------
-#
 # Drawing of an offer: what its plan predicts, or what stands in its way.
-
-
-_TO_ROBOT = (-1.0, 0.0, 0.0)  # where a front face looks, in W
 
 
 def offer_drawing(result: Result) -> Drawing | None:
@@ -199,10 +185,13 @@ def offer_drawing(result: Result) -> Drawing | None:
     if step is None or step.basis is None:
         return None
     target, plan = step.basis.target, step.plan
-    normal_W = plan.push.normal_W if plan is not None and plan.pushes else _TO_ROBOT
+    # A front face looks towards the robot, along -x of W.
+    normal_W = plan.push.normal_W if plan is not None and plan.pushes else (-1.0, 0.0, 0.0)
+    faces, n = face_names(target.model, target.pose.yaw), target.pose.R_WB.T @ normal_W
+    faces_towards = tuple(sorted(faces, key=lambda name: -float(np.dot(faces[name].normal, n))))
     return Drawing(
         object=target.name,
-        faces=_faces_towards(target, normal_W),
+        faces=faces_towards,
         lines=tuple(prediction_lines(step)),
         ghosts=tuple(end_poses([step])),
         contacts=tuple(
@@ -212,14 +201,6 @@ def offer_drawing(result: Result) -> Drawing | None:
     )
 
 
-def _faces_towards(target: SeenObject, normal_W: Vector3) -> tuple[str, ...]:
-    """Names of its side faces; those first whose normals are next to a direction."""
-    faces, n = face_names(target.model, target.pose.yaw), target.pose.R_WB.T @ normal_W
-    return tuple(sorted(faces, key=lambda name: -float(np.dot(faces[name].normal, n))))
-
-
-# --- offered plans --------------------------------------------------------------------------------
-#
 # Plans that wait to be approved: each is used once, and for so long only.
 
 
@@ -230,8 +211,6 @@ MOST_OFFERED = 100
 """Plans that wait at a time; before one more, the oldest expires."""
 
 _DROPPED = "the session was stopped or reset since"
-_MOST_PAST = 10_000
-"""Identifiers of plans that are over, of which it is still told why."""
 
 
 class OfferedPlan(NamedTuple):
@@ -338,7 +317,8 @@ class OfferedPlans:
     def _end(self, plan_id: str, reason: ControlError) -> None:
         self._waiting.pop(plan_id, None)
         self._past[plan_id] = reason
-        if len(self._past) > _MOST_PAST:
+        # It is told why the last 10,000 are over.
+        if len(self._past) > 10_000:
             del self._past[next(iter(self._past))]
 
 

@@ -43,16 +43,7 @@ if TYPE_CHECKING:
     from objectmodels import ObjectModel
 
 
-# --- run files ------------------------------------------------------------------------------------
-#
-# Files of a run: its trace, its replay, and all of it in one bundle; made when asked for.
-
-
-_OF_DAMAGE = ("bad_trace", "unreadable_file")
-"""Codes of a trace that cannot be read; it was written here, so that no caller is to blame."""
-
-_OF_DISK = ("system_error", "cannot_write")
-"""Codes of a process that could not write its file into the store."""
+FileOfRun = Literal["trace", "replay", "recording", "bundle"]
 
 
 class RunFiles:
@@ -67,32 +58,27 @@ class RunFiles:
         self._store, self._time_limit = store, time_limit
         self._making = threading.Lock()
 
-    def trace(self, run_id: str) -> Path:
-        """File of the trace of a run, an npz file; see `sim.traces.trace`.
+    def file(self, run_id: str, kind: FileOfRun) -> Path:
+        """A file of a run; all but its trace are made the first time.
+
+        The trace is an npz file (`sim.traces.trace`), the replay an HTML page, the recording what a
+        replay shows, for the page's viewer, and the bundle all of it in one zip file
+        (`nlcontrol.service.bundle`).
 
         Raises:
-            ControlError: `unknown_run`, `no_file`.
+            ControlError: `unknown_run`; `no_file`, or of a bundle `run_under_way`.
         """
-        return self._store.file(run_id, "trace") or _refuse(run_id, "nothing has moved in it")
-
-    def replay(self, run_id: str) -> Path:
-        """File of the replay of a run, an HTML file; it is made the first time.
-
-        Raises:
-            ControlError: `unknown_run`, `no_file`.
-        """
-        return self._made(run_id, "replay")
-
-    def recording(self, run_id: str) -> Path:
-        """File of what a replay shows, for the page's viewer; it is made the first time.
-
-        Raises:
-            ControlError: `unknown_run`, `no_file`.
-        """
-        return self._made(run_id, "recording")
+        if kind == "trace":
+            return self._store.file(run_id, kind) or _refuse(run_id, "nothing has moved in it")
+        if kind != "bundle":
+            return self._made(run_id, kind)
+        if self._store.file(run_id, kind) is None and self._store.file(run_id, "trace"):
+            with suppress(ControlError):  # a bundle without it is better than none
+                self._made(run_id, "replay")
+        return bundle_file(self._store, run_id)
 
     def _made(self, run_id: str, kind: Literal["replay", "recording"]) -> Path:
-        trace = self.trace(run_id)
+        trace = self.file(run_id, "trace")
         with self._making:
             made = self._store.file(run_id, kind)
             if made is not None:
@@ -112,25 +98,16 @@ class RunFiles:
                         result=run.result and run.result.model_dump_json(),
                     ).result(self._time_limit)
             except ControlError as raised:
-                if raised.code in _OF_DAMAGE:
+                # The trace was written here, so that no caller is to blame if it cannot be read.
+                if raised.code in ("bad_trace", "unreadable_file"):
                     return _refuse(run_id, f"its trace is damaged: {raised.info.message}")
-                if raised.code in _OF_DISK:
+                # The process could not write its file into the store.
+                if raised.code in ("system_error", "cannot_write"):
                     raise unwritable(raised.info.message) from raised
                 raise
             finally:
                 process.kill()
         return self._store.file(run_id, kind) or _refuse(run_id, "it was deleted")
-
-    def bundle(self, run_id: str) -> Path:
-        """All of a run in one zip file, made the first time; see `nlcontrol.service.bundle`.
-
-        Raises:
-            ControlError: `unknown_run`, `run_under_way`.
-        """
-        if self._store.file(run_id, "bundle") is None and self._store.file(run_id, "trace"):
-            with suppress(ControlError):  # a bundle without it is better than none
-                self.replay(run_id)
-        return bundle_file(self._store, run_id)
 
 
 def _refuse(run_id: str, why: str) -> NoReturn:
@@ -139,16 +116,6 @@ def _refuse(run_id: str, why: str) -> NoReturn:
         f"the run {run_id} has no such file: {why}",
         suggestions=("read the run itself, and its events",),
     )
-
-
-# --- planning service -----------------------------------------------------------------------------
-
-
-MOST_WAITING = 64
-"""Callers that wait for a process at once; the next ones wait for them."""
-
-_MOST_GONE = 1000  # sessions of which it is still told why they are gone
-_TICK = 1.0  # between looks for idle sessions [s]
 
 
 class PlanningService:
@@ -174,7 +141,8 @@ class PlanningService:
         )
         self._runs = LiveRuns(self._store, settings.workers, settings.queue)
         self._files = RunFiles(self._store, settings.request_time)
-        self.waiting_room = ThreadPoolExecutor(MOST_WAITING, "waiting")
+        # 64 callers wait for a process at once; the next ones wait for them.
+        self.waiting_room = ThreadPoolExecutor(64, "waiting")
         self._lock = threading.RLock()
         self._sessions: dict[str, LiveSession] = {}
         self._gone: dict[str, str] = {}
@@ -206,8 +174,6 @@ class PlanningService:
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-    # --- without a session -----------------------------------------------------------------------
 
     def call_planner(self, method: str, table: TableSpec, **arguments: Any) -> Future[bytes]:
         """Calls a method of a session that is opened for this call alone; nothing moves.
@@ -243,8 +209,6 @@ class PlanningService:
             "running": self._runs.queue.running,
             "queued": self._runs.queue.waiting,
         }
-
-    # --- sessions --------------------------------------------------------------------------------
 
     def open_session(self, spec: SessionSpec) -> SessionInfo:
         """Opens a session; waits until its table is there.
@@ -336,8 +300,6 @@ class PlanningService:
             finally:
                 session.tell_frames(wanted=session.frames.listeners > 1)
 
-    # --- runs ------------------------------------------------------------------------------------
-
     def begin_run(
         self,
         session_id: str,
@@ -372,9 +334,8 @@ class PlanningService:
     ) -> RunPage:
         """Runs, the newest first, a page at a time; see `RunStore.runs`."""
         page = self._store.runs(session_id, cursor=cursor, limit=limit)
-        return page.model_copy(
-            update={"runs": tuple(self._runs.as_it_is(info) for info in page.runs)}
-        )
+        now = (self._runs.live_info(stored.run_id) or stored for stored in page.runs)
+        return page.model_copy(update={"runs": tuple(now)})
 
     def run(self, run_id: str) -> RunInfo:
         """A run as it is now; raises `unknown_run`."""
@@ -409,23 +370,9 @@ class PlanningService:
         self._runs.write_ends()
         self._store.delete_run(run_id)
 
-    def trace_file(self, run_id: str) -> Path:
-        """File of the trace of a run; raises `unknown_run`, `no_file`."""
-        return self._files.trace(run_id)
-
-    def replay_file(self, run_id: str) -> Path:
-        """File of the replay of a run, made the first time; raises `unknown_run`, `no_file`."""
-        return self._files.replay(run_id)
-
-    def recording_file(self, run_id: str) -> Path:
-        """File of what a replay of a run shows; raises `unknown_run`, `no_file`."""
-        return self._files.recording(run_id)
-
-    def bundle(self, run_id: str) -> Path:
-        """All of a run in one zip file; raises `unknown_run`, `run_under_way`."""
-        return self._files.bundle(run_id)
-
-    # --- inside ----------------------------------------------------------------------------------
+    def run_file(self, run_id: str, kind: FileOfRun) -> Path:
+        """A file of a run; see `RunFiles.file`."""
+        return self._files.file(run_id, kind)
 
     def _session(self, session_id: str) -> LiveSession:
         session = self._sessions.get(session_id)  # without a lock: a stop comes by here
@@ -469,7 +416,8 @@ class PlanningService:
             )
         gone = max(left, key=lambda session: session.idle_for)
         self._gone[gone.session_id] = f"it was unused for {gone.idle_for:.0f} s and made room"
-        while len(self._gone) > _MOST_GONE:
+        # It is still told why the last thousand are gone.
+        while len(self._gone) > 1000:
             del self._gone[next(iter(self._gone))]
         self._end_session(gone)
 
@@ -502,7 +450,8 @@ class PlanningService:
         session.frames.ring()
 
     def _close_idle_sessions(self) -> None:
-        while not self._closed.wait(_TICK):
+        # Idle sessions are looked for once a second.
+        while not self._closed.wait(1.0):
             with self._lock:
                 sessions = list(self._sessions.values())
             for session in sessions:

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import codecs
 import importlib.util
-import io
 import time
 import uuid
 import weakref
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from threading import Thread
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, NoReturn, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, NoReturn, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
@@ -21,66 +19,16 @@ from nlcontrol.results.result import Result
 from nlcontrol.service.documents import NumberedEvent, RunInfo, SessionInfo, SessionSpec
 from nlcontrol.service.methods import PlanningSession, Question, SaidBody, is_question
 from nlcontrol.session.events import LOGGER, Event
+from sim.traces.trace import Trace
 
 if TYPE_CHECKING:
     import httpx
+    from httpx_sse import ServerSentEvent
 
     from nlcontrol.session.executor import Motion
     from nlcontrol.session.frame_documents import Frames
-    from sim.traces.trace import Trace
 
 
-# --- event stream reader --------------------------------------------------------------------------
-#
-# Server-sent events in a stream of bytes, as the HTML standard says (section 9.2.6).
-
-
-class StreamedEvent(NamedTuple):
-    """An event of a stream.
-
-    Attributes:
-        id: the last that the stream gave, "" if none.
-        event: its type.
-        data: its text.
-    """
-
-    id: str
-    event: str
-    data: str
-
-
-def streamed_events(chunks: Iterable[bytes]) -> Iterator[StreamedEvent]:
-    """The events of a stream as they come; one that is cut off in its midst is none."""
-    identity, kind, data = "", "", list[str]()
-    for line in _lines(chunks):
-        if not line:
-            if data:
-                yield StreamedEvent(identity, kind or "message", "\n".join(data))
-            kind, data = "", []
-            continue
-        key, _, value = line.partition(":")
-        value = value.removeprefix(" ")
-        match key:
-            case "id" if "\0" not in value:
-                identity = value
-            case "event":
-                kind = value
-            case "data":
-                data.append(value)
-
-
-def _lines(chunks: Iterable[bytes]) -> Iterator[str]:
-    """Whole lines; only what the standard names ends one, and no other mark that Unicode knows."""
-    text = codecs.getincrementaldecoder("utf-8-sig")("replace")
-    newlines = io.IncrementalNewlineDecoder(text, translate=True)
-    rest = ""
-    for chunk in chunks:
-        *whole, rest = (rest + newlines.decode(chunk)).split("\n")
-        yield from whole
-
-
-# --- service connection ---------------------------------------------------------------------------
-#
 # A connection to a planning service: requests, answers as documents, problems as errors.
 #
 # A request that is lost on its way is sent again where that cannot do anything twice.
@@ -94,8 +42,6 @@ PAUSES = (0.1, 0.3, 1.0, 3.0)
 CONNECT_TIME, SILENCE, KEPT = 5.0, 45.0, 2.0
 """Longest time to connect, longest silence of a stream (it has a heartbeat), and the time for which
 an idle connection is kept: less than servers keep it, which would lose a request [s]."""
-
-_OWN_MACHINE = ("127.0.0.1", "localhost", "::1")
 
 
 class ServiceConnection:
@@ -119,7 +65,12 @@ class ServiceConnection:
         timeout: float = 120.0,
         transport: httpx.BaseTransport | None = None,
     ) -> None:
-        _require_httpx()
+        if importlib.util.find_spec("httpx") is None:
+            raise error(
+                "missing_extra",
+                "a client of the planning service needs httpx",
+                suggestions=("install from the checkout: pip install '.[serve]'",),
+            )
         import httpx
 
         try:
@@ -133,7 +84,7 @@ class ServiceConnection:
                 limits=httpx.Limits(keepalive_expiry=KEPT),
                 transport=transport,
                 # A proxy of the environment does not lead to this machine.
-                trust_env=base.host not in _OWN_MACHINE,
+                trust_env=base.host not in ("127.0.0.1", "localhost", "::1"),
             )
         except (httpx.InvalidURL, ValueError, TypeError) as raised:
             raise error(
@@ -195,13 +146,14 @@ class ServiceConnection:
                 self._require_success(response)
                 return response
 
-    def stream(self, path: str, after: int = 0) -> Iterator[StreamedEvent]:
+    def stream(self, path: str, after: int = 0) -> Iterator[ServerSentEvent]:
         """The events of a stream, those after a number alone.
 
         Raises:
             ControlError: as in `response`; `no_service` where the stream is lost.
         """
         import httpx
+        from httpx_sse import EventSource
 
         headers = {"Accept": "text/event-stream", "Last-Event-ID": str(after)}
         timeout = httpx.Timeout(SILENCE, connect=CONNECT_TIME)
@@ -210,7 +162,8 @@ class ServiceConnection:
                 if not response.is_success:
                     response.read()
                 self._require_success(response)
-                yield from streamed_events(response.iter_bytes())
+                if response.status_code != httpx.codes.NO_CONTENT:
+                    yield from EventSource(response).iter_sse()
         except httpx.TransportError as raised:
             self._tell_lost(raised)
 
@@ -240,24 +193,10 @@ class ServiceConnection:
         ) from raised
 
 
-def _require_httpx() -> None:
-    if importlib.util.find_spec("httpx") is None:
-        raise error(
-            "missing_extra",
-            "a client of the planning service needs httpx",
-            suggestions=("install from the checkout: pip install '.[serve]'",),
-        )
-
-
-# --- remote run -----------------------------------------------------------------------------------
-#
 # A run at a server.
 
 
 UNDER_WAY = ("queued", "running")
-
-SOONEST, LATEST = 0.02, 0.25
-"""Bounds of the waits between two questions whether a run has ended [s]."""
 
 
 class RemoteRun:
@@ -346,8 +285,6 @@ class RemoteRun:
 
     def trace(self) -> Trace | None:
         """The trace of what happened; None if nothing moved. Waits until it has ended."""
-        from sim.traces.trace import Trace
-
         self._ended_info(None)
         try:
             content = self._connection.response("GET", f"{self._path}/trace").content
@@ -365,12 +302,12 @@ class RemoteRun:
         deadline = None if timeout is None else time.monotonic() + timeout
         if self._listener is not None:
             self._listener.join(timeout)
-        pause = SOONEST
+        pause = 0.02
         while (info := self.info()).state in UNDER_WAY:
             if deadline is not None and time.monotonic() + pause > deadline:
                 raise TimeoutError(f"run {self._run_id} goes on after {timeout} s")
             time.sleep(pause)
-            pause = min(1.5 * pause, LATEST)
+            pause = min(1.5 * pause, 0.25)
         return info
 
     def _listen(self, on_event: Callable[[Event], object]) -> None:
@@ -395,9 +332,6 @@ def _numbered_event(data: str) -> NumberedEvent | None:
         return NumberedEvent.model_validate_json(data)
     except ValidationError:
         return None
-
-
-# --- remote session -------------------------------------------------------------------------------
 
 
 class Client(PlanningSession):

@@ -17,12 +17,12 @@ import os
 import shutil
 import sqlite3
 import time
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from threading import RLock
 from types import MappingProxyType
-from typing import Any, Literal, NoReturn
+from typing import IO, Any, Literal, NoReturn
 
 from nlcontrol.errors import ControlError, ErrorInfo, error
 from nlcontrol.installed_versions import installed_versions, platform_name
@@ -32,8 +32,6 @@ from nlcontrol.session.events import Event
 from objectmodels.errors import ModelError
 from objectmodels.files.yaml_documents import PREFIX, error_of_system, replace_file
 
-# --- store folder ---------------------------------------------------------------------------------
-#
 # Folder of a store: its database, a lock, and a folder of files for each run.
 #
 # Nothing that a caller says becomes a part of a path: the folder of a run is named by its number
@@ -66,69 +64,31 @@ def default_folder() -> Path:
     return home / "nlcontrol" / "service"
 
 
-class StoreFolder:
-    """The folder of a store, locked until it is closed; it is made if need be.
-
-    Args:
-        path: of it.
+def lock_folder(path: Path) -> IO[str]:
+    """The lock of a store's folder, held until it is closed; the folder is made if need be.
 
     Raises:
         ControlError: `store_in_use`.
         ModelError: `cannot_write`.
     """
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        self.database = path / "runs.sqlite"
-        self._runs = path / "runs"
-        try:
-            path.mkdir(parents=True, exist_ok=True, mode=0o700)  # what people said is theirs
-            self._runs.mkdir(exist_ok=True)
-            self._lock = (path / "lock").open("a")
-        except OSError as raised:
-            raise error_of_system("cannot_write", "cannot be written to", path, raised) from raised
-        try:
-            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError as raised:
-            self._lock.close()
-            raise error(
-                "store_in_use",
-                f"another process has the store {path} open",
-                suggestions=("end that one first", "give another folder with --store"),
-            ) from raised
-
-    def close(self) -> None:
-        """Lets go of the lock."""
-        self._lock.close()
-
-    def file(self, number: int, kind: FileKind) -> Path:
-        """Place of a file of a run, there or not."""
-        return self._runs / str(number) / FILE_NAMES[kind]
-
-    def file_bytes(self, number: int) -> int:
-        """Size of all files of a run [bytes]."""
-        return sum(file.stat().st_size for file in (self._runs / str(number)).glob("*"))
-
-    def remove_files(self, number: int) -> None:
-        """Removes the files of a run."""
-        shutil.rmtree(self._runs / str(number), ignore_errors=True)
-
-    def clean(self, numbers: Collection[int]) -> None:
-        """Removes what belongs to no run, and temporary files that nobody writes any more.
-
-        Args:
-            numbers: of the runs that there are.
-        """
-        names = {str(number) for number in numbers}
-        for folder in self._runs.iterdir():
-            if folder.name not in names:
-                shutil.rmtree(folder, ignore_errors=True)
-        for left in self._runs.glob(f"*/{PREFIX}*"):
-            left.unlink(missing_ok=True)
+    try:
+        path.mkdir(parents=True, exist_ok=True, mode=0o700)  # what people said is theirs
+        (path / "runs").mkdir(exist_ok=True)
+        lock = (path / "lock").open("a")
+    except OSError as raised:
+        raise error_of_system("cannot_write", "cannot be written to", path, raised) from raised
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError as raised:
+        lock.close()
+        raise error(
+            "store_in_use",
+            f"another process has the store {path} open",
+            suggestions=("end that one first", "give another folder with --store"),
+        ) from raised
+    return lock
 
 
-# --- store schema ---------------------------------------------------------------------------------
-#
 # Tables of a store, and how those of an earlier version become those of this one.
 #
 # `user_version` of the database is the number of steps of `MIGRATIONS` that it has taken. A step
@@ -191,9 +151,18 @@ def open_database(path: Path) -> sqlite3.Connection:
             connection.execute("PRAGMA journal_mode = WAL")
             connection.execute("PRAGMA synchronous = NORMAL")
             connection.execute("PRAGMA foreign_keys = ON")
-            _require_sound(connection)
+            (told,) = connection.execute("PRAGMA quick_check(1)").fetchone()
+            if told != "ok":
+                raise ValueError(f"is damaged: {told}")
             _migrate(connection)
-            _require_tables(connection)
+            # Looks for the tables that the steps have made.
+            there = {name for (name,) in connection.execute("SELECT name FROM sqlite_master")}
+            said = (statement.split() for step in MIGRATIONS for statement in step)
+            missing = sorted(
+                {words[2] for words in said if words[:2] == ["CREATE", "TABLE"]} - there
+            )
+            if missing:
+                raise ValueError(f"is damaged: its table {missing[0]} is gone")
         except sqlite3.Error as raised:
             raise store_error(path, "cannot be opened", raised) from raised
         except ValueError as raised:
@@ -262,21 +231,6 @@ def _read_text(content: bytes) -> str:
     return content.decode("utf-8", "replace")
 
 
-def _require_sound(connection: sqlite3.Connection) -> None:
-    (told,) = connection.execute("PRAGMA quick_check(1)").fetchone()
-    if told != "ok":
-        raise ValueError(f"is damaged: {told}")
-
-
-def _require_tables(connection: sqlite3.Connection) -> None:
-    """Looks for the tables that the steps have made."""
-    there = {name for (name,) in connection.execute("SELECT name FROM sqlite_master")}
-    said = (statement.split() for step in MIGRATIONS for statement in step)
-    missing = sorted({words[2] for words in said if words[:2] == ["CREATE", "TABLE"]} - there)
-    if missing:
-        raise ValueError(f"is damaged: its table {missing[0]} is gone")
-
-
 def _migrate(connection: sqlite3.Connection) -> None:
     """Takes the steps that a database has not taken yet, all or none.
 
@@ -307,9 +261,6 @@ def _bad_store(path: Path, message: str) -> ControlError:
     return error("bad_store", f"the store {path} {message}", suggestions=hints)
 
 
-# --- run store ------------------------------------------------------------------------------------
-
-
 KEEP_BYTES = 2_000_000_000
 """Bytes of ended runs that are kept, if nothing else is said."""
 
@@ -330,22 +281,21 @@ class RunStore:
 
     def __init__(self, folder: Path, *, keep_bytes: int = KEEP_BYTES) -> None:
         self.keep_bytes = keep_bytes
-        self._folder = StoreFolder(folder)
+        self._folder, self._runs = folder, folder / "runs"
+        self._lock = lock_folder(folder)
         self._turn = RLock()
         try:
-            self._database = open_database(self._folder.database)
+            self._database = open_database(folder / "runs.sqlite")
             self._recover()
         except BaseException:
-            self._folder.close()
+            self._lock.close()
             raise
 
     def close(self) -> None:
         """Closes the store; another process may open it then."""
         with self._turn:
             self._database.close()
-            self._folder.close()
-
-    # --- sessions ------------------------------------------------------------------------------
+            self._lock.close()
 
     def add_session(self, session_id: str, spec: SessionSpec) -> None:
         """Notes that a session was opened; it is kept as long as a run of it."""
@@ -359,8 +309,6 @@ class RunStore:
         """The session as it was asked for; None if it is not known (any more)."""
         row = self._one("SELECT spec FROM sessions WHERE session_id = ?", session_id)
         return None if row is None else SessionSpec.model_validate_json(row[0])
-
-    # --- runs ----------------------------------------------------------------------------------
 
     def add_run(self, info: RunInfo, *, key: str | None = None, request: bytes = b"") -> RunInfo:
         """Puts a run into the store, unless it is there under the same key.
@@ -474,7 +422,7 @@ class RunStore:
                     suggestions=("stop it, and wait until it has ended",),
                 )
             self._database.execute("DELETE FROM runs WHERE number = ?", (number,))
-        self._folder.remove_files(number)
+        self._remove_files(number)
 
     def remove_old_runs(self) -> int:
         """Removes runs that ended first, until those that are left keep to the limit of bytes.
@@ -497,10 +445,8 @@ class RunStore:
                 old.append(number)
                 self._database.execute("DELETE FROM runs WHERE number = ?", (number,))
         for number in old:
-            self._folder.remove_files(number)
+            self._remove_files(number)
         return len(old)
-
-    # --- events --------------------------------------------------------------------------------
 
     def add_events(self, run_id: str, events: Sequence[NumberedEvent]) -> None:
         """Adds events to a run; a number that is there already stays as it is.
@@ -528,8 +474,6 @@ class RunStore:
             )
         return tuple(filter(None, (_event(number, text) for number, text in rows)))
 
-    # --- files ---------------------------------------------------------------------------------
-
     @contextmanager
     def write_file(self, run_id: str, kind: FileKind) -> Iterator[Path]:
         """A temporary file that becomes a file of a run when all went well.
@@ -544,7 +488,7 @@ class RunStore:
         except ModelError as raised:
             if raised.code != "cannot_write":
                 raise
-            raise file_error(self._folder.path, raised) from raised
+            raise file_error(self._folder, raised) from raised
         with self._transaction():
             self._measure(self._number(run_id))
 
@@ -559,9 +503,10 @@ class RunStore:
 
     def _file(self, run_id: str, kind: FileKind) -> Path:
         with self._turn:
-            return self._folder.file(self._number(run_id), kind)
+            return self._runs / str(self._number(run_id)) / FILE_NAMES[kind]
 
-    # --- inside --------------------------------------------------------------------------------
+    def _remove_files(self, number: int) -> None:
+        shutil.rmtree(self._runs / str(number), ignore_errors=True)
 
     def _recover(self) -> None:
         """Marks the runs that a crash has cut off, and removes what it left."""
@@ -584,7 +529,13 @@ class RunStore:
             self._database.execute(
                 "DELETE FROM sessions WHERE session_id NOT IN (SELECT session_id FROM runs)"
             )
-        self._folder.clean([number for (number,) in self._all("SELECT number FROM runs")])
+        # What belongs to no run goes, and temporary files that nobody writes any more.
+        names = {str(number) for (number,) in self._all("SELECT number FROM runs")}
+        for folder in self._runs.iterdir():
+            if folder.name not in names:
+                shutil.rmtree(folder, ignore_errors=True)
+        for left in self._runs.glob(f"*/{PREFIX}*"):
+            left.unlink(missing_ok=True)
         self.remove_old_runs()
 
     @contextmanager
@@ -609,7 +560,7 @@ class RunStore:
                         self._database.execute("ROLLBACK")
                     raise
             except sqlite3.Error as raised:
-                raise store_error(self._folder.path, "cannot be written", raised) from raised
+                raise store_error(self._folder, "cannot be written", raised) from raised
 
     def _all(self, query: str, *values: object) -> list[Any]:
         with self._turn:
@@ -618,7 +569,7 @@ class RunStore:
             try:
                 return self._database.execute(query, values).fetchall()
             except sqlite3.Error as raised:
-                raise store_error(self._folder.path, "cannot be read", raised) from raised
+                raise store_error(self._folder, "cannot be read", raised) from raised
 
     def _one(self, query: str, *values: object) -> Any:
         return next(iter(self._all(query, *values)), None)
@@ -629,11 +580,12 @@ class RunStore:
 
     def _measure(self, number: int) -> None:
         """Notes how many bytes a run takes."""
+        size = sum(file.stat().st_size for file in (self._runs / str(number)).glob("*"))
         self._database.execute(
             "UPDATE runs SET bytes = ? + length(CAST(document AS BLOB)) + (SELECT"
             " coalesce(sum(length(CAST(event AS BLOB))), 0) FROM events WHERE run = runs.number)"
             " WHERE number = ?",
-            (self._folder.file_bytes(number), number),
+            (size, number),
         )
 
 
@@ -715,8 +667,6 @@ def _number_of_cursor(cursor: str | None) -> int:
     return int(cursor)
 
 
-# --- stored bundle --------------------------------------------------------------------------------
-#
 # The bundle of a run in a store, made when somebody first asks for it.
 
 

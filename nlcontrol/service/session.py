@@ -23,7 +23,10 @@ from threading import Condition, RLock, Thread
 from typing import TYPE_CHECKING, Literal
 
 from nlcontrol.errors import ControlError, ErrorInfo, error, exception_info, known_errors_raised
-from nlcontrol.service.bundle import run_request
+from nlcontrol.outcome_maps.outcome_map_table import map_document
+from nlcontrol.questions.push_prediction import PushPrediction, predict_push
+from nlcontrol.references.object_names import face_of
+from nlcontrol.service.bundle import RunRequest, run_request
 from nlcontrol.service.documents import (
     Affordances,
     FaceMap,
@@ -32,6 +35,8 @@ from nlcontrol.service.documents import (
     RunInfo,
     RunKind,
     SessionSpec,
+    Source,
+    StatedObject,
     TableSpec,
     TableView,
 )
@@ -47,8 +52,9 @@ from nlcontrol.service.offers import (
 )
 from nlcontrol.session.controller import Controller
 from nlcontrol.session.conversation import Conversation
-from nlcontrol.session.frame_documents import text_of
+from nlcontrol.session.frame_documents import Frames, text_of
 from objectmodels import ModelError, Registry
+from objectmodels.mechanics.outcome_map import outcome_map
 from planner.problem.footprints import footprint, gap, room_to_edge
 from planner.types.defaults import with_settings
 from planner.types.world_state import PlanarPose, SeenObject
@@ -59,20 +65,14 @@ from sim.supervision import StopToken
 
 if TYPE_CHECKING:
     from grammar.frames.command import Command
-    from nlcontrol.questions.push_prediction import PushPrediction
     from nlcontrol.results.result import Result
-    from nlcontrol.service.bundle import RunRequest
-    from nlcontrol.service.documents import Source, StatedObject
     from nlcontrol.session.events import Event
     from nlcontrol.session.executor import Executor, Motion
-    from nlcontrol.session.frame_documents import Frames
     from sim.traces.trace import Trace
 
     Deed = Callable[[Callable[[Event], None], StopToken], Result]
 
 
-# --- session runs ---------------------------------------------------------------------------------
-#
 # A run in this process: a thread that carries something out, and all that it tells.
 
 
@@ -206,13 +206,7 @@ class SessionRun:
         return None if self._result is None else self._result.trace
 
 
-# --- stated objects -------------------------------------------------------------------------------
-#
 # Objects that a caller states, checked and put on the table of a cell.
-
-
-SEEN_OVERLAP = 0.005
-"""Overlap of two objects that a camera's errors explain [m]."""
 
 
 def stated_table(
@@ -235,7 +229,8 @@ def stated_table(
     seen = [_seen(index, item, cell, registry) for index, item in enumerate(objects)]
     for (i, one), (k, other) in combinations(enumerate(seen), 2):
         apart = gap(footprint(one), footprint(other))
-        if apart < -SEEN_OVERLAP:
+        # An overlap of 5 mm is explained by a camera's errors.
+        if apart < -0.005:
             raise _bad_table(
                 f"objects[{k}]",
                 f"it stands {-1e3 * apart:.0f} mm deep in objects[{i}], the {one.name}",
@@ -290,9 +285,6 @@ def _bad_table(
             path=path,
         )
     )
-
-
-# --- session --------------------------------------------------------------------------------------
 
 
 class Session(PlanningSession):
@@ -376,8 +368,6 @@ class Session(PlanningSession):
         """Plans can be carried out here; not on a table that is stated."""
         return self.spec.objects is None
 
-    # --- questions -----------------------------------------------------------------------------
-
     def look(self, objects: Sequence[StatedObject] | None = None) -> TableView:
         """The table as the robot sees it now, or as it is stated; see `PlanningSession`."""
         with self._idle():
@@ -433,9 +423,6 @@ class Session(PlanningSession):
         Raises:
             ControlError: `unknown_object`, `unknown_face`, `bad_push`, `busy`.
         """
-        from nlcontrol.questions.push_prediction import predict_push
-        from nlcontrol.references.object_names import face_of
-
         seen = self._seen(name)
         yaw = seen.pose.yaw
         if direction is not None:
@@ -464,10 +451,6 @@ class Session(PlanningSession):
         Raises:
             ControlError: `unknown_object`, `unknown_face`, `bad_value`, `busy`.
         """
-        from nlcontrol.outcome_maps.outcome_map_table import map_document
-        from nlcontrol.references.object_names import face_of
-        from objectmodels.mechanics.outcome_map import outcome_map
-
         seen = self._seen(name)
         side = face_of(seen.model, face, seen.pose.yaw)
         with known_errors_raised():
@@ -484,8 +467,6 @@ class Session(PlanningSession):
         """An object as it was seen last."""
         with self._idle(), self.controller.last_look.kept():
             return self.controller.surroundings(name)[0]
-
-    # --- plan, approve, do ---------------------------------------------------------------------
 
     def plan(self, said: str | Frames) -> Offer:
         """A plan of a sentence, to be approved; nothing moves.
@@ -580,8 +561,6 @@ class Session(PlanningSession):
         if self._plans.era != era:  # it was stopped while it was being begun
             run.stop()
         return run
-
-    # --- stop and begin anew -------------------------------------------------------------------
 
     def stop(self) -> None:
         """Asks what is being carried out to let go and come to rest; plans are dropped.

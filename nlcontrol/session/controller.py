@@ -11,14 +11,15 @@ from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from threading import RLock
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Unpack
 
 from grammar.frames.command import Command, Frame
 from nlcontrol.errors import ControlError, error, executor_failures_raised, known_errors_raised
 from nlcontrol.references.object_names import names_on_table
-from nlcontrol.references.reference_resolution import NOTHING_SAID, Context, resolve_references
+from nlcontrol.references.reference_resolution import NOTHING_SAID, resolve_references
+from nlcontrol.references.reference_search import Context
 from nlcontrol.results.result import Result, result_with, status_of
-from nlcontrol.session.events import FORCE_RATE, Supervisor
+from nlcontrol.session.events import FORCE_RATE, Event, Supervisor
 from nlcontrol.session.executor import Executor, Motion, Planner, StoppableRobot
 from nlcontrol.session.recipe import LOOKED, Journal, Recipe
 from nlcontrol.session.turns import in_turn
@@ -27,43 +28,27 @@ from planner.types.plan import Plan, Reached
 from planner.types.refusal import Refusal
 from planner.types.world_state import Held, PlanarPose, SeenObject, TableState, WorldState
 from sim.control.object_estimate import LastLook
-from sim.robots.cell_description import LOOK
+from sim.robots.cell_description import LOOK, CellObject
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
-    from typing import Unpack
 
     from grammar.parser import Parser
     from nlcontrol.checks.verdicts import Check
     from nlcontrol.questions.answer import Answer
     from nlcontrol.session.conversation import Options
-    from nlcontrol.session.events import Event
     from nlcontrol.session.frame_documents import Frames
     from nlcontrol.session.frame_execution import Approval
     from planner.affordances import Affordance
     from planner.types.defaults import Defaults
     from planner.types.robot import Failed, Robot
     from sim import Scene
-    from sim.robots.cell_description import CellDescription, CellObject
     from sim.supervision import Progress, StopToken
     from sim.traces.trace import Trace
 
 
-# --- initial beliefs ------------------------------------------------------------------------------
-#
-# Beliefs at the beginning: the registry's model of every object of a cell.
-
-
-def initial_models(cell: CellDescription, registry: Registry) -> dict[str, ObjectModel]:
-    """The models of a cell's objects, by the names of the objects.
-
-    Raises:
-        ControlError: `scene_and_registry_differ`.
-    """
-    return {item.name: _initial_model(item, registry) for item in cell.objects}
-
-
 def _initial_model(item: CellObject, registry: Registry) -> ObjectModel:
+    """The first belief about an object of a cell; raises `scene_and_registry_differ`."""
     try:
         return registry.get(item.model)
     except ModelError as raised:
@@ -71,9 +56,6 @@ def _initial_model(item: CellObject, registry: Registry) -> ObjectModel:
         raise error(
             "scene_and_registry_differ", message, suggestions=raised.suggestions
         ) from raised
-
-
-# --- controller -----------------------------------------------------------------------------------
 
 
 class Controller:
@@ -116,7 +98,7 @@ class Controller:
             self.registry = Registry.default() if registry is None else registry.copy()
             for path in self.cell.models:
                 self.registry.load(path)
-        self.models = initial_models(self.cell, self.registry)
+        self.models = {item.name: _initial_model(item, self.registry) for item in self.cell.objects}
         self.journal = Journal(self.executor, self.models)
         self.planner = planner
         self.seed = self.executor.seed

@@ -8,48 +8,39 @@ checked. So a remark may be refused as any sentence may, with its numbers.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
-from typing import TYPE_CHECKING, Literal, TypedDict
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal, TypedDict, Unpack
 
 from grammar.frames import command as g
 from grammar.part_reader import understood_part
-from nlcontrol.errors import ControlError, defects_raised
+from nlcontrol.errors import ControlError, ErrorInfo, defects_raised
 from nlcontrol.questions.answer import Answer
-from nlcontrol.references.reference_resolution import Context
+from nlcontrol.references.reference_search import Context
 from nlcontrol.reports.result_report import deed_answer, why_answer, why_not_answer
-from nlcontrol.results.result import result_with, status_of
+from nlcontrol.results.result import Result, result_with, status_of
 from nlcontrol.session.corrected_sentences import result_with_corrections
-from nlcontrol.session.events import FORCE_RATE, Supervisor
-from nlcontrol.session.frame_documents import text_of
+from nlcontrol.session.events import FORCE_RATE, Event, Supervisor
+from nlcontrol.session.frame_documents import Frames, text_of
 from nlcontrol.session.frame_execution import Approval, Intention, Proposal
 from nlcontrol.session.recipe import Deed
 from nlcontrol.session.remarks import follow_up_frames as follow_up
 from nlcontrol.session.remarks import remark_aims as aims
-from nlcontrol.session.remarks import remark_aims as spoken
-from nlcontrol.session.remarks import unread_turns as unread
 from nlcontrol.session.remarks.remark_aims import nothing_before, says_something
-from nlcontrol.session.remarks.undo_frames import PastPush, WayBack, undo_frames, undo_text
+from nlcontrol.session.remarks.undo_frames import PastPush, undo_frames, undo_text
 from nlcontrol.session.turns import in_turn
 
 if TYPE_CHECKING:
-    from typing import Unpack
-
-    from nlcontrol.results.result import Result
+    from grammar.frames.command import Command
     from nlcontrol.session.controller import Controller
-    from nlcontrol.session.events import Event
     from nlcontrol.session.executor import Motion
-    from nlcontrol.session.frame_documents import Frames
+    from objectmodels import ObjectModel
+    from sim.robots.cell_description import CellDescription
     from sim.supervision import Progress, StopToken
 
 
-# --- certainty ------------------------------------------------------------------------------------
-#
 # How sure an answer is: where the values come from that were told, and how well they are known.
-
-
-_SEEN = ("value", "seen")
 
 
 def certainty_answer(
@@ -72,7 +63,7 @@ def certainty_answer(
         text = " ".join(each.text for each in values)
         numbers = {k: v for each in values for k, v in each.numbers.items()}
         return Answer(query="value", text=text, numbers=numbers if len(values) == 1 else {})
-    if told.query in _SEEN:
+    if told.query in ("value", "seen"):
         return told.model_copy(update={"text": f"That is what I see: {told.text}"})
     if told.probability is not None or told.push is not None:
         return told.model_copy(
@@ -92,9 +83,6 @@ def _values_asked(frame: g.Frame) -> Iterator[g.Frame]:
         if ref is not None and ref.id is not None:
             alone = goal.model_copy(update={"than": ()})
             yield g.Frame(query="value", object=ref, goal=alone)
-
-
-# --- conversation ---------------------------------------------------------------------------------
 
 
 REMEMBERED = 50
@@ -135,7 +123,7 @@ class Conversation:
         self._done: Result | None = None  # the last command, what "a bit more" is about
         self._deeds: list[Result] = []  # the commands up to the last
         self._exchange: g.Command | None = None  # what that was, if things changed places
-        self._unread = unread.UnreadTurns()  # what was not understood since
+        self._unread = UnreadTurns()  # what was not understood since
         self._spoken: tuple[str, ...] = ()  # texts that were understood since, the last first
 
     @in_turn
@@ -266,9 +254,9 @@ class Conversation:
             offered = (
                 None if command else understood_part(self.controller.parser, text, self._spoken)
             )
-            refused = unread.with_offer(raised.info, offered)
+            refused = with_offer(raised.info, offered)
             self._last = result_with(begun, status=status_of(refused), error=refused)
-            named = spoken.names_said(text, self.controller.cell, self.controller.models)
+            named = aims.names_said(text, self.controller.cell, self.controller.models)
             if command is None or named:
                 self._note_unread(text, refused.code, named, offered)
             return self._last, None
@@ -281,7 +269,7 @@ class Conversation:
         if remark == "did":
             done = self._deeds or nothing_before("nothing was done yet")
             told = deed_answer(done, first=aims.asks_first(command))
-            self.context = spoken.context_of(self.context, told.objects)
+            self.context = aims.context_of(self.context, told.objects)
             return self._plain_result(command, told, "answered")
         if remark == "why":
             return self._plain_result(command, self._explain_last(command), "answered")
@@ -321,9 +309,34 @@ class Conversation:
             approval=approval,
         )
         if meant.back is not None:
-            return self._remember_undoing(meant.undone, meant.back, result)
+            # Remembers what came of an undoing, and returns that with its notes.
+            self._last = result_with(result, trace=None)
+            self.context = aims.context_after(self.context, result)
+            done = [meant.back.undoes[step.frame] for step in result.steps if step.status == "done"]
+            if len(done) < len(meant.back.frames):
+                # What takes two steps is undone when both are done.
+                self._forget([push for push in done if push not in meant.back.undoes[len(done) :]])
+                return result_with(result, notes=meant.back.notes + result.notes)
+            self._forget(meant.undone)
+            notes = (f"undone: “{meant.undone[-1].of.text}”", *meant.back.notes, *result.notes)
+            return result_with(result, notes=notes)
         result = result_with(result, notes=meant.notes + result.notes)
-        self._remember(meant, result, proposed=proposed)
+        self._last = self._said = kept = result_with(result, trace=None)
+        self._unread = UnreadTurns()
+        if not proposed and any(frame.query is None for frame in kept.frames):
+            self._done = kept
+            self._deeds = [*self._deeds[1 - REMEMBERED :], kept]
+            self._exchange = meant.exchange
+        self.context = aims.context_after(
+            self.context, kept, joins=meant.joins, corrects=meant.corrects
+        )
+        for step in kept.steps:
+            if step.execution and step.plan and step.before:
+                self.past.append(PastPush.from_step(kept, step.plan, step.before, step.basis))
+        del self.past[:-REMEMBERED]
+        self.context = aims.with_moved(self.context, self.past, self._deeds)
+        cell, models = self.controller.cell, self.controller.models
+        self.context = context_with_refused(self.context, kept, cell, models)
         return result
 
     def _plain_result(
@@ -331,27 +344,6 @@ class Conversation:
     ) -> Result:
         result = self.controller.empty_result(command.text, command)
         return result_with(result, ok=True, status=status, answer=answer)
-
-    # --- memory ------------------------------------------------------------------------------
-
-    def _remember(self, meant: Intention, result: Result, *, proposed: bool) -> None:
-        # Remarks are about what was said and what came of it; a trace is megabytes.
-        self._last = self._said = kept = result_with(result, trace=None)
-        self._unread = unread.UnreadTurns()
-        if not proposed and any(frame.query is None for frame in kept.frames):
-            self._done = kept
-            self._deeds = [*self._deeds[1 - REMEMBERED :], kept]
-            self._exchange = meant.exchange
-        self.context = spoken.context_after(
-            self.context, kept, joins=meant.joins, corrects=meant.corrects
-        )
-        for step in kept.steps:
-            if step.execution and step.plan and step.before:
-                self.past.append(PastPush.from_step(kept, step.plan, step.before, step.basis))
-        del self.past[:-REMEMBERED]
-        self.context = spoken.with_moved(self.context, self.past, self._deeds)
-        cell, models = self.controller.cell, self.controller.models
-        self.context = unread.context_with_refused(self.context, kept, cell, models)
 
     def _note_unread(
         self, text: str, code: str, named: list[str], offered: g.Command | None
@@ -361,14 +353,12 @@ class Conversation:
         A correction would be about that, if it may have been a command: it has a verb, or names
         another object; then so would any remark that names none.
         """
-        other = unread.is_of_other(text, named, self.context)
+        other = is_of_other(text, named, self.context)
         self._unread = self._unread.with_turn(text, offered)
-        self.context = unread.context_with_unread(self.context, text, named)
+        self.context = context_with_unread(self.context, text, named)
         self._spoken = self._spoken if self._unread.asked else ()
         if other or code == "unknown_verb" or follow_up.has_verb(text):
             self._said = None
-
-    # --- corrections ----------------------------------------------------------------------------
 
     def _notes(self, command: g.Command) -> tuple[str, ...]:
         last = self._said
@@ -376,8 +366,6 @@ class Conversation:
             return ()
         assert last is not None
         return (f"already carried out: “{last.text}”; that is left as it is",)
-
-    # --- undo --------------------------------------------------------------------------------
 
     def _way_back(self, command: g.Command) -> Intention | Result:
         pushed = self._to_undo(command)
@@ -391,21 +379,6 @@ class Conversation:
         words = f"to undo “{text}”, {undo_text(back.frames)}"
         command = command.model_copy(update={"frames": back.frames, "paraphrase": words})
         return Intention(command, undone=tuple(pushed), back=back)
-
-    def _remember_undoing(
-        self, pushed: Sequence[PastPush], back: WayBack, result: Result
-    ) -> Result:
-        """Remembers what came of an undoing, and returns that with its notes."""
-        self._last = result_with(result, trace=None)
-        self.context = spoken.context_after(self.context, result)
-        done = [back.undoes[step.frame] for step in result.steps if step.status == "done"]
-        if len(done) < len(back.frames):
-            # What takes two steps is undone when both are done.
-            self._forget([push for push in done if push not in back.undoes[len(done) :]])
-            return result_with(result, notes=back.notes + result.notes)
-        self._forget(pushed)
-        notes = (f"undone: “{pushed[-1].of.text}”", *back.notes, *result.notes)
-        return result_with(result, notes=notes)
 
     def _to_undo(self, command: g.Command) -> list[PastPush]:
         """The pushes of the last sentence, or the last push of the object that is named."""
@@ -424,8 +397,6 @@ class Conversation:
     def _forget(self, undone: Sequence[PastPush]) -> None:
         self.past = [push for push in self.past if push not in undone]
 
-    # --- why ---------------------------------------------------------------------------------
-
     def _explain_last(self, command: g.Command) -> Answer:
         """Why the last result is as it is; or another push would be, if that is asked about."""
         (frame,) = command.frames
@@ -440,7 +411,7 @@ class Conversation:
             )
             with suppress(ControlError):
                 asked = self.controller.resolve(asked, self.context)
-                self.context = spoken.with_objects_of(self.context, asked)
+                self.context = aims.with_objects_of(self.context, asked)
             for told in filter(None, (self._last, self._done)):
                 if any(follow_up.says_all_of(each, asked.frames[0]) for each in told.frames):
                     return why_answer(told)
@@ -449,3 +420,74 @@ class Conversation:
         if last and last.answer and last.answer.query in ("value", "seen", "did", "compare"):
             last = self._done or last  # facts have no reasons
         return why_answer(last or nothing_before("nothing was said or done yet"))
+
+
+# What was said and not understood since the last sentence that was, and what it may have meant.
+#
+# A remark that leaves open what it is about may be about that, so it is asked back. Of a sentence
+# that is not read as a whole its longest part that is a command is offered; "yes" has it done.
+
+
+@dataclass(frozen=True)
+class UnreadTurns:
+    """Turns that were not understood since one was.
+
+    Attributes:
+        some: whether there are any.
+        asked: whether the last was a question.
+        offered: the part of the last that is a command.
+    """
+
+    some: bool = False
+    asked: bool = False
+    offered: Command | None = None
+
+    def may_be_meant(self, command: Command) -> bool:
+        """Check for a remark, which may be about one of these turns: "slower", "and the mug?"."""
+        return self.some and aims.is_remark(command)
+
+    def accepted_command(self, command: Command) -> Command | None:
+        """The part that was offered, if a remark accepts it; else None."""
+        return self.offered if aims.only_agrees(command) else None
+
+    def with_turn(self, text: str, offered: Command | None) -> UnreadTurns:
+        """These turns, and one more."""
+        return UnreadTurns(some=True, asked=aims.asks(text), offered=offered)
+
+
+def is_of_other(text: str, named: list[str], context: Context) -> bool:
+    """Check for a turn, not understood, about another object than the last that was."""
+    other = len(named) > 1 or (bool(named) and named != [*context.latest])
+    return not aims.asks(text) and other
+
+
+def context_with_unread(context: Context, text: str, named: list[str]) -> Context:
+    """What was spoken of after a turn that was not understood but names objects."""
+    last = tuple(dict.fromkeys((*named, *context.last)))
+    unnamed = aims.asks_which(text) or (not named and aims.tells_of_one(text))
+    among = tuple(named) if len(named) > 1 else None  # "the mug, not the jar"
+    doubt = () if unnamed else among if named else context.doubt
+    return replace(context, last=last, doubt=doubt)
+
+
+def context_with_refused(
+    context: Context, result: Result, cell: CellDescription, models: Mapping[str, ObjectModel]
+) -> Context:
+    """What was spoken of after a sentence that names a place that is not there.
+
+    "Put the mug in the bin" is about the mug, although not even that was looked for.
+    """
+    bound = any(frame.object and frame.object.id for frame in result.frames)
+    if result.status != "not_understood" or bound or context.doubt is not None:
+        return context
+    named = aims.names_said(result.text, cell, models)
+    return context_with_unread(context, result.text, named) if named else context
+
+
+def with_offer(info: ErrorInfo, offered: Command | None) -> ErrorInfo:
+    """A refusal that offers the part of a sentence that is a command."""
+    if offered is None:
+        return info
+    told = f'to have what is understood done, say "yes": "{offered.paraphrase}"'
+    kept = tuple(s for s in info.suggestions if not s.startswith("this much is understood"))
+    return info.model_copy(update={"suggestions": (*kept, told)})

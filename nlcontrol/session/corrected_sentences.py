@@ -18,13 +18,13 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Protocol, get_args
+from typing import TYPE_CHECKING, get_args
 
 import grammar
 from grammar.frames.vocabulary import Direction
 from nlcontrol.errors import ControlError, ErrorInfo, refusal_error
-from nlcontrol.results.result import result_with
-from nlcontrol.session.executor import Explorer, StoppableRobot
+from nlcontrol.results.result import Result, result_with
+from nlcontrol.session.executor import PlanningRobot, StoppableRobot
 from nlcontrol.session.remarks.follow_up_frames import correct_frame
 from nlcontrol.session.remarks.remark_aims import without_spans
 from planner import plan
@@ -32,16 +32,11 @@ from planner.affordances import frame_with_less
 from planner.problem.planning_problem import SearchBudget
 from planner.problem.predicted_states import state_after
 from planner.types.refusal import Refusal
-from sim.supervision import Stopped
+from sim.supervision import Stopped, StopToken
 
 if TYPE_CHECKING:
     from grammar.frames.command import Command, Frame, Span
-    from nlcontrol.results.result import Result
-    from nlcontrol.session.executor import Planner
-    from planner.types.robot import Robot
     from planner.types.world_state import WorldState
-    from sim.control.object_estimate import LastLook
-    from sim.supervision import StopToken
 
     Parse = Callable[[str], Command]
     Frames = tuple[Frame, ...]
@@ -52,8 +47,6 @@ MOST = 3
 MOST_WORK, MOST_EACH = 1500, 500
 """Work of all plans by which sentences are tried, and of each: about a second of a quiet core."""
 
-MOST_GRASPS = 30
-"""Grasps that are tried for each of them."""
 
 CHAIN = 2
 """How often what the refusal of a change suggests is followed."""
@@ -86,29 +79,9 @@ WHOLE = r'[^"“]+: "(.+)"'
 OTHER_WAY = r"(?:say |(?:tilt|topple) it to )?another (?:direction|side)"
 """Suggestions of no direction in particular."""
 
-_OTHER_NAMES = ("ambiguous_object", "unknown_object")
-
-
-class Speaker(Explorer, Protocol):
-    """Robot to which sentences are said: a `nlcontrol.session.controller.Controller`."""
-
-    last_look: LastLook
-    planner: Planner | None
-    time_limit: float | None
-
-    @property
-    def robot(self) -> Robot:
-        """Arm and hand."""
-
-    def parse(self, text: str) -> Command:
-        """The frames of a sentence."""
-
-    def resolve(self, command: Command) -> Command:
-        """The command with every object bound to one on the table."""
-
 
 def result_with_corrections(
-    result: Result, controller: Speaker, stop: StopToken | None = None
+    result: Result, controller: PlanningRobot, stop: StopToken | None = None
 ) -> Result:
     """The result with sentences that would do in place of the one that was said.
 
@@ -186,12 +159,13 @@ class _Trials:
     If something was done since, whatever can be said is taken to do.
     """
 
-    def __init__(self, controller: Speaker, stop: StopToken | None) -> None:
+    def __init__(self, controller: PlanningRobot, stop: StopToken | None) -> None:
         self._controller, self._stop = controller, stop
         self._state = controller.last_look.state
         self._left = MOST_WORK
-        # A plan that is found with less effort is the one that is found with all of it.
-        most = min(controller.defaults.most_grasps, MOST_GRASPS)
+        # A plan that is found with less effort is the one that is found with all of it: at most
+        # 30 grasps are tried for each.
+        most = min(controller.defaults.most_grasps, 30)
         self._defaults = replace(controller.defaults, most_grasps=most)
 
     def words(self, frames: Frames) -> str | None:
@@ -281,7 +255,7 @@ class _Trials:
 
 
 def _from_frames(parse: Parse, info: ErrorInfo, frames: Frames) -> Iterator[tuple[str, Frames]]:
-    if info.code in _OTHER_NAMES:
+    if info.code in ("ambiguous_object", "unknown_object"):
         yield from _with_other_names(parse, info, frames)
         return
     for suggestion in info.suggestions:

@@ -7,16 +7,14 @@ real robot is another one: it has the members of `Executor`, and derives from no
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Literal, Protocol
 
 from nlcontrol.errors import error
-from sim.robots.cell_description import LOOK
+from sim.robots.cell_description import LOOK, CellDescription
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from grammar.frames.command import Frame
+    from grammar.frames.command import Command, Frame
     from nlcontrol.questions.answer import Answer
     from objectmodels import ObjectModel
     from planner.touch_experiments import Experiment
@@ -25,8 +23,8 @@ if TYPE_CHECKING:
     from planner.types.plan import Plan, PlanningResult
     from planner.types.robot import Failed, Grip, ReachAnswer, ReachEffort, Robot, RobotLimits
     from planner.types.world_state import Held, WorldState
+    from sim.control.object_estimate import LastLook
     from sim.exploration.trial_extraction import Recording
-    from sim.robots.cell_description import CellDescription
     from sim.supervision import Progress, StopToken
     from sim.traces.trace import Trace
 
@@ -123,12 +121,19 @@ class Planner(Protocol):
         """A plan that satisfies a frame, or why there is none; see `planner.plan`."""
 
 
-class Explorer(Protocol):
-    """Robot that finds something out: a `nlcontrol.session.controller.Controller`."""
+class PlanningRobot(Protocol):
+    """A robot with its beliefs, as plans are made: a `nlcontrol.session.controller.Controller`."""
 
     executor: Executor
     models: dict[str, ObjectModel]
     defaults: Defaults
+    planner: Planner | None
+    last_look: LastLook
+    time_limit: float | None
+
+    @property
+    def robot(self) -> Robot:
+        """Arm and hand."""
 
     @property
     def held(self) -> Held | None:
@@ -137,18 +142,26 @@ class Explorer(Protocol):
     def about(self, frame: Frame) -> WorldState:
         """What is believed about the object of a frame."""
 
-    def answer(self, frame: Frame) -> Answer:
-        """The answer to a question."""
+    def answer(
+        self, frame: Frame, state: WorldState | None = None, *, stop: StopToken | None = None
+    ) -> Answer:
+        """The answer to a question; raises `ControlError` where there is none."""
 
-    def plan(self, frame: Frame) -> PlanningResult:
+    def plan(
+        self, frame: Frame, state: WorldState | None = None, *, stop: StopToken | None = None
+    ) -> PlanningResult:
         """A plan for a frame, or the reason why there is none."""
 
     def execute(self, plan: Plan, progress: Progress | None = None) -> Trace:
         """Carries out a plan."""
 
+    def parse(self, text: str) -> Command:
+        """The frames of a sentence."""
 
-# --- stoppable robot ------------------------------------------------------------------------------
-#
+    def resolve(self, command: Command) -> Command:
+        """The command with every object bound to one on the table."""
+
+
 # The robot that a planner asks, until it is to stop or its time is over.
 
 

@@ -29,6 +29,7 @@ from nlcontrol.learning.lessons import SPREAD, felt_weight, weight_from_grasp
 from nlcontrol.questions.answer import Answer
 from nlcontrol.questions.push_questions import target_of
 from nlcontrol.results.result import (
+    Result,
     Step,
     result_with,
     result_with_step,
@@ -48,16 +49,14 @@ from planner.touch_experiments import expected_trials, experiments
 from planner.types.actions import SetDown
 from planner.types.plan import Plan
 from planner.types.refusal import Refusal
-from sim.supervision import Stopped
+from sim.supervision import Progress, Stopped
 
 if TYPE_CHECKING:
-    from nlcontrol.results.result import Result
     from nlcontrol.session.events import Supervisor
-    from nlcontrol.session.executor import Explorer
+    from nlcontrol.session.executor import PlanningRobot
     from objectmodels import ObjectModel
     from planner.types.robot import RobotLimits
     from planner.types.world_state import WorldState
-    from sim.supervision import Progress
 
 
 BY_TOUCH: dict[str, tuple[str, ...]] = {
@@ -68,12 +67,6 @@ BY_TOUCH: dict[str, tuple[str, ...]] = {
 """Properties that touching finds out, with their parameters."""
 
 EVERYTHING = ("mass", "friction", "friction_radius", *CENTRE_OF_MASS, "finger_friction")
-
-MOST_REPETITIONS = 6
-"""Repetitions after which it is told as it is, however well it is known."""
-
-_KEPT = {"no_topple", "gentle", "slow"}
-"""Clauses that every touch keeps."""
 
 
 def requested_parameters(frame: g.Frame) -> tuple[str, ...]:
@@ -93,7 +86,10 @@ def requested_parameters(frame: g.Frame) -> tuple[str, ...]:
             f"finding out the {what} of objects",
             f"ask for it: what is known of the {what} stands in the model",
         )
-    clause = next((c for c in frame.constraints if c.kind not in _KEPT), None)
+    # Clauses that every touch keeps.
+    clause = next(
+        (c for c in frame.constraints if c.kind not in {"no_topple", "gentle", "slow"}), None
+    )
     if clause is not None:
         what = clause.kind.replace("_", " ")
         raise _unsupported_error(
@@ -157,7 +153,7 @@ def answer_with_offer(
 
 
 def explore_parameters(
-    controller: Explorer, frame: g.Frame, progress: Progress | None
+    controller: PlanningRobot, frame: g.Frame, progress: Progress | None
 ) -> tuple[Exploration | None, Answer]:
     """Touches an object until what a sentence asks is known, and tells it.
 
@@ -174,12 +170,13 @@ def explore_parameters(
     if is_precise_enough(model, precisions_asked(model, parameters, precision)):
         line = f"known to {precision:.0%} already: nothing was touched"
         return None, controller.answer(question).model_copy(update={"lines": (line,)})
+    # After six repetitions it is told as it is, however well it is known.
     found = explore(
         controller.executor,
         controller.models,
         name,
         parameters=parameters,
-        repetitions=MOST_REPETITIONS,
+        repetitions=6,
         precision=precision,
         progress=progress,
     )
@@ -188,7 +185,7 @@ def explore_parameters(
 
 
 def explore_frame(
-    controller: Explorer,
+    controller: PlanningRobot,
     index: int,
     frame: g.Frame,
     result: Result,
@@ -216,7 +213,7 @@ def explore_frame(
     return result_with_step(result, step, "done" if frame.query is None else "answered")
 
 
-def exploration_notice(controller: Explorer, frame: g.Frame, state: WorldState) -> str:
+def exploration_notice(controller: PlanningRobot, frame: g.Frame, state: WorldState) -> str:
     """The touches that would be made, in a sentence.
 
     Raises:
@@ -233,7 +230,7 @@ def exploration_notice(controller: Explorer, frame: g.Frame, state: WorldState) 
     )
 
 
-def state_once_explored(controller: Explorer, frame: g.Frame, state: WorldState) -> WorldState:
+def state_once_explored(controller: PlanningRobot, frame: g.Frame, state: WorldState) -> WorldState:
     """The belief when that is found out for which a sentence touches or lifts an object.
 
     Raises:
@@ -246,7 +243,7 @@ def state_once_explored(controller: Explorer, frame: g.Frame, state: WorldState)
     return replace(state, objects={**state.objects, name: replace(seen, model=known)})
 
 
-def _on_table(controller: Explorer, frame: g.Frame) -> str:
+def _on_table(controller: PlanningRobot, frame: g.Frame) -> str:
     """Name of the object in the scene."""
     name = frame.object.id if frame.object else None
     if name is None or name not in controller.executor.cell.names:
@@ -265,7 +262,7 @@ def asks_for_lifting(frame: g.Frame) -> bool:
 
 
 def weigh_by_lifting(
-    controller: Explorer, name: str, frame: g.Frame, progress: Progress | None
+    controller: PlanningRobot, name: str, frame: g.Frame, progress: Progress | None
 ) -> Answer:
     """Lifts an object, weighs it, and sets it down.
 
@@ -305,7 +302,7 @@ def weigh_by_lifting(
     )
 
 
-def _lift_and_return(controller: Explorer, name: str, frame: g.Frame) -> Plan:
+def _lift_and_return(controller: PlanningRobot, name: str, frame: g.Frame) -> Plan:
     """Up, and down again where it stood."""
     goal = frame.goal
     if isinstance(goal, g.Parameters) and not set(goal.which) <= {"mass"}:

@@ -17,12 +17,12 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Protocol, get_args
+from typing import TYPE_CHECKING, get_args
 
 from grammar import paraphrase
 from grammar.frames import command as g
-from nlcontrol.errors import ControlError, refusal_error
-from nlcontrol.session.executor import StoppableRobot
+from nlcontrol.errors import ControlError, ErrorInfo, refusal_error
+from nlcontrol.session.executor import PlanningRobot, StoppableRobot
 from nlcontrol.text_format import place_text
 from objectmodels.geometry.rotations import from_quaternion
 from planner import plan, planning
@@ -40,22 +40,17 @@ from planner.problem.directions import angle_between
 from planner.problem.planning_problem import SearchBudget
 from planner.problem.predicted_states import state_after
 from planner.true_reasons import REASON_WORK
-from planner.types.defaults import CLEARED
+from planner.types.defaults import CLEARED, Defaults
 from planner.types.plan import Plan, PlanningResult, Reached
 from planner.types.refusal import Refusal
-from planner.types.robot import ReachAnswer
-from sim.robots.cell_description import LOOK
+from planner.types.robot import ReachAnswer, ReachEffort, Robot
+from sim.robots.cell_description import LOOK, Vision
 from sim.supervision import Stopped, StopToken
 
 if TYPE_CHECKING:
-    from nlcontrol.errors import ErrorInfo
     from nlcontrol.session.events import Supervisor
-    from nlcontrol.session.executor import Planner
     from planner.types.actions import Push
-    from planner.types.defaults import Defaults
-    from planner.types.robot import ReachEffort, Robot
     from planner.types.world_state import PlanarPose, WorldState
-    from sim.robots.cell_description import Vision
     from sim.traces.trace import Trace
 
     PlanStep = Callable[[g.Frame, WorldState], PlanningResult]
@@ -64,8 +59,6 @@ if TYPE_CHECKING:
     Steps = list[tuple[g.Frame, Plan | Reached]]
 
 
-# --- foreseen steps -------------------------------------------------------------------------------
-#
 # Steps of a command behind its first, planned from where everything is predicted to be then.
 #
 # What would end halfway is told before anything moves, or the first step is made otherwise:
@@ -78,25 +71,8 @@ MOST_EACH = 500
 """Work of planning what comes after one way to hold something."""
 
 
-class StepPlanner(Protocol):
-    """Robot that plans single steps: a `nlcontrol.session.controller.Controller`."""
-
-    planner: Planner | None
-    defaults: Defaults
-    time_limit: float | None
-
-    @property
-    def robot(self) -> Robot:
-        """Arm and hand."""
-
-    def plan(
-        self, frame: g.Frame, state: WorldState | None = None, *, stop: StopToken | None = None
-    ) -> PlanningResult:
-        """A plan of one frame, or why there is none."""
-
-
 def plan_with_foresight(
-    controller: StepPlanner,
+    controller: PlanningRobot,
     made: Plan | Reached,
     state: WorldState,
     frames: Sequence[g.Frame],
@@ -132,7 +108,7 @@ def plan_with_foresight(
 
 
 def lasting_lift(
-    controller: StepPlanner,
+    controller: PlanningRobot,
     state: WorldState,
     frames: Sequence[g.Frame],
     stop: StopToken,
@@ -167,7 +143,9 @@ def _refused_ahead(
 class _ForesightedRobot(StoppableRobot):
     """A robot that gets to a grasp only if it can do what comes after it."""
 
-    def __init__(self, controller: StepPlanner, frames: Sequence[g.Frame], stop: StopToken) -> None:
+    def __init__(
+        self, controller: PlanningRobot, frames: Sequence[g.Frame], stop: StopToken
+    ) -> None:
         super().__init__(controller.robot, stop, controller.time_limit)
         self._controller, self._frames = controller, frames
 
@@ -188,8 +166,6 @@ class _ForesightedRobot(StoppableRobot):
         return ReachAnswer(False, "approach", refused.message, work=answer.work + budget.done)
 
 
-# --- further pushes -------------------------------------------------------------------------------
-#
 # Whether another push would bring an object nearer to its aim, as far as the camera can tell.
 #
 # Where it came to differs from where it was by what two looks tell, whose constant errors are
@@ -199,8 +175,6 @@ class _ForesightedRobot(StoppableRobot):
 
 
 _WELL = 0.5  # share of a tolerance within which is well within it
-_LEAST = 1.0 / 3.0  # share of an amount that its tolerance is at most
-_ASIDE = 0.7  # share of the tolerance of a direction
 
 
 LEFT_SO = "it is left there: another push would bring it no nearer that the camera sees"
@@ -237,7 +211,8 @@ class Corrections:
         way = math.dist((aim.x, aim.y), (before.x, before.y))
         off = math.dist((aim.x, aim.y), (pose.x, pose.y))
         tolerance = _tolerance(d.distance_tolerance, way)
-        aside = _ASIDE * way * math.tan(d.direction_tolerance) or math.inf
+        # 0.7: share of the tolerance of a direction.
+        aside = 0.7 * way * math.tan(d.direction_tolerance) or math.inf
         turn = asked = 0.0
         if aim.yaw is not None:
             turn = abs(angle_between(aim.yaw, pose.yaw))
@@ -254,7 +229,8 @@ class Corrections:
 
 def _tolerance(usual: float, amount: float) -> float:
     """The tolerance of an amount: less than the usual one of a small amount, but for none."""
-    return min(usual, _LEAST * amount) or usual
+    # A tolerance is at most a third of the amount.
+    return min(usual, (1.0 / 3.0) * amount) or usual
 
 
 def spent_text(made: Plan, times: int) -> str:
@@ -263,15 +239,10 @@ def spent_text(made: Plan, times: int) -> str:
     return f"this may take {times} {what if times == 1 else several} at most"
 
 
-# --- kept denials ---------------------------------------------------------------------------------
-#
 # Pushes that the hand did not get to, which stay so while what stopped it stays where it is.
 #
 # What is moved aside for a command changes little: most pushes that are asked for again are
 # stopped by what still stands there. An object that was moved may stop more of them, never fewer.
-
-
-_RECALLED = 1  # units of work of an answer that is known
 
 
 class RecallingRobot(StoppableRobot):
@@ -287,7 +258,8 @@ class RecallingRobot(StoppableRobot):
         denied = self._denied.setdefault(asked, [])
         for places, known in denied:
             if all(state.objects[name].pose == pose for name, pose in places.items()):
-                return replace(known, work=_RECALLED)
+                # An answer that is known costs one unit of work.
+                return replace(known, work=1)
         answer = super().reach(push, state, effort)
         if not answer.ok and answer.stopped_by is not None:
             places = {name: state.objects[name].pose for name in answer.stopped_by}
@@ -295,8 +267,6 @@ class RecallingRobot(StoppableRobot):
         return answer
 
 
-# --- kept plans -----------------------------------------------------------------------------------
-#
 # Plans of the steps of a command from predicted states, each of which is made once.
 
 
@@ -323,8 +293,6 @@ class KeptPlans:
         return self._made[key]
 
 
-# --- onward plans ---------------------------------------------------------------------------------
-#
 # Plans midway: to the aim of the plan before, or to another one that the sentence allows.
 #
 # A push that ends elsewhere than foreseen may leave an object where the hand does not get to it
@@ -332,21 +300,16 @@ class KeptPlans:
 # measure it from where the object stood.
 
 
-class Planning(Protocol):
-    """Planning of one frame from one state."""
-
-    def __call__(self, *, previous: Plan | None = None) -> PlanningResult:
-        """The answer; the aim of a previous plan is kept."""
-        ...
-
-
 def onward_plan(
-    planning: Planning, frame: g.Frame, state: WorldState, previous: Plan | None
+    planning: Callable[..., PlanningResult],
+    frame: g.Frame,
+    state: WorldState,
+    previous: Plan | None,
 ) -> PlanningResult:
     """The plan of what is left of a frame, or why there is none to the aim that was chosen.
 
     Args:
-        planning: of the frame from where everything is.
+        planning: of the frame from where everything is; the aim of a `previous` plan is kept.
         frame: that was begun.
         state: what is believed now.
         previous: the plan whose first push was made last; None if its aim is not kept.
@@ -363,9 +326,6 @@ def onward_plan(
     return made if isinstance(anew, Refusal) else anew
 
 
-# --- foresight ------------------------------------------------------------------------------------
-
-
 MOST_WORKS = 1.7
 """Work of all plans of an answer, the refused first one included, in that of one plan."""
 
@@ -377,12 +337,6 @@ MOST_SHARE = 0.5
 
 What can be done after a step mostly shows soon, and what stops the hand then shows as soon.
 """
-
-MOST_BRINGING = 0.3
-"""Of that, the share in which places are looked through that an object is brought to."""
-
-MOST_ASIDE = 3
-"""Objects that are moved aside for one command."""
 
 
 @dataclass(frozen=True)
@@ -408,7 +362,7 @@ class Ways:
 
 
 def ways_around(
-    controller: StepPlanner,
+    controller: PlanningRobot,
     frames: Frames,
     index: int,
     refused: tuple[Refusal, WorldState] | None,
@@ -464,7 +418,7 @@ class StepSearch:
 
     def __init__(
         self,
-        controller: StepPlanner,
+        controller: PlanningRobot,
         frames: Frames,
         moved: frozenset[str],
         stop: StopToken,
@@ -483,7 +437,8 @@ class StepSearch:
 
     def ways(self, state: WorldState, why: str) -> Ways | None:
         """The steps from where everything is; None if none are found with the work allowed."""
-        for most in range(MOST_ASIDE + 1):
+        # At most three objects are moved aside for one command.
+        for most in range(4):
             if self._left <= 0:
                 break
             found = self._steps(self._frames, state, self._moved, most)
@@ -548,7 +503,8 @@ class StepSearch:
 
         What is held is put down.
         """
-        share = MOST_BRINGING * MOST_WORKS * self._defaults.most_work
+        # Looking through places that an object is brought to may take 0.3 of that work.
+        share = 0.3 * MOST_WORKS * self._defaults.most_work
         least = max(0.0, self._left - share)
         anew = may_be_grasped_anew(frame, state)
         steps = (
@@ -642,8 +598,6 @@ def _next_frames(frames: Frames) -> Frames:
     return tuple(frame for frame in frames if frame.spans == first.spans)
 
 
-# --- stranded things ------------------------------------------------------------------------------
-#
 # What came to lie where the hand does not get to it, told before anybody asks for it.
 #
 # Where something is brought to, its place is chosen so that the hand gets to it again. Where it
@@ -651,13 +605,11 @@ def _next_frames(frames: Frames) -> Frames:
 # Frames: W.
 
 
-_LEANING = 0.7  # least cosine between what was up in an object, and what is, unless it fell [1]
 _WAY = 0.05  # of a push, and up in a lift, that is a hold on an object [m]
-_MOST = 0.1  # work of each plan, in what a plan may take
 
 
 def stranded_things(
-    controller: StepPlanner, trace: Trace, look: Callable[[], WorldState], stop: StopToken
+    controller: PlanningRobot, trace: Trace, look: Callable[[], WorldState], stop: StopToken
 ) -> Iterator[str]:
     """Sentences on what fell, and is neither pushed nor lifted from where it lies."""
     names = fallen_things(trace)
@@ -676,14 +628,16 @@ def stranded_things(
 def fallen_things(trace: Trace) -> list[str]:
     """Names of what lies or stands on another face than at the beginning, as it was seen."""
     ups = {name: from_quaternion(seen[[0, -1], :4])[:, 2] for name, seen in trace.seen.items()}
-    return [name for name, (first, last) in ups.items() if first @ last < _LEANING]
+    # 0.7: the cosine between what was up in an object and what is now, unless it fell.
+    return [name for name, (first, last) in ups.items() if first @ last < 0.7]
 
 
 def _stranded(
-    controller: StepPlanner, name: str, state: WorldState, stop: StopToken
+    controller: PlanningRobot, name: str, state: WorldState, stop: StopToken
 ) -> Iterator[str]:
     robot = RecallingRobot(controller.robot, stop, controller.time_limit)
-    most = int(_MOST * controller.defaults.most_work)
+    # Each plan may take a tenth of the usual work.
+    most = int(0.1 * controller.defaults.most_work)
     for frame in _frames_of(name):
         plan = controller.planner or partial(planning.plan, budget=SearchBudget(most))
         made = plan(frame, state, robot, defaults=controller.defaults)
@@ -704,13 +658,11 @@ def _frames_of(name: str) -> Iterator[g.Frame]:
     yield g.Frame(action="lift", object=own, goal=g.Lift(height=_WAY))
 
 
-# --- way back -------------------------------------------------------------------------------------
-#
 # Whether what is toppled could be stood up again where it will lie, which is told beforehand.
 
 
 def with_way_back(
-    controller: StepPlanner, made: PlanningResult, state: WorldState
+    controller: PlanningRobot, made: PlanningResult, state: WorldState
 ) -> PlanningResult:
     """The plan, with a note if there is no way back from the fall in which it ends.
 

@@ -34,7 +34,6 @@ Frames = Command | Mapping[str, Any] | Sequence[Frame | Mapping[str, Any]]
 """Frames as a program has them: a command, its JSON, or a list of frames or of their JSON."""
 
 MOST_FRAMES = 50
-_GUIDE = "docs/frames.md has every kind and field, `nlcontrol schema` their JSON schema"
 
 
 def read_frames(path: Path) -> Any:
@@ -93,7 +92,17 @@ def command_of(said: str | Frames, parser: Parser, before: Sequence[str] | None 
         if not text:
             kept = tuple(without_spans(f, lambda ref: ref) for f in command.frames)
             command = command.model_copy(update={"frames": kept, "asides": ()})
-        _require_spans_within(command, text)
+        spans = [
+            (f"frames[{index}]", span)
+            for index, frame in enumerate(command.frames)
+            for part in parts_within(frame)
+            for span in getattr(part, "spans", ())
+        ]
+        for path, (start, end) in (*spans, *(("asides", span) for span in command.asides)):
+            if not 0 <= start < end <= len(text):
+                message = f"found span {[start, end]}, expected a place in the text"
+                hint = f"spans lie within 0 and {len(text)}; they may be left out"
+                raise _bad_frame(path, message, hint)
         with known_errors_raised():
             said = sensible_frames(command.frames, parser)
     except RecursionError as raised:
@@ -134,29 +143,13 @@ def _validated_command(document: dict[str, Any]) -> Command:
     return command
 
 
-def _require_spans_within(command: Command, text: str) -> None:
-    spans = [
-        (f"frames[{index}]", span)
-        for index, frame in enumerate(command.frames)
-        for part in parts_within(frame)
-        for span in getattr(part, "spans", ())
-    ]
-    for path, (start, end) in (*spans, *(("asides", span) for span in command.asides)):
-        if not 0 <= start < end <= len(text):
-            message = f"found span {[start, end]}, expected a place in the text"
-            hint = f"spans lie within 0 and {len(text)}; they may be left out"
-            raise _bad_frame(path, message, hint)
-
-
-# --- what has not the form of frames -----------------------------------------------------------
-
-
 def _bad_frame(path: str, message: str, *suggestions: str) -> ControlError:
     info = ErrorInfo(
         code="bad_frame",
         message=message,
         path=path or None,
-        suggestions=suggestions or (_GUIDE,),
+        suggestions=suggestions
+        or ("docs/frames.md has every kind and field, `nlcontrol schema` their JSON schema",),
         family="sentence",
     )
     return ControlError(info)

@@ -21,17 +21,17 @@ should go first, other steps are looked for that bring all of it about
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import takewhile
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from grammar.frames import command as g
 from grammar.paraphrasing.command_wording import paraphrase
-from nlcontrol.checks.verdicts import PLANNED_ENDS
+from nlcontrol.checks.verdicts import PLANNED_ENDS, Check
 from nlcontrol.errors import ControlError, refusal_error
 from nlcontrol.plan_text import plan_lines
 from nlcontrol.questions.answer import Answer
@@ -53,6 +53,7 @@ from nlcontrol.session.foresight import (
     KeptPlans,
     Ways,
     onward_plan,
+    plan_with_foresight,
     spent_text,
     stranded_things,
     ways_around,
@@ -65,46 +66,23 @@ from planner.problem.directions import angle_between
 from planner.types.plan import Plan, PlanningResult, Reached
 from planner.types.refusal import Refusal
 from planner.types.robot import Failed, FailedHold, FailedPush
-from planner.types.world_state import WorldState
-from sim.supervision import Stopped
+from planner.types.world_state import Held, WorldState
+from sim.supervision import Stopped, StopToken
 from sim.traces.trace import EndReason, Trace, join_traces
 
 if TYPE_CHECKING:
     from grammar.frames.command import Command
-    from nlcontrol.checks.verdicts import Check
     from nlcontrol.learning.learning_reports import Lesson
     from nlcontrol.session.controller import Controller
     from nlcontrol.session.executor import Motion
     from nlcontrol.session.remarks.undo_frames import PastPush, WayBack
-    from objectmodels.models.object_model import ObjectModel
-    from planner.types.world_state import Held
-    from sim.supervision import StopToken
 
 
-# --- frame answers --------------------------------------------------------------------------------
-#
 # Answers to the questions of a command; what can be done is planned as it would be done.
 #
 # A question whether something can be done is answered by one plan where that suffices. Where
 # several objects are asked about at once, or where something stands in the way of one, it is yes
 # if the whole command could be carried out, with what is moved aside for it.
-
-
-_IN_THE_WAY = ("blocked", "out_of_reach")
-"""Reasons of refusals that other steps may change."""
-
-
-class Answerer(Protocol):
-    """Robot that answers single questions: a `nlcontrol.session.controller.Controller`."""
-
-    @property
-    def models(self) -> Mapping[str, ObjectModel]:
-        """Models of what stands on the table, by name."""
-
-    def answer(
-        self, frame: g.Frame, state: WorldState | None = None, *, stop: StopToken | None = None
-    ) -> Answer:
-        """The answer to a question; raises `ControlError` where there is none."""
 
 
 def frames_asked_at_once(frames: Sequence[g.Frame], index: int) -> tuple[g.Frame, ...]:
@@ -117,7 +95,7 @@ def frames_asked_at_once(frames: Sequence[g.Frame], index: int) -> tuple[g.Frame
 
 
 def answer_to(
-    controller: Answerer,
+    controller: Controller,
     asked: tuple[g.Frame, ...],
     state: WorldState,
     stop: StopToken,
@@ -138,7 +116,8 @@ def answer_to(
     """
     if len(asked) == 1:
         answer = controller.answer(asked[0], state, stop=stop)
-        hindered = answer.query == "possible" and answer.reason in _IN_THE_WAY
+        # Reasons of refusals that other steps may change.
+        hindered = answer.query == "possible" and answer.reason in ("blocked", "out_of_reach")
         known = asked[0].object is not None and asked[0].object.id in controller.models
         if not (hindered and known):
             return answer
@@ -175,16 +154,10 @@ def _possibility(tried: Result) -> Answer:
     return first.model_copy(update={"text": f"{how} The first: {begin}"})
 
 
-# --- whereabouts ----------------------------------------------------------------------------------
-#
 # Places in which a command that went no further leaves things, as far as the robot saw them.
 #
 # What was moved for a goal that was not reached does not stand where it did; a person who thinks
 # so would say the wrong thing next. Frames: W.
-
-
-_MOVED = 0.005  # less is not told: it is within what goals leave [m]
-_LAST = 0.5  # time at the end over which it is seen [s]
 
 
 def whereabouts(result: Result, held: Held | None) -> Iterator[str]:
@@ -202,30 +175,19 @@ def whereabouts(result: Result, held: Held | None) -> Iterator[str]:
 
 def _moved_things(trace: Trace, held: Held | None) -> Iterator[str]:
     """Sentences on what stands elsewhere than before."""
-    last = trace.time > trace.time[-1] - _LAST
+    # It is seen over the last 0.5 s.
+    last = trace.time > trace.time[-1] - 0.5
     for name, poses in trace.seen.items():
         if held is not None and name == held.name:
             continue
         moved = float(np.linalg.norm(trace.seen_displacement(name)))
-        if moved > _MOVED:
+        # Less than 5 mm is not told: it is within what goals leave.
+        if moved > 0.005:
             x, y = poses[last, 4:6].mean(axis=0).tolist()
             yield (
                 f"the {name} is at {place_text(x, y)} now, {quantity(moved, 'm')} from where it "
                 "was; “undo that” brings it back"
             )
-
-
-# --- frame execution ------------------------------------------------------------------------------
-
-
-MOST_LOOKS_ON = 3
-"""Looks of a second after a frame by which verdicts that are too near to tell are made surer."""
-
-LOOKING_HELPS = 0.9
-"""Share to which one more look must narrow what they leave open; what was on the way stays so."""
-
-MOST_REARRANGED = 2
-"""Times that other steps are looked for in one command."""
 
 
 def run_command(
@@ -245,7 +207,8 @@ def run_command(
     with the motion `simulate` alone. What was approved is carried out from where things were seen
     last.
     """
-    frames, left = command.frames, MOST_REARRANGED
+    # Other steps are looked for twice in one command.
+    frames, left = command.frames, 2
     made = {} if approval is None else {approval.frame: approval.made}
     result, index = result_with(result, frames=frames), 0
     while index < len(frames):
@@ -455,9 +418,6 @@ class FrameRun:
         begun = self.result.trace is not None
         if len(self.ahead) == 1 or (begun and not (isinstance(made, Plan) and made.task == "lift")):
             return made
-        # One frame does without it.
-        from nlcontrol.session.foresight import plan_with_foresight
-
         stop = self.supervisor.stop
         found = plan_with_foresight(self.controller, made, state, self.ahead, stop, self.kept)
         return made if begun and isinstance(found, Refusal) else found
@@ -499,7 +459,19 @@ class FrameRun:
         self.traces.append(trace)
         self.supervisor.stop.check()
         if not made.pushes:
-            return self._learn_by_hand(made, trace)
+            # Learn what the hand found out; return True if all was done.
+            from nlcontrol.learning.lessons import TRIED_AGAIN, lessons_from_hand
+
+            models, lessons = lessons_from_hand(made, self.controller.models, trace)
+            self.controller.models.update(models)
+            for lesson in lessons:
+                self._keep_lesson(lesson)
+            if trace.end in TRIED_AGAIN:
+                self.failed.append(FailedHold(made, trace.detail))
+                return False
+            if trace.end not in PLANNED_ENDS:
+                self._note(stuck=trace.detail)
+            return True
         explained = self._learn(made, state, trace)
         if trace.end in FAILURES or not explained:
             self.failed.append(FailedPush(made.push, trace.detail))
@@ -531,21 +503,6 @@ class FrameRun:
             self.supervisor("learn", float(trace.time[-1]), lesson.text)
         return True
 
-    def _learn_by_hand(self, made: Plan, trace: Trace) -> bool:
-        """Learn what the hand found out; return True if all was done."""
-        from nlcontrol.learning.lessons import TRIED_AGAIN, lessons_from_hand
-
-        models, lessons = lessons_from_hand(made, self.controller.models, trace)
-        self.controller.models.update(models)
-        for lesson in lessons:
-            self._keep_lesson(lesson)
-        if trace.end in TRIED_AGAIN:
-            self.failed.append(FailedHold(made, trace.detail))
-            return False
-        if trace.end not in PLANNED_ENDS:
-            self._note(stuck=trace.detail)
-        return True
-
     def _keep_lesson(self, lesson: Lesson) -> None:
         self._note(lessons=(*self.step.lessons, lesson))
         self.supervisor.tell("lesson", lesson.text, lesson=lesson)
@@ -561,7 +518,8 @@ class FrameRun:
     def _judge(self) -> tuple[Check, ...]:
         """The verdicts; where they cannot be told, the robot looks on as long as that helps."""
         checks = self.controller.check(self.frame, join_traces(self.traces))
-        for _ in range(MOST_LOOKS_ON):
+        # Up to three looks of a second make verdicts surer that are too near to tell.
+        for _ in range(3):
             before = _doubts(checks)
             if not any(before):
                 break
@@ -572,7 +530,8 @@ class FrameRun:
             self.traces.append(replace(seen, end=last.end, detail=last.detail, direction=way))
             checks = self.controller.check(self.frame, join_traces(self.traces))
             unseen, spread = _doubts(checks)
-            if unseen >= before[0] and spread >= LOOKING_HELPS * before[1]:
+            # One more look must narrow to 0.9 what they leave open; what was on the way stays so.
+            if unseen >= before[0] and spread >= 0.9 * before[1]:
                 break
         return checks
 
@@ -621,8 +580,6 @@ FAILURES: frozenset[EndReason] = frozenset(
 """Ends of a push after which another contact is tried, where there is one."""
 
 
-# --- proposals ------------------------------------------------------------------------------------
-#
 # Proposals: plans of sentences, not yet done; to be approved, then carried out as they are.
 
 

@@ -19,16 +19,14 @@ from pydantic_core import to_jsonable_python
 
 from nlcontrol.errors import ControlError, error
 from nlcontrol.json_document import Document, DocumentPart
-from nlcontrol.session.executor import Motion
+from nlcontrol.session.executor import Executor, Motion
 from nlcontrol.text_format import encodable_text
-from objectmodels import ObjectModel
+from objectmodels import ObjectModel, Registry
 from objectmodels.registry.model_registry import model_document
 from sim.simulated_executor import SimulatedExecutor
 
 if TYPE_CHECKING:
-    from nlcontrol.session.executor import Executor
     from nlcontrol.session.frame_documents import Frames
-    from objectmodels import Registry
     from planner.types.defaults import Defaults
 
 

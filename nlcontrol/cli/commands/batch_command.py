@@ -88,7 +88,6 @@ def run(
         batch,
         dask_executor,
         read_outcomes,
-        result_line,
         summarise,
     )
     from nlcontrol.batches.row_orders import rows_in_file
@@ -122,7 +121,7 @@ def run(
         for result in opened.enter_context(closing(results)):
             if output is None:
                 tally.add(result)
-                click.echo(result_line(result))
+                click.echo(result.model_dump_json())
     summary = tally.summary() if output is None else summarise(read_outcomes(output))
     return _answer_summary(summary, picture, as_json=as_json, err=output is None)
 

@@ -18,7 +18,7 @@ import click
 
 from nlcontrol import __version__
 from nlcontrol.cli.console.console_output import json_option, print_json
-from nlcontrol.errors import INTERNAL, OK
+from nlcontrol.errors import INTERNAL, OK, ControlError
 from nlcontrol.installed_versions import DISTRIBUTION
 from nlcontrol.package_imports import SIBLINGS, home, misplaced_packages
 
@@ -176,7 +176,6 @@ def _use_grammar() -> str:
 
 
 def _use_planner() -> str:
-    from nlcontrol.errors import ControlError
     from nlcontrol.session.controller import Controller
 
     result = Controller("kitchen").say("push the ice tea box away", plan_only=True)
@@ -186,7 +185,6 @@ def _use_planner() -> str:
 
 
 def _use_simulation() -> str:
-    from nlcontrol.errors import ControlError
     from nlcontrol.session.controller import Controller
 
     start = time.monotonic()

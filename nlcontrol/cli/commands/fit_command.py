@@ -47,7 +47,15 @@ def command(
     from nlcontrol.learning.log_fitting import fit_files, report_lines
     from objectmodels.registry.model_registry import rename_model, save_model, store_model
 
-    _require_sensible(files, saved_as, output)
+    # Refuse options that cannot be meant, before the fit.
+    if saved_as and (saved_as.endswith(".csv") or Path(saved_as).is_file()):
+        message = f"--save takes a name, not the file {saved_as}: put --save last, or --save=NAME"
+        raise click.UsageError(message)
+    if len({file.resolve() for file in files}) < len(files):
+        raise click.UsageError("a data file is given twice, and would count twice")
+    if output is not None and output.suffix not in (".yaml", ".yml"):
+        raise click.UsageError(f"{output}: the ending must be .yaml")
+    require_writable(output)
     registry = open_registry()
     model, report = fit_files(_find_model(registry, name), files, parameters)
     model = rename_model(model, saved_as) if saved_as else model
@@ -58,18 +66,6 @@ def command(
     saved, written = (None if file is None else str(file) for file in (path, output))
     report = report.model_copy(update={"saved": saved, "output": written, "instead_of": instead})
     return print_answer(report.model_dump(mode="json"), report_lines(report), as_json=as_json)
-
-
-def _require_sensible(files: tuple[Path, ...], saved_as: str | None, output: Path | None) -> None:
-    """Refuse options that cannot be meant, before the fit."""
-    if saved_as and (saved_as.endswith(".csv") or Path(saved_as).is_file()):
-        message = f"--save takes a name, not the file {saved_as}: put --save last, or --save=NAME"
-        raise click.UsageError(message)
-    if len({file.resolve() for file in files}) < len(files):
-        raise click.UsageError("a data file is given twice, and would count twice")
-    if output is not None and output.suffix not in (".yaml", ".yml"):
-        raise click.UsageError(f"{output}: the ending must be .yaml")
-    require_writable(output)
 
 
 def _find_model(registry: Registry, name: str) -> ObjectModel:

@@ -114,8 +114,22 @@ def command(
     The map shows the force that they need as well. With --experiment they are carried out, on the
     object as it really is in the scene.
     """
-    _require_fitting_options(ctx, experiment)
-    _require_good_endings(outputs)
+    # Refuse options that say nothing, with the experiment or without it.
+    apart = ("straight", "solid", "lying_on")
+    belong = ("by", "scene", "seed", "workers", "record")
+    for param in ctx.command.params:
+        given = ctx.get_parameter_source(param.name or "") is click.core.ParameterSource.COMMANDLINE
+        if given and experiment and param.name in apart:
+            raise click.UsageError(
+                f"{param.opts[0]} does not go with --experiment: there the object stands in its "
+                "scene and may turn"
+            )
+        if given and not experiment and param.name in belong:
+            raise click.UsageError(f"{param.opts[0]} belongs to --experiment")
+    for output in outputs:
+        require_writable(output)
+        if output.suffix not in (*_PICTURES, ".csv", ".json"):
+            raise click.UsageError(f"{output}: the ending must be .png, .svg, .pdf, .csv or .json")
     wanted: dict[str, Any] = {
         "direction": direction,
         "spacing": 1e-3 * spacing,
@@ -133,28 +147,6 @@ def command(
     model, side = find_model_and_face(name, face, lying_on, model_file)
     chart = outcome_map(model, side, turning=not straight, **wanted)
     return _answer_map(chart, face, outputs, solid=solid, shaded=shade, as_json=as_json)
-
-
-def _require_fitting_options(ctx: click.Context, experiment: bool) -> None:
-    """Refuse options that say nothing, with the experiment or without it."""
-    apart = ("straight", "solid", "lying_on")
-    belong = ("by", "scene", "seed", "workers", "record")
-    for param in ctx.command.params:
-        given = ctx.get_parameter_source(param.name or "") is click.core.ParameterSource.COMMANDLINE
-        if given and experiment and param.name in apart:
-            raise click.UsageError(
-                f"{param.opts[0]} does not go with --experiment: there the object stands in its "
-                "scene and may turn"
-            )
-        if given and not experiment and param.name in belong:
-            raise click.UsageError(f"{param.opts[0]} belongs to --experiment")
-
-
-def _require_good_endings(outputs: tuple[Path, ...]) -> None:
-    for output in outputs:
-        require_writable(output)
-        if output.suffix not in (*_PICTURES, ".csv", ".json"):
-            raise click.UsageError(f"{output}: the ending must be .png, .svg, .pdf, .csv or .json")
 
 
 def _answer_map(

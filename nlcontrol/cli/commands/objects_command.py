@@ -17,7 +17,7 @@ from nlcontrol.cli.console.console_output import (
     print_lines,
 )
 from nlcontrol.errors import CODES, OK, ErrorInfo, error, exception_info
-from nlcontrol.text_format import error_lines
+from nlcontrol.text_format import enumeration, error_lines
 
 if TYPE_CHECKING:
     from objectmodels import ModelError, ObjectModel, Registry
@@ -273,7 +273,14 @@ def _keep_model(registry: Registry, model: ObjectModel, as_json: bool) -> int:
     from objectmodels.registry.model_registry import store_model
 
     path, _ = store_model(registry, model)
-    return _print_written(model, path, as_json, _next_command(model))
+    # A command that pushes an object of the user's own, on a table with room for it.
+    from sim.truth.scene_file import free_place, load_scene
+
+    place = free_place(load_scene("kitchen"), model)
+    put = "NAME@X,Y" if place is None else f"{model.name}@{place.x_m:g},{place.y_m:g}"
+    return _print_written(
+        model, path, as_json, f'nlcontrol say "push the {model.name} away" --put "{put}"'
+    )
 
 
 def _document(registry: Registry, model: ObjectModel) -> dict[str, Any]:
@@ -288,15 +295,6 @@ def _document(registry: Registry, model: ObjectModel) -> dict[str, Any]:
 def _origin_text(registry: Registry, name: str) -> str:
     replaced = registry.replaced_place(name)
     return registry.place(name) + (f", instead of: {replaced}" if replaced else "")
-
-
-def _next_command(model: ObjectModel) -> str:
-    """A command that pushes an object of the user's own, on a table with room for it."""
-    from sim.truth.scene_file import free_place, load_scene
-
-    place = free_place(load_scene("kitchen"), model)
-    put = "NAME@X,Y" if place is None else f"{model.name}@{place.x_m:g},{place.y_m:g}"
-    return f'nlcontrol say "push the {model.name} away" --put "{put}"'
 
 
 def _print_written(
@@ -330,7 +328,19 @@ def _model_lines(model: ObjectModel, place: str) -> list[str]:
     ]
     if model.friction_kinetic is not None:
         rows.insert(4, ("friction, sliding", f"{model.friction_kinetic:.4f}"))
-    rows += _critical_heights(model)
+    # Above which height a level push in the middle of each face topples it.
+    from nlcontrol.references.object_names import face_names
+
+    found: dict[str, list[str]] = {}
+    for name, face in face_names(model).items():
+        points, normals = face.points_at([0.0], [0.5 * (face.bottom + face.top)])
+        height = float(model.cone_thresholds(points, normals).critical_height[0])
+        verdict = f"topples above {1e3 * height:.0f} mm" if height < face.top else "never topples"
+        found.setdefault(verdict, []).append(name)
+    rows += [
+        ("pushed level", f"{verdict}, in the middle of {enumeration(names)}")
+        for verdict, names in found.items()
+    ]
     return [model.name, *(f"  {key:24} {value}" for key, value in rows)]
 
 
@@ -347,20 +357,3 @@ def _base_text(model: ObjectModel) -> str:
     if isinstance(model.base, Disc):
         return f"a round base, {'on its rim' if model.support == 'corners' else how}"
     return f"{len(model.base.corners)} edges, {how}"
-
-
-def _critical_heights(model: ObjectModel) -> list[tuple[str, str]]:
-    """Above which height a level push in the middle of each face topples it."""
-    from nlcontrol.references.object_names import face_names
-    from nlcontrol.text_format import enumeration
-
-    found: dict[str, list[str]] = {}
-    for name, face in face_names(model).items():
-        points, normals = face.points_at([0.0], [0.5 * (face.bottom + face.top)])
-        height = float(model.cone_thresholds(points, normals).critical_height[0])
-        verdict = f"topples above {1e3 * height:.0f} mm" if height < face.top else "never topples"
-        found.setdefault(verdict, []).append(name)
-    return [
-        ("pushed level", f"{verdict}, in the middle of {enumeration(names)}")
-        for verdict, names in found.items()
-    ]

@@ -66,7 +66,9 @@ def predict(
     Directions are the robot's: x away from it, y to its left, z up.
     """
     if press is not None:
-        _require_no_push(face, force)
+        given = click.get_current_context().get_parameter_source("face")
+        if force is not None or (face != "top" and given is not ParameterSource.DEFAULT):
+            raise click.UsageError("--press draws along from the top: leave out --force and --face")
         from nlcontrol.questions.drag_prediction import predict_drag
 
         model = find_model(name, lying_on)
@@ -86,13 +88,6 @@ def predict(
         friction=friction,
     )
     return print_answer(found.model_dump(mode="json"), [found.text], as_json=as_json)
-
-
-def _require_no_push(face: str, force: float | None) -> None:
-    """Make sure that a drag from above is asked for without what only a push from a side has."""
-    given = click.get_current_context().get_parameter_source("face")
-    if force is not None or (face != "top" and given is not ParameterSource.DEFAULT):
-        raise click.UsageError("--press draws along from the top: leave out --force and --face")
 
 
 @click.command()

@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -21,6 +21,7 @@ from nlcontrol.cli.console.command_options import (
 )
 from nlcontrol.cli.console.console_output import (
     FILE,
+    Command,
     Detail,
     LiveAnswer,
     columns_of,
@@ -44,7 +45,6 @@ if TYPE_CHECKING:
     from nlcontrol.session.executor import Motion
     from nlcontrol.session.frame_documents import Frames
 
-Command = TypeVar("Command", bound=Callable[..., Any])
 
 _explain = click.option("--explain", is_flag=True, help="Show which words became which parameters.")
 _picture = click.option(

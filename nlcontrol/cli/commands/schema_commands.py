@@ -11,7 +11,7 @@ from nlcontrol.cli.console.command_options import (
     set_option,
 )
 from nlcontrol.cli.console.console_output import json_option, print_answer, print_json
-from nlcontrol.errors import OK
+from nlcontrol.errors import OK, known_errors_raised
 
 
 @click.command("defaults")
@@ -27,7 +27,6 @@ def defaults(names: tuple[str, ...], scene: str, settings: Settings, as_json: bo
     """
     from dataclasses import asdict
 
-    from nlcontrol.errors import known_errors_raised
     from planner.types.defaults import settings_beginning, with_settings
     from sim.truth.scene_file import load_scene
 

@@ -47,8 +47,6 @@ if TYPE_CHECKING:
     from nlcontrol.session.executor import Motion
 
 
-# --- prompt lines ---------------------------------------------------------------------------------
-#
 # Lines typed at a prompt: edited, completed, and kept for the next time.
 #
 # The history is a text file of the user's own, one line each, in the folder for state that the
@@ -175,9 +173,6 @@ def write_history(typed: Sequence[str]) -> None:
         temporary.write_text(text, encoding="utf-8", errors="replace")
 
 
-# --- shell command --------------------------------------------------------------------------------
-
-
 LEAVING = {"exit", "quit", "bye"}
 REMARKS = ("again", "a bit more", "no, to the left", "undo that", "why?")
 WORDS = ("help", *sorted(LEAVING), "again", "a bit more", "undo that", "why")
@@ -220,8 +215,13 @@ def command(
         click.echo(
             f"On the table: {_object_list(controller)}. “help” shows examples, “exit” leaves."
         )
+        from grammar.words.lexicon_plugins import installed_lexicon
+
+        lexicon, _ = installed_lexicon()
         with closing(
-            prompt_lines("nlcontrol> ", controller.cell.names, _line_beginnings())
+            prompt_lines(
+                "nlcontrol> ", controller.cell.names, (*WORDS, *sorted(lexicon.verb_words["VERB"]))
+            )
         ) as lines:
             status = _answer_lines(
                 conversation, lines, detail, as_json=as_json, motion=motion, at_prompt=True
@@ -306,10 +306,3 @@ def _help_text(controller: Controller) -> str:
 
 def _object_list(controller: Controller) -> str:
     return ", ".join(controller.cell.names) or "nothing"
-
-
-def _line_beginnings() -> tuple[str, ...]:
-    from grammar.words.lexicon_plugins import installed_lexicon
-
-    lexicon, _ = installed_lexicon()
-    return (*WORDS, *sorted(lexicon.verb_words["VERB"]))

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import os
 import shlex
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import click
 from click.shell_completion import CompletionItem
 
-from nlcontrol.cli.console.console_output import FILE, print_skipped
+from nlcontrol.cli.console.console_output import FILE, Command, print_skipped
+from nlcontrol.errors import known_errors_raised
 
 if TYPE_CHECKING:
     from nlcontrol.session.controller import Controller
@@ -19,8 +20,6 @@ if TYPE_CHECKING:
     from sim.truth.scene_file import Scene
 
 
-# --- shell completions ----------------------------------------------------------------------------
-#
 # What a shell offers at the tab key: names of scenes, objects, faces and defaults.
 
 
@@ -76,10 +75,6 @@ def _beginning(names: Iterable[str], incomplete: str) -> list[CompletionItem]:
     return [CompletionItem(shlex.quote(name) if in_bash else name) for name in found]
 
 
-# --- command options ------------------------------------------------------------------------------
-
-
-Command = TypeVar("Command", bound=Callable[..., Any])
 Settings = tuple[tuple[str, float], ...]
 Placed = tuple[str, float, float, float]
 
@@ -195,7 +190,6 @@ def open_controller(
         ControlError: the scene cannot be read, a default is none, or there is no room for what is
             to be put there.
     """
-    from nlcontrol.errors import known_errors_raised
     from nlcontrol.session.controller import Controller
     from planner.types.defaults import with_settings
     from sim.truth.scene_file import load_scene

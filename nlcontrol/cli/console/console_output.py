@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from nlcontrol.session.events import Event
 
 
-# --- terminal text --------------------------------------------------------------------------------
-#
 # Lines as a terminal shows them: wrapped to its width, verdicts in colour.
 #
 # What goes to a file or a pipe stays as it is, line by line. Colours are the terminal's own green
@@ -45,8 +43,6 @@ _STYLES: tuple[tuple[re.Pattern[str], dict[str, Any]], ...] = tuple(
     )
 )
 """Beginnings of lines that are shown in a style; the first that fits counts."""
-
-_LEAST = 20  # columns of a text, however narrow the terminal is
 
 
 def columns_of(*, err: bool = False) -> int | None:
@@ -81,10 +77,13 @@ def lines_within(line: str, columns: int) -> str:
     """The line in as many lines as it takes; those after the first stand below its last column."""
     if len(line) <= columns:
         return line
+    indent = len(line) - len(line.lstrip())
+    gaps = [gap.end() for gap in re.finditer(r"(?<=\S) {2,}", line) if gap.end() <= columns / 2]
+    # A text has 20 columns, however narrow the terminal is.
     filled = textwrap.fill(
         _UNIT.sub(_KEPT, line),
-        max(columns, _LEAST),
-        subsequent_indent=" " * _hanging(line, columns),
+        max(columns, 20),
+        subsequent_indent=" " * max(gaps, default=indent + 2),
         break_on_hyphens=False,
     )
     return filled.replace(_KEPT, " ")
@@ -92,13 +91,6 @@ def lines_within(line: str, columns: int) -> str:
 
 _KEPT = "\N{NO-BREAK SPACE}"
 _UNIT = re.compile(r"(?<=\d) (?=(mm|m|N|s|kg|ml|%)(\W|$))|(?<=±) ")  # a number stays with its unit
-
-
-def _hanging(line: str, columns: int) -> int:
-    """Indentation below a line: of the last column of a table, else two more than its own."""
-    indent = len(line) - len(line.lstrip())
-    gaps = [gap.end() for gap in re.finditer(r"(?<=\S) {2,}", line) if gap.end() <= columns / 2]
-    return max(gaps, default=indent + 2)
 
 
 def with_style(text: str) -> str:
@@ -109,9 +101,6 @@ def with_style(text: str) -> str:
         if found := pattern.match(text):
             return click.style(found[0], **style) + text[found.end() :]
     return text
-
-
-# --- console output -------------------------------------------------------------------------------
 
 
 FILE = click.Path(dir_okay=False, path_type=Path)
@@ -291,8 +280,6 @@ class Progress:
             click.echo(told, err=True)
 
 
-# --- live answer ----------------------------------------------------------------------------------
-#
 # What is told of a sentence: while it is carried out, and at its end.
 #
 # At a terminal the understanding and each plan appear as soon as they are there, then the phases,

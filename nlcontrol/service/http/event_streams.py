@@ -15,13 +15,12 @@ from starlette.responses import Response
 from nlcontrol.errors import error
 from nlcontrol.json_document import Document
 from nlcontrol.service.documents import NumberedEvent
-from nlcontrol.service.http.service_access import document_response
+from nlcontrol.service.http.service_access import HttpSettings, document_response
 
 if TYPE_CHECKING:
     from fastapi import Request
     from starlette.types import Receive, Scope, Send
 
-    from nlcontrol.service.http.service_access import HttpSettings
     from nlcontrol.service.planning_service import PlanningService
 
 STREAM_CONTENT = {
@@ -35,9 +34,6 @@ STREAM_CONTENT = {
 }
 """Each event of a stream, as the OpenAPI document has it."""
 
-SEND_TIME = 20.0
-"""Time in which a listener has to take what was sent [s]; one that does not has gone."""
-
 
 class EventList(Document):
     """Events of a run so far.
@@ -49,48 +45,25 @@ class EventList(Document):
     events: tuple[NumberedEvent, ...]
 
 
-class Listeners:
-    """The count of the streams that are open.
-
-    Args:
-        most: of them at once.
-    """
-
-    def __init__(self, most: int) -> None:
-        self._most = most
-        self._count = 0
-
-    def admit_one(self) -> None:
-        """Counts one more.
-
-        Raises:
-            ControlError: `too_many_requests`.
-        """
-        if self._count >= self._most:
-            raise error(
-                "too_many_requests",
-                f"{self._most} streams are open already",
-                suggestions=("ask again later, or for a list: Accept: application/json",),
-                numbers={"retry_after": 5.0},
-            )
-        self._count += 1
-
-    def dismiss_one(self) -> None:
-        """Counts one less."""
-        self._count -= 1
-
-
 class _Stream(EventSourceResponse):
     """A stream that is counted until it ends, in whichever way."""
 
     def __init__(self, events: AsyncIterator[ServerSentEvent], request: Request) -> None:
-        settings: HttpSettings = request.app.state.http_settings
-        self._listeners: Listeners = request.app.state.listeners
-        self._listeners.admit_one()
+        self._state = request.app.state
+        settings: HttpSettings = self._state.http_settings
+        if self._state.streams >= settings.listeners:
+            raise error(
+                "too_many_requests",
+                f"{settings.listeners} streams are open already",
+                suggestions=("ask again later, or for a list: Accept: application/json",),
+                numbers={"retry_after": 5.0},
+            )
+        self._state.streams += 1
+        # A listener who does not take what was sent within 20 s has gone.
         super().__init__(
             events,
             ping=settings.heartbeat,
-            send_timeout=SEND_TIME,
+            send_timeout=20.0,
             sep="\n",
             ping_message_factory=lambda: ServerSentEvent(comment="heartbeat", sep="\n"),
         )
@@ -100,7 +73,7 @@ class _Stream(EventSourceResponse):
         try:
             await super().__call__(scope, receive, send)
         finally:
-            self._listeners.dismiss_one()
+            self._state.streams -= 1
 
 
 async def stream_events(

@@ -9,14 +9,16 @@ from fastapi import APIRouter, Request
 from pydantic import Field
 from starlette.responses import Response
 
-from nlcontrol import __version__
+from nlcontrol import __version__, json_schema
 from nlcontrol.errors import error, known_errors_raised
 from nlcontrol.json_document import Document, DocumentPart, document_text
 from nlcontrol.service.documents import SceneGeometry
 from nlcontrol.service.http.openapi_document import PROBLEMS
-from nlcontrol.service.http.request_bodies import LoginBody, ObjectPath
 from nlcontrol.service.http.request_guard import BrowserLogin
-from nlcontrol.service.http.service_access import Service, document_response
+from nlcontrol.service.http.service_access import LoginBody, ObjectPath, Service, document_response
+from objectmodels.registry.model_registry import kind_of
+from sim.truth.scene_file import load_scene
+from sim.views.viewer_recording import believed_scene
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel
@@ -136,8 +138,6 @@ async def log_in(body: LoginBody, request: Request) -> Response:
 @ROUTER.get("/schema", operation_id="json_schema", response_model=dict[str, Any])
 def schema() -> Response:
     """Sends the JSON schema of the documents, as `nlcontrol schema` prints it."""
-    from nlcontrol import json_schema
-
     return Response(document_text(json_schema.schema(), None), media_type="application/json")
 
 
@@ -157,7 +157,6 @@ def list_objects(service: Service) -> Response:
 def read_object(name: ObjectPath) -> Response:
     """Tells what is believed about an object, by its name or a synonym."""
     from objectmodels import Registry
-    from sim.views.viewer_recording import believed_scene
 
     with known_errors_raised():
         model = Registry.default().find_one(name)
@@ -171,14 +170,10 @@ def read_object(name: ObjectPath) -> Response:
 
 
 def _scene_summary(name: str) -> SceneSummary:
-    from sim.truth.scene_file import load_scene
-
     return SceneSummary(name=name, objects=tuple(item.name for item in load_scene(name).objects))
 
 
 def _object_summary(model: ObjectModel) -> ObjectSummary:
-    from objectmodels.registry.model_registry import kind_of
-
     return ObjectSummary(
         name=model.name,
         synonyms=tuple(model.synonyms),

@@ -66,7 +66,14 @@ def openapi_document(app: FastAPI, routers: Iterable[APIRouter]) -> dict[str, An
         document["components"]["securitySchemes"] = _SECURITY
         document["security"] = [{}, *({name: []} for name in _SECURITY)]
         _leave_out_null(document)
-        _add_examples(document, routers)
+        # Gives each body an example, made from those of its fields, where its route has none.
+        for route in _routes(routers):
+            if route.body_field is not None and route.include_in_schema:
+                (body,) = classes_in(route.body_field.field_info.annotation)
+                for method in route.methods or ():
+                    operation = document["paths"][route.path][method.lower()]
+                    content = operation["requestBody"]["content"]["application/json"]
+                    content.setdefault("example", body_example(body))
         app.openapi_schema = document
     return app.openapi_schema
 
@@ -81,17 +88,6 @@ def _leave_out_null(document: dict[str, Any]) -> None:
         for parameter in operation.get("parameters", ()):
             kinds = parameter["schema"].pop("anyOf", ())
             parameter["schema"] |= next((kind for kind in kinds if kind != {"type": "null"}), {})
-
-
-def _add_examples(document: dict[str, Any], routers: Iterable[APIRouter]) -> None:
-    """Gives each body an example, made from those of its fields, where its route has none."""
-    for route in _routes(routers):
-        if route.body_field is not None and route.include_in_schema:
-            (body,) = classes_in(route.body_field.field_info.annotation)
-            for method in route.methods or ():
-                operation = document["paths"][route.path][method.lower()]
-                content = operation["requestBody"]["content"]["application/json"]
-                content.setdefault("example", body_example(body))
 
 
 def _described_schemas(routers: Iterable[APIRouter]) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from http import HTTPStatus
 from textwrap import shorten
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from fastapi.exceptions import RequestValidationError
 from pydantic import Field
@@ -18,17 +18,12 @@ from objectmodels.errors import printable, suggest
 from objectmodels.files.yaml_documents import classes_in, short_text
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-    from typing import Any
+    from collections.abc import Mapping, Sequence
 
     from fastapi import APIRouter, FastAPI
     from starlette.requests import Request
-    from starlette.types import Scope
 
 MEDIA_TYPE = "application/problem+json"
-
-MOST_FAULTS = 10
-"""Places of a body that are complained about at once."""
 
 
 class Fault(DocumentPart):
@@ -132,7 +127,21 @@ def answer_problems(app: FastAPI, routers: Sequence[APIRouter]) -> None:
 
     async def answer_http_exception(request: Request, raised: Exception) -> Response:
         assert isinstance(raised, HTTPException), "it is registered for these"
-        return _http_problem(raised, _allowed_methods(routers, request.scope))
+        # Methods of all routes of a path; the framework names those of the first alone.
+        found = {
+            method
+            for router in routers
+            for route in router.routes
+            if isinstance(route, Route) and route.matches(request.scope)[0] is not Match.NONE
+            for method in route.methods or ()
+        }
+        allowed = sorted({*found, "HEAD"} if "GET" in found else found)
+        code, hint = OF_REQUESTS.get(raised.status_code, OF_REQUESTS[400])
+        info = ErrorInfo(code=code, message=str(raised.detail), suggestions=(hint,))
+        headers = dict(raised.headers or {})
+        if raised.status_code == HTTPStatus.METHOD_NOT_ALLOWED:
+            headers["Allow"] = ", ".join(allowed)
+        return problem_response(problem_of(info, status=raised.status_code), headers)
 
     app.add_exception_handler(ControlError, _answer_error)
     app.add_exception_handler(RequestValidationError, _answer_faults)
@@ -147,27 +156,6 @@ async def _answer_error(_: Request, raised: Exception) -> Response:
 
 async def _answer_defect(_: Request, raised: Exception) -> Response:
     return problem_response(defect())  # which is raised on, for the guard to log it
-
-
-def _http_problem(raised: HTTPException, allowed: Iterable[str]) -> Response:
-    code, hint = OF_REQUESTS.get(raised.status_code, OF_REQUESTS[400])
-    info = ErrorInfo(code=code, message=str(raised.detail), suggestions=(hint,))
-    headers = dict(raised.headers or {})
-    if raised.status_code == HTTPStatus.METHOD_NOT_ALLOWED:
-        headers["Allow"] = ", ".join(allowed)
-    return problem_response(problem_of(info, status=raised.status_code), headers)
-
-
-def _allowed_methods(routers: Iterable[APIRouter], scope: Scope) -> list[str]:
-    """Methods of all routes of a path; the framework names those of the first alone."""
-    found = {
-        method
-        for router in routers
-        for route in router.routes
-        if isinstance(route, Route) and route.matches(scope)[0] is not Match.NONE
-        for method in route.methods or ()
-    }
-    return sorted({*found, "HEAD"} if "GET" in found else found)
 
 
 async def _answer_faults(request: Request, raised: Exception) -> Response:
@@ -197,9 +185,10 @@ def _meant(request: Request, complaint: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def _faults(complaints: Sequence[Mapping[str, Any]]) -> tuple[Fault, ...]:
+    # Ten places of a body are complained about at once.
     return tuple(
         Fault(path=_place(complaint["loc"]), message=_message(complaint))
-        for complaint in complaints[:MOST_FAULTS]
+        for complaint in complaints[:10]
     )
 
 

@@ -38,16 +38,12 @@ if TYPE_CHECKING:
     from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 
-# --- browser login --------------------------------------------------------------------------------
-#
 # Login of a browser: a cookie in the place of the token, as a page's streams bear no header.
 #
 # The cookie is made from the token and does not tell it. A browser gets it for the token, or for
 # a code that is good once, and which stands in a link behind `#`: no request and no log bears
 # that.
 
-
-LOGIN_PATH = "/v1/login"
 
 LONGEST_PENALTY, FORGOTTEN = 5.0, 30.0
 """Time by which a wrong guess is answered late at most, and after which one is forgotten [s]."""
@@ -112,9 +108,6 @@ def _are_same(secret: str, ours: str) -> bool:
     return hmac.compare_digest(secret.encode("utf-8", "replace"), ours.encode())
 
 
-# --- request guard --------------------------------------------------------------------------------
-
-
 LOGGER = logging.getLogger("nlcontrol.service.http")
 
 SECURITY_HEADERS: Mapping[str, str] = {
@@ -131,8 +124,6 @@ STRANGERS = 16
 """Requests without the token that may be under way where there is one: pages, and logins."""
 
 _READING = ("GET", "HEAD")
-_PAGES = ("/", "/docs")
-_LONGEST_PATH = 200  # of a path in the log [characters]
 
 
 class _CallerGone(OSError):  # noqa: N818 - it is no error
@@ -186,8 +177,14 @@ class RequestGuard:
         answer = _Answer(send, is_head=scope["method"] == "HEAD")
         try:
             headers = Headers(scope=scope)
-            self._require_host(headers)
-            opens_page = scope["method"] in _READING and scope["path"] in _PAGES
+            names = headers.getlist("host")
+            if len(names) != 1 or _host_name(names[0]) not in self._hosts:
+                raise error(
+                    "wrong_host",
+                    "the header Host does not name this service",
+                    suggestions=("call it by the URL that `nlcontrol serve` has printed",),
+                )
+            opens_page = scope["method"] in _READING and scope["path"] in ("/", "/docs")
             _require_own_page(headers, opens_page=opens_page)
             async with self._room(scope["path"], headers).entered():
                 reads = scope["method"] in _READING
@@ -205,7 +202,19 @@ class RequestGuard:
                 if answer.status == 0:
                     await problem_response(defect())(scope, receive, answer.send)
         finally:
-            _log(scope, answer)
+            # Logs a request without its query, headers and body, where sentences and secrets stand.
+            LOGGER.info(
+                "request",
+                extra={
+                    "fields": {
+                        "method": scope["method"],
+                        "path": scope["path"][:200],
+                        "status": answer.status,
+                        "seconds": round(time.monotonic() - answer.began, 4),
+                        "client": (scope.get("client") or ("",))[0],
+                    }
+                },
+            )
 
     def _room(self, path: str, headers: Headers) -> _Room:
         """Where a request may wait: who has the token is kept out by nobody who has not.
@@ -215,7 +224,7 @@ class RequestGuard:
         """
         if self.login is None or self._bears_token(headers):
             return self._owners
-        if path.startswith("/v1/") and path != LOGIN_PATH:
+        if path.startswith("/v1/") and path != "/v1/login":
             raise error(
                 "wrong_token",
                 "this service needs its token",
@@ -225,15 +234,6 @@ class RequestGuard:
                 ),
             )
         return self._strangers
-
-    def _require_host(self, headers: Headers) -> None:
-        names = headers.getlist("host")
-        if len(names) != 1 or _host_name(names[0]) not in self._hosts:
-            raise error(
-                "wrong_host",
-                "the header Host does not name this service",
-                suggestions=("call it by the URL that `nlcontrol serve` has printed",),
-            )
 
     def _bears_token(self, headers: Headers) -> bool:
         """It bears the token, or the cookie of a login."""
@@ -427,19 +427,3 @@ def _require_json(headers: Headers, body: bytes) -> None:
             f"the body is no JSON document: {raised}",
             suggestions=("send one JSON object, in UTF-8, and finite numbers alone",),
         ) from None
-
-
-def _log(scope: Scope, answer: _Answer) -> None:
-    """Logs a request without its query, headers and body, where sentences and secrets stand."""
-    LOGGER.info(
-        "request",
-        extra={
-            "fields": {
-                "method": scope["method"],
-                "path": scope["path"][:_LONGEST_PATH],
-                "status": answer.status,
-                "seconds": round(time.monotonic() - answer.began, 4),
-                "client": (scope.get("client") or ("",))[0],
-            }
-        },
-    )

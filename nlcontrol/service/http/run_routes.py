@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import gzip
-from collections.abc import Callable
-from pathlib import Path
 from typing import Annotated
 
 from fastapi import APIRouter, Header, Query, Request
@@ -14,9 +12,14 @@ from nlcontrol.errors import error
 from nlcontrol.service.documents import RunInfo, RunPage
 from nlcontrol.service.http.event_streams import STREAM_CONTENT, EventList, stream_events
 from nlcontrol.service.http.openapi_document import PROBLEMS
-from nlcontrol.service.http.request_bodies import AfterNumber, RunId
-from nlcontrol.service.http.service_access import Service, document_response, waited
-from nlcontrol.service.planning_service import PlanningService
+from nlcontrol.service.http.service_access import (
+    AfterNumber,
+    RunId,
+    Service,
+    document_response,
+    waited,
+)
+from nlcontrol.service.planning_service import FileOfRun, PlanningService
 
 REPLAY_POLICY = (
     "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; "
@@ -81,7 +84,7 @@ async def events(
 )
 async def trace(run_id: RunId, service: Service) -> Response:
     """Sends what happened over time, as a file of NumPy (.npz)."""
-    content = await _content(service, service.trace_file, run_id)
+    content = await _content(service, run_id, "trace")
     headers = {"Content-Disposition": f'attachment; filename="{run_id}.npz"'}
     return Response(content, media_type="application/octet-stream", headers=headers)
 
@@ -94,7 +97,7 @@ async def trace(run_id: RunId, service: Service) -> Response:
 )
 async def bundle(run_id: RunId, service: Service) -> Response:
     """Sends all that it takes to reproduce the run, as a ZIP file."""
-    content = await _content(service, service.bundle, run_id)
+    content = await _content(service, run_id, "bundle")
     headers = {"Content-Disposition": f'attachment; filename="{run_id}.zip"'}
     return Response(content, media_type="application/zip", headers=headers)
 
@@ -107,7 +110,7 @@ async def bundle(run_id: RunId, service: Service) -> Response:
 )
 async def replay(run_id: RunId, service: Service) -> Response:
     """Sends a page that shows the run; its scripts can reach neither this service nor others."""
-    content = await _content(service, service.replay_file, run_id)
+    content = await _content(service, run_id, "replay")
     headers = {"Content-Security-Policy": REPLAY_POLICY}
     return Response(content, media_type="text/html", headers=headers)
 
@@ -120,7 +123,7 @@ async def replay(run_id: RunId, service: Service) -> Response:
 )
 async def recording(run_id: RunId, request: Request, service: Service) -> Response:
     """Sends what a replay shows, for the viewer of the page at `/`; its form may change."""
-    packed = await _content(service, service.recording_file, run_id)
+    packed = await _content(service, run_id, "recording")
     if "gzip" not in request.headers.get("accept-encoding", ""):
         return Response(gzip.decompress(packed), media_type="application/json")
     headers = {"Content-Encoding": "gzip", "Vary": "Accept-Encoding"}
@@ -156,15 +159,14 @@ async def _as_it_is(run_id: str, service: PlanningService) -> Response:
     return document_response(info)
 
 
-async def _content(service: PlanningService, file: Callable[[str], Path], run_id: str) -> bytes:
-    """A file of a run, read whole before the answer begins: the run may be deleted meanwhile."""
-    return await waited(service, _whole_file, file, run_id)
+async def _content(service: PlanningService, run_id: str, kind: FileOfRun) -> bytes:
+    """A file of a run, read whole before the answer begins: the run may be deleted meanwhile.
 
-
-def _whole_file(file: Callable[[str], Path], run_id: str) -> bytes:
-    """What a file has; raises `no_file` also where it goes between the question and the answer."""
+    Raises:
+        ControlError: `no_file` also where it goes between the question and the answer.
+    """
     try:
-        return file(run_id).read_bytes()
+        return await waited(service, lambda: service.run_file(run_id, kind).read_bytes())
     except OSError as raised:
         raise error(
             "no_file",

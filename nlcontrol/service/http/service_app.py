@@ -13,19 +13,17 @@ from nlcontrol.service.http import (
     run_routes,
     session_routes,
 )
-from nlcontrol.service.http.event_streams import Listeners
 from nlcontrol.service.http.openapi_document import PROBLEMS, openapi_document
 from nlcontrol.service.http.problem_documents import answer_problems
-from nlcontrol.service.http.question_routes import add_questions_alone
-from nlcontrol.service.http.request_guard import RequestGuard
+from nlcontrol.service.http.request_guard import BrowserLogin, RequestGuard
+from nlcontrol.service.http.session_routes import add_questions
 
 if TYPE_CHECKING:
-    from nlcontrol.service.http.request_guard import BrowserLogin
     from nlcontrol.service.http.service_access import HttpSettings
     from nlcontrol.service.planning_service import PlanningService
 
 _PLANNING = APIRouter(prefix="/v1", tags=["planning"], responses=PROBLEMS)
-add_questions_alone(_PLANNING)
+add_questions(_PLANNING, session=False)
 
 ROUTERS = (
     host_routes.ROUTER,
@@ -50,7 +48,7 @@ def service_app(
     app = routes_app()
     app.state.service = service
     app.state.http_settings = settings
-    app.state.listeners = Listeners(settings.listeners)
+    app.state.streams = 0  # that are open
     guard = RequestGuard(app, settings, service.settings.body_bytes, login)
     app.state.login = guard.login
     return guard

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Awaitable, Callable
+from inspect import Parameter, Signature
+from typing import Any
+
 from fastapi import APIRouter, Request
 from starlette.responses import Response
 
@@ -12,23 +16,82 @@ from nlcontrol.service.documents import (
 )
 from nlcontrol.service.http.event_streams import STREAM_CONTENT, stream_poses
 from nlcontrol.service.http.openapi_document import PROBLEMS
-from nlcontrol.service.http.question_routes import add_questions_of_session
-from nlcontrol.service.http.request_bodies import (
+from nlcontrol.service.http.service_access import (
     IdempotencyKey,
     IdleTime,
     PlanIdBody,
     SayBody,
+    Service,
     SessionBody,
     SessionId,
-)
-from nlcontrol.service.http.service_access import (
-    Service,
     SessionList,
     answer_of,
     document_response,
     require_bounded_sentence,
     waited,
 )
+from nlcontrol.service.methods import (
+    QUESTIONS,
+    Question,
+    RequestBody,
+    SaidBody,
+    TableBody,
+    body_example,
+)
+from nlcontrol.service.planning_service import PlanningService
+
+# Routes of questions: without a session, about a table that is stated, and of a session.
+
+
+def add_questions(router: APIRouter, *, session: bool) -> None:
+    """Adds the questions of a session, or those that need none and bear their table."""
+    for question in QUESTIONS:
+        asks = question.asks if session else question.alone
+        if asks is not None:
+            example = {**body_example(asks), **question.example}
+            content = {"application/json": {"example": example}}
+            router.add_api_route(
+                f"/{{session_id}}/{question.path}" if session else f"/{question.name}",
+                _endpoint(question, asks, session=session),
+                methods=["POST"],
+                operation_id=f"session_{question.name}" if session else question.name,
+                response_model=question.answers,
+                openapi_extra={"requestBody": {"content": content}},
+            )
+
+
+def _endpoint(
+    question: Question, asks: type[RequestBody], *, session: bool
+) -> Callable[..., Awaitable[Response]]:
+    """The endpoint of a question, with the signature from which the framework reads its form."""
+
+    async def asked(
+        service: PlanningService, body: RequestBody | None = None, session_id: str = ""
+    ) -> Response:
+        if isinstance(body, SaidBody):
+            require_bounded_sentence(body, service.settings)
+        arguments = {} if body is None else body.arguments
+        if session:
+            return await answer_of(service.call_session(session_id, question.name, **arguments))
+        assert isinstance(body, TableBody), "where it is asked alone, it bears its table"
+        return await answer_of(service.call_planner(question.name, body.table, **arguments))
+
+    empty = not any(field.is_required() for field in asks.model_fields.values()) and not issubclass(
+        asks, SaidBody
+    )
+    kind, default = (asks | None, None) if empty else (asks, Parameter.empty)
+    told: list[tuple[str, Any, Any]] = [("session_id", SessionId, Parameter.empty)] * session
+    told += [("service", Service, Parameter.empty), ("body", kind, default)]
+    asked.__signature__ = Signature(  # type: ignore[attr-defined]
+        [
+            Parameter(name, Parameter.KEYWORD_ONLY, default=value, annotation=annotation)
+            for name, annotation, value in told
+        ]
+    )
+    asked.__name__ = question.name
+    asked.__doc__ = question.told if session else question.told_alone
+    return asked
+
 
 ROUTER = APIRouter(prefix="/v1/sessions", tags=["sessions"], responses=PROBLEMS)
 
@@ -66,7 +129,7 @@ async def close_session(session_id: SessionId, service: Service, idle: IdleTime 
     return Response(status_code=204)
 
 
-add_questions_of_session(ROUTER)
+add_questions(ROUTER, session=True)
 
 
 @ROUTER.post(

@@ -10,32 +10,20 @@ import threading
 import time
 from collections.abc import AsyncIterator, Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from nlcontrol.errors import INTERNAL, ControlError, ErrorInfo, error
-from nlcontrol.service.documents import NumberedEvent, RunInfo
+from nlcontrol.service.documents import NumberedEvent, RunInfo, RunState
 from nlcontrol.service.workers.session_host import RunEnd
-from nlcontrol.service.workers.worker_process import Bell, daemon_timer
+from nlcontrol.service.workers.worker_process import Bell, daemon_timer, queue_full
 from nlcontrol.session.events import Event
 
 if TYPE_CHECKING:
-    from nlcontrol.service.documents import RunState
     from nlcontrol.service.run_store import RunStore
     from nlcontrol.service.workers.live_session import LiveSession
 
 
-# --- simulation queue -----------------------------------------------------------------------------
-#
 # Queue of runs: so many simulate at once, the next ones wait in order, the rest are refused.
-
-
-@dataclass(frozen=True)
-class _Turn:
-    """The turn of a run that waits."""
-
-    run_id: str
-    begin: Callable[[], object]
 
 
 class SimulationQueue:
@@ -53,7 +41,7 @@ class SimulationQueue:
         self._workers, self._length, self._on_moved = workers, length, on_moved
         self._lock = threading.Lock()
         self._running: set[str] = set()
-        self._waiting: list[_Turn] = []
+        self._waiting: dict[str, Callable[[], object]] = {}  # what begins each, in their order
 
     @property
     def running(self) -> int:
@@ -68,7 +56,7 @@ class SimulationQueue:
     def place(self, run_id: str) -> int | None:
         """Place of a run among those that wait, from 1; None if it does not."""
         with self._lock:
-            ids = [turn.run_id for turn in self._waiting]
+            ids = list(self._waiting)
         return ids.index(run_id) + 1 if run_id in ids else None
 
     def enter(self, run_id: str, begin: Callable[[], object]) -> None:
@@ -86,14 +74,11 @@ class SimulationQueue:
             if free:
                 self._running.add(run_id)
             elif len(self._waiting) >= self._length:
-                raise error(
-                    "queue_full",
-                    f"{len(self._running)} runs are under way and {len(self._waiting)} wait",
-                    suggestions=("ask again in a while",),
-                    numbers={"waiting": float(len(self._waiting)), "retry_after": 10.0},
-                )
+                message = f"{len(self._running)} runs are under way and {len(self._waiting)} wait"
+                waiting = len(self._waiting)
+                raise queue_full(message, waiting, "ask again in a while", retry_after=10.0)
             else:
-                self._waiting.append(_Turn(run_id, begin))
+                self._waiting[run_id] = begin
                 place = len(self._waiting)
         if free:
             begin()
@@ -104,23 +89,22 @@ class SimulationQueue:
         """Takes out a run that has ended, or that is to begin no more; the next one begins."""
         with self._lock:
             self._running.discard(run_id)
-            self._waiting = [turn for turn in self._waiting if turn.run_id != run_id]
-            following: list[_Turn] = []
+            self._waiting.pop(run_id, None)
+            following: list[Callable[[], object]] = []
             while self._waiting and len(self._running) < self._workers:
-                following.append(self._waiting.pop(0))
-                self._running.add(following[-1].run_id)
-            places = [(turn.run_id, i) for i, turn in enumerate(self._waiting, start=1)]
-        for turn in following:
-            turn.begin()
+                first = next(iter(self._waiting))
+                self._running.add(first)
+                following.append(self._waiting.pop(first))
+            places = [(waiting, i) for i, waiting in enumerate(self._waiting, start=1)]
+        for begin in following:
+            begin()
         for moved, place in places:
             self._on_moved(moved, place)
 
 
-# --- live runs ------------------------------------------------------------------------------------
-
-
 ENDING = 10.0
 """Longest time that the end of a run is waited for before the next one begins [s]."""
+
 
 WRITTEN_AGAIN = 2.0
 """Time after which an end that the store did not take is written again [s]."""
@@ -171,8 +155,6 @@ class LiveRuns:
         self._writing = threading.Lock()
         self.queue = SimulationQueue(workers, queue, self._note_place)
 
-    # --- from the caller -----------------------------------------------------------------------
-
     def begin(self, session: LiveSession, asked: Mapping[str, Any], key: str | None) -> RunInfo:
         """Begins a run, or lets it wait for its turn; see `PlanningService.begin_run`."""
         request = hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).digest()
@@ -214,10 +196,6 @@ class LiveRuns:
         """The run as it is now if the store does not have it so; waits for nothing."""
         live = self._runs.get(run_id) or self._unwritten.get(run_id)
         return None if live is None else live.info
-
-    def as_it_is(self, stored: RunInfo) -> RunInfo:
-        """A run of the store, with its place and state as they are now."""
-        return self.live_info(stored.run_id) or stored
 
     def wait(self, run_id: str, timeout: float | None) -> RunInfo:
         """The run once it has ended, or as it is after a time [s]; raises `unknown_run`."""
@@ -271,8 +249,6 @@ class LiveRuns:
                     return
                 await changed.wait()
 
-    # --- from the process ----------------------------------------------------------------------
-
     def take(self, session: LiveSession, topic: str, content: bytes) -> None:
         """Notes what the process of a session tells of its run."""
         run = self._runs.get(session.run_id or "")
@@ -280,7 +256,19 @@ class LiveRuns:
             return
         match topic:
             case "event":
-                self._note_event(run, Event.model_validate_json(content))
+                event = Event.model_validate_json(content)
+                with self._lock:
+                    assert run.info is not None, "it was begun"
+                    number = run.info.events + 1
+                    run.info = run.info.model_copy(update={"events": number})
+                    run.unwritten.append(NumberedEvent(number=number, event=event))
+                run.is_ending = event.kind == "ended"
+                try:
+                    self._store.add_events(run.run_id, run.unwritten)
+                    run.unwritten.clear()
+                except ControlError as raised:
+                    LOGGER.error("events of a run are kept for later: %s", raised.info.message)
+                run.changed.ring()
             case "trace" | "request":
                 with self._store.write_file(run.run_id, topic) as path:
                     path.write_bytes(content)
@@ -302,8 +290,6 @@ class LiveRuns:
             suggestions=("open a new session, and look before anything moves",),
         )
         self._end(run, state, RunEnd(error=info))
-
-    # --- inside --------------------------------------------------------------------------------
 
     def _live(self, run_id: str) -> LiveRun | None:
         """A run that has not ended; None if it has.
@@ -360,20 +346,6 @@ class LiveRuns:
             if run is not None and run.info is not None and run.info.state == "queued":
                 run.info = run.info.model_copy(update={"place": place})
                 run.changed.ring()
-
-    def _note_event(self, run: LiveRun, event: Event) -> None:
-        with self._lock:
-            assert run.info is not None, "it was begun"
-            number = run.info.events + 1
-            run.info = run.info.model_copy(update={"events": number})
-            run.unwritten.append(NumberedEvent(number=number, event=event))
-        run.is_ending = event.kind == "ended"
-        try:
-            self._store.add_events(run.run_id, run.unwritten)
-            run.unwritten.clear()
-        except ControlError as raised:
-            LOGGER.error("events of a run are kept for later: %s", raised.info.message)
-        run.changed.ring()
 
     def _end(self, run: LiveRun, state: RunState, end: RunEnd) -> None:
         """Ends a run; who sees that it has ended may begin the next one."""

@@ -12,14 +12,18 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from nlcontrol.errors import ControlError, error
-from nlcontrol.service.documents import SessionInfo
+from nlcontrol.service.documents import SessionInfo, SessionSpec
 from nlcontrol.service.offers import LIFE
-from nlcontrol.service.workers.worker_process import Bell, daemon_timer, time_limit_error
+from nlcontrol.service.workers.worker_process import (
+    Bell,
+    WorkerProcess,
+    daemon_timer,
+    queue_full,
+    time_limit_error,
+)
 
 if TYPE_CHECKING:
-    from nlcontrol.service.documents import SessionSpec
     from nlcontrol.service.service_settings import ServiceSettings
-    from nlcontrol.service.workers.worker_process import WorkerProcess
 
 MOST_CALLS = 8
 """Calls of one session that may be open at once."""
@@ -66,11 +70,6 @@ class LiveSession:
         self._is_undone.set()
 
     @property
-    def executes(self) -> bool:
-        """Plans can be carried out here."""
-        return self.spec.objects is None
-
-    @property
     def expires_in(self) -> float:
         """Time until it is closed if nothing is asked of it [s]; all of it while it is used."""
         return max(0.0, self._kept_for - self.idle_for)
@@ -111,7 +110,7 @@ class LiveSession:
     def beginning(self) -> Iterator[None]:
         """Context in which a run is begun, one after the other; raises `queue_full`."""
         if not self._begins.acquire(blocking=False):
-            raise _queue_full(MOST_CALLS)
+            raise _too_many_calls(MOST_CALLS)
         try:
             with self._beginning:
                 yield
@@ -124,7 +123,7 @@ class LiveSession:
         return SessionInfo(
             session_id=self.session_id,
             spec=self.spec,
-            executes=self.executes,
+            executes=self.spec.objects is None,
             state="lost" if self.is_lost else "running" if run_id else "idle",
             run_id=run_id,
             expires_in=self.expires_in,
@@ -152,7 +151,7 @@ class LiveSession:
         """
         self.require_process()
         if len(self._calls) >= MOST_CALLS:
-            raise _queue_full(len(self._calls))
+            raise _too_many_calls(len(self._calls))
         limit = self._settings.request_time
         answer: Future[bytes] = Future()
         answer.set_running_or_notify_cancel()
@@ -160,7 +159,10 @@ class LiveSession:
         self._calls.add(call)
 
         def give_up() -> None:
-            self._note_given_up(method)
+            if method == "begin_run":
+                self._is_undone.clear()
+            elif method == "ask":  # it may have the robot touch something
+                self.process.command("give_up_answer")
             try:
                 answer.set_exception(time_limit_error(limit))
             except InvalidStateError:  # it has just been answered
@@ -175,7 +177,7 @@ class LiveSession:
             raised = call.exception()
             if method == "plan" and raised is None and _OFFERED.search(call.result()):
                 self._planned_at = time.monotonic()
-            elif method in _ENDS_PLANS:
+            elif method in ("begin_run", "reset"):
                 self._planned_at = -LIFE
             try:
                 if raised is None:
@@ -183,24 +185,15 @@ class LiveSession:
                 else:
                     answer.set_exception(self._cause(raised))
             except InvalidStateError:  # it was given up
-                self._undo(method, is_done=raised is None)
+                is_done = raised is None
+                if method == "begin_run" and is_done:
+                    dropped = self.process.command("drop_run")
+                    dropped.add_done_callback(lambda _: self._is_undone.set())
+                elif method == "begin_run":
+                    self._is_undone.set()
 
         call.add_done_callback(settle)
         return answer
-
-    def _note_given_up(self, method: str) -> None:
-        if method == "begin_run":
-            self._is_undone.clear()
-        elif method == "ask":  # it may have the robot touch something
-            self.process.command("give_up_answer")
-
-    def _undo(self, method: str, *, is_done: bool) -> None:
-        """Undoes what was given up: a run that was begun would wait for its turn for ever."""
-        if method == "begin_run" and is_done:
-            dropped = self.process.command("drop_run")
-            dropped.add_done_callback(lambda _: self._is_undone.set())
-        elif method == "begin_run":
-            self._is_undone.set()
 
     def wait_undone(self, timeout: float) -> None:
         """Waits [s] until a run whose beginning was given up has ended."""
@@ -224,14 +217,9 @@ class LiveSession:
         return raised
 
 
-_ENDS_PLANS = ("begin_run", "reset")
 _OFFERED = re.compile(rb'"plan_id":\s*"')
 
 
-def _queue_full(calls: int) -> ControlError:
-    return error(
-        "queue_full",
-        f"{calls} calls of this session are open",
-        suggestions=("wait for the answers",),
-        numbers={"waiting": float(calls), "retry_after": 1.0},
-    )
+def _too_many_calls(calls: int) -> ControlError:
+    message = f"{calls} calls of this session are open"
+    return queue_full(message, calls, "wait for the answers", retry_after=1.0)

@@ -16,7 +16,7 @@ from functools import cache, cached_property, partial
 from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from pydantic import BaseModel
 
@@ -34,30 +34,25 @@ from nlcontrol.service.documents import (
     TableSpec,
     Understanding,
 )
-from nlcontrol.service.methods import QUESTIONS
-from nlcontrol.service.session import Session
+from nlcontrol.service.methods import QUESTIONS, PlanningSession
+from nlcontrol.service.session import Session, SessionRun
 from nlcontrol.session.corrected_sentences import error_with_corrections
-from nlcontrol.session.frame_documents import text_of
+from nlcontrol.session.frame_documents import Frames, text_of
 from objectmodels import Registry
 from objectmodels.geometry.rotations import quaternion
 from sim.simulated_executor import SimulatedExecutor
 from sim.traces.trace import Trace
 from sim.truth.scene_file import load_scene
-from sim.views.viewer_recording import save_recording, save_replay
+from sim.views.viewer_recording import SceneBodies, believed_scene, save_recording, save_replay
 
 if TYPE_CHECKING:
-    from nlcontrol.service.methods import PlanningSession
-    from nlcontrol.service.session import SessionRun
     from nlcontrol.service.workers.worker_process import Tell
     from nlcontrol.session.controller import Controller
     from nlcontrol.session.events import Event
     from nlcontrol.session.executor import Executor, Motion
-    from nlcontrol.session.frame_documents import Frames
     from sim.worlds.ports import Sample
 
 
-# --- pose stream ----------------------------------------------------------------------------------
-#
 # Inside the process of a session: poses for viewers while somebody looks, and nothing otherwise.
 #
 # Of a simulated world these are what its observer sees. The world leaves a sample of itself after
@@ -69,25 +64,6 @@ if TYPE_CHECKING:
 RATE = 30.0
 """Frames per second of the robot's time, at most."""
 
-_LOOK_EVERY = 0.008  # a simulation may run several times faster than the clock [s]
-
-
-class View(Protocol):
-    """A view of a robot and its table."""
-
-    @property
-    def time(self) -> float:
-        """Time of what there is to see [s]."""
-
-    def geometry(self) -> SceneGeometry:
-        """All that is drawn."""
-
-    def frame(self) -> PoseFrame:
-        """Places of all bodies now."""
-
-    def keep_real_time(self, wanted: bool) -> None:
-        """Lets nothing happen faster than it would on a real table, or ends that."""
-
 
 class ObservedWorld:
     """A simulated world as its observer sees it.
@@ -97,12 +73,12 @@ class ObservedWorld:
     """
 
     def __init__(self, executor: SimulatedExecutor) -> None:
-        from sim.views.viewer_recording import SceneBodies
-
         self._executor = executor
         # A viewer's own world shows how things are before anything moves: the executor's is built
         # then, and no sooner because somebody looks.
-        world = executor.world if executor.is_built else copy_of(executor).world
+        if not executor.is_built:
+            executor = SimulatedExecutor(executor.scene, seed=executor.seed)
+        world = executor.world
         self._first, self._joint_names = world.sample, world.robot.joint_names
         self._bodies = SceneBodies(world.scene)
 
@@ -147,8 +123,6 @@ class BelievedTable:
 
     def geometry(self) -> SceneGeometry:
         """Each object in the shape of its model."""
-        from sim.views.viewer_recording import believed_scene
-
         name, models = self._controller.cell.name, self._controller.models
         return SceneGeometry(source="belief", **believed_scene(name, models))
 
@@ -166,9 +140,8 @@ class BelievedTable:
         """Changes nothing: another robot has a time of its own."""
 
 
-def copy_of(executor: SimulatedExecutor) -> SimulatedExecutor:
-    """An executor of the same scene and seed, in whose world nothing was done yet."""
-    return SimulatedExecutor(executor.scene, seed=executor.seed)
+View = ObservedWorld | BelievedTable
+"""Ways to see a robot and its table."""
 
 
 class PoseStream:
@@ -212,7 +185,8 @@ class PoseStream:
 
     def _tell_until(self, unwanted: threading.Event) -> None:
         shown, due = None, -math.inf
-        while not unwanted.wait(_LOOK_EVERY):
+        # A simulation may run several times faster than the clock.
+        while not unwanted.wait(0.008):
             view = self._view()
             view.keep_real_time(True)
             if view is not shown:
@@ -225,8 +199,6 @@ class PoseStream:
             shown.keep_real_time(False)
 
 
-# --- replay files ---------------------------------------------------------------------------------
-#
 # Replays and recordings of runs, which a worker writes: they take the engine.
 
 
@@ -248,8 +220,6 @@ def write_view(kind: str, trace: str, scene: str, path: str, result: str | None)
     save(shown, load_scene(scene), Path(path), story=story)
 
 
-# --- session answers ------------------------------------------------------------------------------
-#
 # Answers of a planning session as JSON documents.
 
 
@@ -332,15 +302,6 @@ def _explained(result: Result) -> Result:
     return result_with(result, explanation=result.explanation_rows())
 
 
-# --- session host ---------------------------------------------------------------------------------
-
-
-NICE = 5
-"""Niceness of the thread that simulates: plans come first, and other work does not starve a run."""
-
-MOST_TABLES = 4
-"""Tables that a worker keeps open for calls without a session."""
-
 _FIRST_SENTENCES = (
     "push the coffee box 5 cm away without toppling it",
     "push the mug 3 cm to the left",
@@ -409,7 +370,10 @@ class SessionHost:
                 self.session.give_up_answer()
                 return b"{}"
             case "drop_run":
-                return self._drop_run()
+                self._stop(session=False)
+                if self._run is not None:
+                    self._run.join()
+                return b"{}"
             case "geometry":
                 return self.poses.geometry().model_dump_json().encode()
             case "tell_poses":
@@ -437,7 +401,8 @@ class SessionHost:
         session = Session(spec, executor=executor, registry=self._registry, time_limit=time_limit)
         with self._opening:
             self._executors[table] = session.controller.executor
-            while len(self._executors) > MOST_TABLES:
+            # A worker keeps four tables open for calls without a session.
+            while len(self._executors) > 4:
                 self._executors.popitem(last=False)
         return session_answer(session, asked, arguments, ends=True)
 
@@ -482,13 +447,6 @@ class SessionHost:
         self._turn.set()
         return b"{}"
 
-    def _drop_run(self) -> bytes:
-        """Ends a run that is not to begin, before anything has moved."""
-        self._stop(session=False)
-        if self._run is not None:
-            self._run.join()
-        return b"{}"
-
     def _tell_event(self, turn: threading.Event, event: Event) -> None:
         """Tells an event; before the first one the run waits for its turn, in its own thread."""
         if not turn.is_set():
@@ -525,7 +483,8 @@ def warm_up() -> None:
 def lower_priority() -> None:
     """Lets this thread give way to others, in all processes."""
     if sys.platform == "linux":
-        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), NICE)
+        # Plans come before the thread that simulates, and other work does not starve a run.
+        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), 5)
 
 
 def trace_bytes(trace: Trace) -> bytes:

@@ -16,12 +16,13 @@ from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from nlcontrol.errors import ControlError, error
+from nlcontrol.errors import ControlError
 from nlcontrol.service.workers.session_host import SessionHost
 from nlcontrol.service.workers.worker_process import (
     WorkerProcess,
     daemon_timer,
     lost_error,
+    queue_full,
     time_limit_error,
 )
 
@@ -30,8 +31,6 @@ if TYPE_CHECKING:
 
     from nlcontrol.service.documents import TableSpec
 
-GRACE = 3.0
-"""Time by which a worker may be late [s]."""
 
 MOST_TRIES = 3
 """Workers that may end over a call, or one after the other before they began."""
@@ -60,10 +59,6 @@ class _Worker:
         self.is_ready = False
         self.on_lease_end: Callable[[], object] = lambda: None
         self.process = process(self)
-
-    @property
-    def is_idle(self) -> bool:
-        return self.is_ready and self.job is None
 
 
 class WorkerPool:
@@ -141,7 +136,9 @@ class WorkerPool:
         job = _Job(method, table, arguments, self._request_time)
         with self._lock:
             if len(self._waiting) >= self._queue and not self._idle_ones():
-                raise _queue_full(len(self._waiting))
+                waiting = len(self._waiting)
+                message = f"{waiting} others wait already"
+                raise queue_full(message, waiting, "ask again in a few seconds", retry_after=2.0)
             self._waiting.append(job)
             self._hand_out()
         timer = daemon_timer(self._request_time, self._give_up, job)
@@ -164,7 +161,7 @@ class WorkerPool:
         """Workers that may take a call now."""
         if sum(worker.job is not None for worker in self._workers) >= self._most:
             return []
-        return [worker for worker in self._workers if worker.is_idle]
+        return [worker for worker in self._workers if worker.is_ready and worker.job is None]
 
     def _hand_out(self) -> None:
         """Gives the calls that wait to the workers that do not."""
@@ -253,7 +250,8 @@ class WorkerPool:
         with self._lock:
             if job in self._waiting:
                 self._waiting.remove(job)
-        daemon_timer(GRACE, self._end_worker_of, job)
+        # A worker may be 3 s late.
+        daemon_timer(3.0, self._end_worker_of, job)
         with suppress(InvalidStateError):
             job.answer.set_exception(time_limit_error(self._request_time))
 
@@ -268,12 +266,3 @@ def _fail(jobs: Iterable[_Job]) -> None:
     for job in jobs:
         with suppress(InvalidStateError):
             job.answer.set_exception(lost_error())
-
-
-def _queue_full(waiting: int) -> ControlError:
-    return error(
-        "queue_full",
-        f"{waiting} others wait already",
-        suggestions=("ask again in a few seconds",),
-        numbers={"waiting": float(waiting), "retry_after": 2.0},
-    )

@@ -29,8 +29,6 @@ from typing import Any, NamedTuple, Protocol
 from nlcontrol.errors import ControlError, ErrorInfo, error, exception_info
 from nlcontrol.parallel_tasks import end_with_parent
 
-# --- worker messages ------------------------------------------------------------------------------
-#
 # Messages between the service and its worker processes: plain data, answers as JSON in bytes.
 
 
@@ -78,8 +76,6 @@ class Told(NamedTuple):
     content: bytes
 
 
-# --- worker host ----------------------------------------------------------------------------------
-#
 # Inside a worker process: calls are read from the pipe and answered, each in a thread of its own.
 #
 # The process ends when its pipe closes or its parent is gone, whatever it is doing.
@@ -166,9 +162,6 @@ class _Worker:
             os._exit(0)  # nobody listens any more
 
 
-# --- worker process -------------------------------------------------------------------------------
-
-
 LOGGER = logging.getLogger("nlcontrol.service")
 
 _CONTEXT = (
@@ -184,9 +177,6 @@ DEAF_TO = (signal.SIGINT, signal.SIGTERM)
 """Signals that a worker does not hear: Control-C at a terminal reaches all processes, and what a
 robot does is to be stopped by the service, in order."""
 
-
-EXITING = 5.0
-"""Time in which a process that was killed has surely ended [s]."""
 
 MOST_UNSENT = 64
 """Calls that wait to be written to one worker; one that does not read delays nobody else."""
@@ -260,7 +250,14 @@ class WorkerProcess:
                 self._calls[number] = future
                 return future
             if not self._ended:
-                failure = _deaf_error()
+                failure = queue_full(
+                    f"the process that works on this takes no calls, and {MOST_UNSENT} wait for it "
+                    "already",
+                    MOST_UNSENT,
+                    "ask again in a few seconds",
+                    "close its session",
+                    retry_after=2.0,
+                )
         future.set_exception(failure)
         return future
 
@@ -276,7 +273,8 @@ class WorkerProcess:
     def _end_at_exit(self) -> None:
         """Ends the process before `multiprocessing` looks for those that are left."""
         self.kill()
-        self.wait(EXITING)
+        # A process that was killed has surely ended within 5 s.
+        self.wait(5.0)
 
     def wait(self, timeout: float | None = None) -> bool:
         """Waits [s] until the process has ended and that was told; returns True if so."""
@@ -361,13 +359,17 @@ def lost_error() -> ControlError:
     )
 
 
-def _deaf_error() -> ControlError:
-    return error(
-        "queue_full",
-        f"the process that works on this takes no calls, and {MOST_UNSENT} wait for it already",
-        suggestions=("ask again in a few seconds", "close its session"),
-        numbers={"waiting": float(MOST_UNSENT), "retry_after": 2.0},
-    )
+def queue_full(message: str, waiting: int, *suggestions: str, retry_after: float) -> ControlError:
+    """The error of a caller for whom there is no room.
+
+    Args:
+        message: which queue is full.
+        waiting: how many wait in it.
+        suggestions: what to do instead.
+        retry_after: time after which to ask again [s].
+    """
+    numbers = {"waiting": float(waiting), "retry_after": retry_after}
+    return error("queue_full", message, suggestions=suggestions, numbers=numbers)
 
 
 def time_limit_error(limit: float) -> ControlError:
@@ -417,8 +419,6 @@ def _surroundings() -> Iterator[None]:
                     os.environ[name] = value
 
 
-# --- bell -----------------------------------------------------------------------------------------
-#
 # Bell that wakes tasks of event loops, rung from any thread.
 
 

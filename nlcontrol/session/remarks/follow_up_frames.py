@@ -37,7 +37,6 @@ from nlcontrol.session.remarks.undo_frames import reversed_goal
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result
 
-_ONE = ("one", "ones")
 _WITHOUT_WAY = ("open", "close", "pour", "hand_over", "parameters")
 _NOT_MEANT = re.compile(
     r"(?:not|instead of|rather than) (?:the|my|your) ([a-z ]+?)(?= but |,|\.|;|!| - |: |$)"
@@ -91,7 +90,7 @@ def meant_command(
 def _with_kind_before(frame: g.Frame, said: Result | None) -> g.Frame:
     """A remark on "the one on the right" with the noun of what was said last."""
     ref, before = frame.object, [f.object for f in frames_said(said) if f.object]
-    if ref is None or ref.text.casefold() not in _ONE or not before:
+    if ref is None or ref.text.casefold() not in ("one", "ones") or not before:
         return frame
     noun = before[-1].noun
     if not noun or noun == before[-1].id:  # called by its own name, which no other has
@@ -180,7 +179,9 @@ def repeat_frames(before: Sequence[g.Frame], said: g.Frame) -> tuple[g.Frame, ..
     if not (said.query or says_something(said)):
         return tuple(map(without_spans, before))
     if said.object and said.object.quantifier == "rest" and isinstance(before[-1].goal, g.Pour):
-        return (_with_rest_poured(without_spans(before[-1])),)
+        last = without_spans(before[-1])
+        goal = without_fields(last.goal, ("amount", "fraction", "volume", "fill"))
+        return (last.model_copy(update={"goal": goal}),)
     of_one = len({frame.object and frame.object.id for frame in before}) == 1
     in_turn = of_one and said.dialogue == "same" and said.goal.kind == "none" and not said.action
     meant = list(before) if in_turn else frames_about(before, said)
@@ -194,12 +195,6 @@ def repeat_frames(before: Sequence[g.Frame], said: g.Frame) -> tuple[g.Frame, ..
         return tuple(merged)
     asked = {"query": said.query, "event": said.event, "negated": said.negated}
     return tuple(frame.model_copy(update=asked) for frame in merged)
-
-
-def _with_rest_poured(last: g.Frame) -> g.Frame:
-    """The frame of "and the rest" after some was poured: all that is left in it."""
-    goal = without_fields(last.goal, ("amount", "fraction", "volume", "fill"))
-    return last.model_copy(update={"goal": goal})
 
 
 def _says_place(said: g.Frame) -> bool:

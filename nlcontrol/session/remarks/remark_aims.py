@@ -21,7 +21,8 @@ from grammar.frames.conflicts import FORBIDS, FORBIDS_BELOW, HOW_FAR, SAME_MATTE
 from grammar.words.lexicon_plugins import installed_lexicon
 from nlcontrol.errors import error, whole_span
 from nlcontrol.references.object_names import find_by_name, name_words, names_on_table
-from nlcontrol.references.reference_resolution import Context, names_together, parts_within
+from nlcontrol.references.reference_resolution import names_together, parts_within
+from nlcontrol.references.reference_search import Context
 from nlcontrol.text_format import enumeration
 
 if TYPE_CHECKING:
@@ -31,8 +32,6 @@ if TYPE_CHECKING:
     from sim.robots.cell_description import CellDescription
 
 
-# --- merged frames --------------------------------------------------------------------------------
-#
 # A frame with what a remark says in the place of what was: another object, direction, force.
 #
 # What is kept of an earlier sentence loses its spans, which point into that sentence, and calls
@@ -45,12 +44,8 @@ Rename = Callable[[g.ObjectRef], g.ObjectRef]
 _WHERE = ("direction", "heading", "toward", "away_from")
 FAR_FIELDS = ("distance", "angle", "height", "above", "bound", "fraction", "amount")
 _POURED = ("amount", "fraction", "volume", "fill")
-_TURNS = {"left": "ccw", "right": "cw"}
 _BESIDE_ON = {"left": "left_of", "right": "right_of", "away": "behind", "toward": "in_front_of"}
-_MERGED_FRAMES_BESIDE = frozenset({"next_to", *_BESIDE_ON.values()})
-
-
-# --- what is kept ----------------------------------------------------------------------------
+_PLACES_BESIDE = frozenset({"next_to", *_BESIDE_ON.values()})
 
 
 def by_name(ref: g.ObjectRef) -> g.ObjectRef:
@@ -104,9 +99,6 @@ def are_alike(frames: Sequence[g.Frame]) -> bool:
     return all(other == first for other in others)
 
 
-# --- what is put in its place ----------------------------------------------------------------
-
-
 def merge_frames(last: g.Frame, said: g.Frame) -> g.Frame:
     """A frame with everything that a remark says put in the place of what was."""
     goal = _merged_goal(last.goal, said)
@@ -116,7 +108,8 @@ def merge_frames(last: g.Frame, said: g.Frame) -> g.Frame:
     if fresh & set(FAR_FIELDS):
         dropped |= HOW_FAR
     if goal.kind != last.goal.kind:
-        dropped |= _dropped_by(goal)
+        _, limit = FORBIDS_BELOW.get(goal.kind, ("", ""))
+        dropped |= FORBIDS.get(goal.kind, frozenset()) | {limit} - HOW_FAR
     kept = [c for c in last.constraints if c.kind not in dropped]
     if fresh & set(_WHERE):
         kept = [c for c in map(_without_face, kept) if c is not None]
@@ -132,12 +125,6 @@ def merge_frames(last: g.Frame, said: g.Frame) -> g.Frame:
             "spans": said.spans,
         }
     )
-
-
-def _dropped_by(goal: g.Goal) -> frozenset[str]:
-    """Constraints that a new goal of another kind cannot keep, those of the distance left out."""
-    _, limit = FORBIDS_BELOW.get(goal.kind, ("", ""))
-    return FORBIDS.get(goal.kind, frozenset()) | {limit} - HOW_FAR
 
 
 def _without_face(clause: g.Constraint) -> g.Constraint | None:
@@ -205,7 +192,7 @@ def _as_kind_of(last: g.Goal, new: g.Goal) -> g.Goal:
     """Bare words ("to the left", "30 degrees") taken as they are meant for the last goal's kind."""
     values = stated_fields(new)
     if isinstance(last, g.Rotate) and "direction" in values:
-        values["sense"] = _TURNS.get(str(values.pop("direction")))
+        values["sense"] = {"left": "ccw", "right": "cw"}.get(str(values.pop("direction")))
     if isinstance(last, g.Lift) and "distance" in values:
         values["height"] = values.pop("distance")
     if isinstance(new, g.Pour):
@@ -221,7 +208,7 @@ def _as_kind_of(last: g.Goal, new: g.Goal) -> g.Goal:
     if (
         isinstance(last, g.Place)
         and values.keys() == {"direction"}
-        and last.relation in _MERGED_FRAMES_BESIDE
+        and last.relation in _PLACES_BESIDE
     ):
         return last.model_copy(update={"relation": _BESIDE_ON[values["direction"]]})
     if not set(values) <= set(type(last).model_fields):
@@ -242,7 +229,7 @@ def place_beside(last: g.Goal) -> g.Place | None:
     if isinstance(last, g.Place):
         if last.relation == "touching":
             return last.model_copy(update={"relation": "next_to"})
-        return last if last.relation in _MERGED_FRAMES_BESIDE else None
+        return last if last.relation in _PLACES_BESIDE else None
     if isinstance(last, g.Displace) and isinstance(last.toward, g.ObjectRef):
         return g.Place(relation="next_to", reference=(last.toward,))
     return None
@@ -264,15 +251,6 @@ def _farther_from(last: g.Place, values: dict[str, Any]) -> g.Place | None:
             suggestions=("say how far, as “10 cm away from it”",),
         )
     return last.model_copy(update={"distance": values["distance"]})
-
-
-# --- remark aims ----------------------------------------------------------------------------------
-
-
-_ABOUT_DEEDS = ("why", "did", "seen")
-"""Questions with which nothing else can be asked the same."""
-
-_NEARER = (["closer"], ["nearer"])
 
 
 def nothing_before(message: str) -> NoReturn:
@@ -303,7 +281,8 @@ def followed_frames(
             return done if said.object and not said.object.pronoun else asked
         return asked if _can_correct(asked[-1], said) else done
     about_deeds = said.action or said.dialogue in ("same", "reverse", "more")
-    answered = [frame for frame in asked if frame.query not in _ABOUT_DEEDS]
+    # Questions with which nothing else can be asked the same.
+    answered = [frame for frame in asked if frame.query not in ("why", "did", "seen")]
     if said.goal.kind != "none":  # to ask how it stands is not to ask where it goes
         answered = [each for each in answered if each.action or each.goal.kind == "parameters"]
     if said.dialogue == "same" and not done and said.goal.kind == "none":  # "the same with the jar"
@@ -388,7 +367,9 @@ def with_near_thing(command: g.Command, done: Result | None) -> g.Command:
         return command
     said = [command.text[start:end].casefold() for start, end in goal.spans]
     things = beside.reference if isinstance(beside.reference, tuple) else ()
-    if len(things) != 1 or not any(words.split()[-1:] in _NEARER for words in said):
+    if len(things) != 1 or not any(
+        words.split()[-1:] in (["closer"], ["nearer"]) for words in said
+    ):
         return command
     nearer = goal.model_copy(update={"direction": None, "toward": by_name(things[0])})
     frame = frame.model_copy(update={"goal": nearer, "action": "move"})
@@ -449,17 +430,12 @@ def asked_of_last(command: g.Command, said: Result | None, done: Result | None) 
     return command.model_copy(update={"frames": (merged.model_copy(update=asked),)})
 
 
-# --- spoken objects -------------------------------------------------------------------------------
-#
 # What was spoken of up to a sentence, and whether "it" would be clear after that.
 #
 # A pronoun is in doubt where it has more than one honest meaning: after several objects that were
 # handled alike, after an answer that names several, and after a name that was refused, for which
 # an object that was spoken of before would be a guess.
 
-
-_SPOKEN_OBJECTS_BESIDE = ("than ", "from ", "to ", "of ", "behind ", "beside ", "near ", "touches ")
-"""Words before the name of something that a sentence is not about: "how far is it from the mug"."""
 
 _ONE = ("one", "ones")
 _TELLING = frozenset({"left", "right", "other", "first", "last", "big", "small"})
@@ -485,7 +461,8 @@ def context_after(
     frames = result.frames
     parts = (part for frame in reversed(frames) for part in parts_within(frame))
     names = [ref.id for ref in parts if isinstance(ref, g.ObjectRef) and ref.id is not None]
-    told = _told_objects(result)
+    asks = not _WHICH.isdisjoint(result.text.casefold().replace("'", " ").split())
+    told = result.answer.objects if result.answer and asks else ()
     group = tuple(dict.fromkeys(name for frame in frames for name in names_together(frame)))
     if joins:
         group = tuple(dict.fromkeys((*context.group, *group)))
@@ -526,12 +503,6 @@ def with_objects_of(context: Context, command: g.Command) -> Context:
     """What was spoken of once a resolved command was asked about."""
     named = [frame.object.id for frame in command.frames if frame.object and frame.object.id]
     return replace(context, last=tuple(dict.fromkeys((*named, *context.last))), doubt=None)
-
-
-def _told_objects(result: Result) -> tuple[str, ...]:
-    """What the answer to a question with "which" names."""
-    asks = not _WHICH.isdisjoint(result.text.casefold().replace("'", " ").split())
-    return result.answer.objects if result.answer and asks else ()
 
 
 def _doubt_after(result: Result, told: tuple[str, ...]) -> tuple[str, ...] | None:
@@ -616,4 +587,7 @@ def _runs(words: list[str], vocabulary: set[str]) -> Iterator[tuple[int, int]]:
 
 def _is_beside(before: str) -> bool:
     """Check for words behind which something stands that a sentence is not about."""
-    return before.removesuffix("the ").endswith(_SPOKEN_OBJECTS_BESIDE)
+    # Words before the name of something that a sentence is not about: "how far is it from the mug".
+    return before.removesuffix("the ").endswith(
+        ("than ", "from ", "to ", "of ", "behind ", "beside ", "near ", "touches ")
+    )

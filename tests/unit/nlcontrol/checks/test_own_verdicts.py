@@ -13,8 +13,7 @@ from scipy.spatial.transform import Rotation
 from benchmarks.verdicts.judged_cases import with_frames
 from grammar.frames import command as g
 from nlcontrol.checks import own_verdicts
-from nlcontrol.checks.felt_pushes import Place, felt_end
-from nlcontrol.checks.own_accounts import Knowledge
+from nlcontrol.checks.own_accounts import Knowledge, Place, felt_end
 from nlcontrol.checks.verdicts import Check, compare
 from objectmodels import BoxModel
 from planner.types.defaults import DEFAULTS

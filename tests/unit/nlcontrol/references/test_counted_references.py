@@ -8,7 +8,8 @@ from grammar.frames import command as g
 from grammar.parser import parse
 from nlcontrol.errors import ControlError
 from nlcontrol.references.object_names import Candidate
-from nlcontrol.references.reference_resolution import NOTHING_SAID, Context, resolve_references
+from nlcontrol.references.reference_resolution import NOTHING_SAID, resolve_references
+from nlcontrol.references.reference_search import Context
 from objectmodels import BoxModel
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 

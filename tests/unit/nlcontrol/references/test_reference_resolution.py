@@ -9,11 +9,11 @@ from nlcontrol import Controller
 from nlcontrol.errors import ControlError
 from nlcontrol.references.object_names import Candidate
 from nlcontrol.references.reference_resolution import (
-    Context,
     objects_spoken_of,
     parts_within,
     resolve_references,
 )
+from nlcontrol.references.reference_search import Context
 from objectmodels import Registry
 from planner.types.world_state import WorldState
 from sim.truth.scene_file import parse_scene

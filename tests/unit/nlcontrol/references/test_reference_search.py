@@ -14,7 +14,8 @@ from grammar.frames import command as g
 from nlcontrol import Controller
 from nlcontrol.errors import ControlError
 from nlcontrol.references.object_names import Candidate, with_attribute
-from nlcontrol.references.reference_resolution import Context, resolve_references
+from nlcontrol.references.reference_resolution import resolve_references
+from nlcontrol.references.reference_search import Context
 from objectmodels import BoxModel, Registry
 from planner.problem.footprints import gap
 from planner.problem.stacks import put_on

@@ -57,7 +57,8 @@ class Wire(httpx.BaseTransport):
         if isinstance(answer, httpx.Response):
             return answer
         if isinstance(answer, Stream):
-            return httpx.Response(200, stream=answer)
+            headers = {"Content-Type": "text/event-stream"}
+            return httpx.Response(200, headers=headers, stream=answer)
         return httpx.Response(200, json=answer)
 
     def sent(self, call: str) -> list[httpx.Request]:
@@ -200,6 +201,19 @@ def test_events_go_on_where_the_stream_was_lost() -> None:
     assert [told.number for told in events] == [1, 2, 3]
     asked = [request.headers["Last-Event-ID"] for request in wire.sent("events")]
     assert asked == ["0", "1", "1", "2"]
+
+
+def test_newlines_alone_end_the_lines_of_a_stream() -> None:
+    class Split(Stream):
+        def __iter__(self) -> Iterator[bytes]:
+            event = {"kind": "phase", "time": 0.0, "wall_time": 0.0, "text": "a\u2028b"}
+            data = json.dumps({"number": 1, "event": event}, ensure_ascii=False)
+            yield b"id: 1\r\nda"
+            yield f"ta: {data}\r\n\r\nid: 2\ndata: cut off".encode()
+
+    wire = Wire(say=[RUN], events=[Split(), Stream(2, 3)], r1=[RUN])
+    events = client(wire).say("push the mug").events()
+    assert [told.event.text for told in events] == ["a\u2028b", "2", "3"]
 
 
 def test_events_of_a_run_that_was_cut_off_come_to_an_end() -> None:

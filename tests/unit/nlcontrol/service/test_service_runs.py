@@ -43,7 +43,9 @@ def traces(workers: int, seeds: tuple[int, ...]) -> dict[int, Trace]:
         assert states.count("running") == workers
         ended = {seed: service.wait_for_run(run.run_id, PATIENCE) for seed, run in runs.items()}
         assert all(run.state == "ended" and run.result for run in ended.values())
-        return {seed: Trace.load(service.trace_file(run.run_id)) for seed, run in runs.items()}
+        return {
+            seed: Trace.load(service.run_file(run.run_id, "trace")) for seed, run in runs.items()
+        }
 
 
 def test_the_number_of_workers_changes_no_trace() -> None:
@@ -103,7 +105,7 @@ def test_a_run_from_its_plan_to_its_files() -> None:
 
 def check_frames(frames: list[PoseFrame], service: PlanningService, run: RunInfo) -> None:
     """A viewer sees what the observer has recorded, at most 30 times per second of its time."""
-    trace = Trace.load(service.trace_file(run.run_id))
+    trace = Trace.load(service.run_file(run.run_id, "trace"))
     times = np.array([frame.time for frame in frames])
     assert np.all(np.diff(times) > 0.5 / 30.0)
     assert (len(times) - 1) / (times[-1] - times[0]) <= 30.5, "fewer come to who is busy"
@@ -125,8 +127,8 @@ def check_end(service: PlanningService, run: RunInfo) -> None:
     assert events[0].event.kind == "understood"
     assert events[-1].event.kind == "ended"
     assert service.events_so_far(run.run_id, after=ended.events - 1) == events[-1:]
-    assert b"<html" in service.replay_file(run.run_id).read_bytes()[:2000].lower()
-    assert service.bundle(run.run_id).stat().st_size > 1e5
+    assert b"<html" in service.run_file(run.run_id, "replay").read_bytes()[:2000].lower()
+    assert service.run_file(run.run_id, "bundle").stat().st_size > 1e5
     service.delete_run(run.run_id)
     assert code_of(lambda: service.run(run.run_id)) == "unknown_run"
 

@@ -189,14 +189,14 @@ def test_a_damaged_trace_costs_its_replay_and_not_the_bundle(
     monkeypatch.setattr(planning_service, "WorkerProcess", ReplayProcess)
     files = RunFiles(store, time_limit=PATIENCE)
     with pytest.raises(ControlError) as raised:
-        files.replay("first")
+        files.file("first", "replay")
     assert raised.value.code == "no_file"
     assert "damaged" in raised.value.info.message
     monkeypatch.setattr(ReplayProcess, "code", "system_error")
     with pytest.raises(ControlError) as raised:
-        files.replay("first")
+        files.file("first", "replay")
     assert raised.value.code == "store_not_writable"
-    assert files.bundle("first").is_file()
+    assert files.file("first", "bundle").is_file()
 
 
 def _code(store: RunStore, text: str = "") -> str:
@@ -329,7 +329,7 @@ def test_an_end_that_cannot_be_written_is_told_and_written_later(
         runs.take(session, "ended", RunEnd(error=None).model_dump_json().encode())
         assert runs.run(run.run_id).state == "ended"
         assert session.run_id is None
-        page = [runs.as_it_is(info).state for info in store.runs("s").runs]
+        page = [(runs.live_info(info.run_id) or info).state for info in store.runs("s").runs]
         assert "queued" not in page[1:]
     wait_until(lambda: store.run(run.run_id).state == "ended", "the end in the store")
     assert len(store.events(run.run_id)) == 1

@@ -3,7 +3,7 @@
 import pytest
 
 from nlcontrol import Controller
-from nlcontrol.references.reference_resolution import Context
+from nlcontrol.references.reference_search import Context
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from starlette.responses import PlainTextResponse
 from starlette.types import Receive, Scope, Send
 from uvicorn.server import ServerState
 
-from nlcontrol.service.http.http_connection import connection_class
+from nlcontrol.service.http.web_server import connection_class
 from tests.patience import PATIENCE
 
 REQUEST = b"GET / HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n"
