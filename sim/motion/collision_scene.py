@@ -39,7 +39,6 @@ FRAGILE_CLEARANCE = 0.030
 SPARE = 0.002
 """How much nearer the hand may get than was planned, as two looks differ by their noise [m]."""
 
-_MANY = 400  # spheres of which those that stay beside are sorted out first
 _ROUNDING = 1e-9  # so that it leaves none out that is near [m]
 
 
@@ -183,22 +182,16 @@ class Obstacle:
         Returns:
             Shape (n,).
         """
-        hit = self.hits_along(robot.reshape(-1, 4), R_WD, points, clearance)
-        return np.asarray(~hit.reshape(robot.shape[:2]).any(axis=1))
-
-    def hits_along(
-        self, spheres: Array, R_WD: Array, points: Array, clearance: float
-    ) -> NDArray[np.bool_]:
-        """Which spheres in D, shape (n, 4), do not keep it somewhere, shape (n,); see above."""
+        spheres = robot.reshape(-1, 4)
         hit = np.zeros(len(spheres), dtype=bool)
         low = clearance + self.top - points[:, 2].min()
         (near,) = np.nonzero(spheres[:, 2] - spheres[:, 3] < low)
         if not len(near):
-            return hit
+            return np.ones(len(robot), dtype=bool)
         # Seen from D the object moves: nothing but the spheres that it comes near to is looked at.
         middle = ((self.middle - points[:, :2])[:, None] @ R_WD[:, :2, :2])[:, 0]
         rows = spheres.T.take(near, axis=1)
-        if len(near) > _MANY:
+        if len(near) > 400:
             (beside,) = np.nonzero(self._are_beside(rows, middle, clearance))
             near, rows = near[beside], rows.take(beside, axis=1)
         x, y, _, r = rows
@@ -212,7 +205,7 @@ class Obstacle:
                 [cos * x - sin * y + p_BD[0], sin * x + cos * y + p_BD[1], z + p_BD[2], r]
             )
             hit[near[k[self._distance_in_B(in_B) <= clearance]]] = True
-        return hit
+        return np.asarray(~hit.reshape(robot.shape[:2]).any(axis=1))
 
     def _are_beside(self, rows: Array, middle: Array, clearance: float) -> NDArray[np.bool_]:
         """Which spheres in D, shape (4, n), are beside the rectangle that its middle keeps to."""

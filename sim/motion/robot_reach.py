@@ -35,8 +35,8 @@ from sim.motion.motion_planner import (
     FlipConfiguration,
     FlipMotionSearch,
     GraspMotion,
+    GraspMotionSearch,
     PushMotionSearch,
-    best_grasp_motion,
 )
 from sim.robots.arm import ArmKinematics
 from sim.robots.cell_description import CellDescription, RobotMount
@@ -52,14 +52,10 @@ TURNS = 24
 MOST_CELLS = 100_000
 """Cells of a map that are kept, about 25 MB."""
 
-_SAMPLED = 32  # hands
-_ANSWERS = 16  # that are kept
-_LOWEST_TIP = 0.015  # height of a pushing fingertip over the table [m]
-
 
 def lowest_contact(hand: Hand) -> float:
     """Least height above the table at which a hand may push [m]."""
-    return hand.tip_radius + _LOWEST_TIP
+    return hand.tip_radius + 0.015
 
 
 class ReachabilityMap:
@@ -103,7 +99,7 @@ class ReachabilityMap:
         if not near.any():
             return 0.0
         some = np.flatnonzero(near)
-        some = some[np.linspace(0, len(some) - 1, min(_SAMPLED, len(some))).astype(int)]
+        some = some[np.linspace(0, len(some) - 1, min(32, len(some))).astype(int)]
         elbows = arm.redundancy_samples[::2]
         sampled = every[np.repeat(some, len(elbows))]
         angles = np.tile(elbows, len(some))
@@ -150,7 +146,7 @@ class ArmHandReach:
             lowest_grasp=arm.link_radius + TABLE_CLEARANCE,
         )
         self._map = reachability_map(cell.robot, arm, hand)
-        self._answers: deque[_Answered] = deque(maxlen=_ANSWERS)
+        self._answers: deque[_Answered] = deque(maxlen=16)
         self._last_scenery: tuple[tuple[str, WorldState, float], CollisionScene] | None = None
 
     @property
@@ -238,7 +234,8 @@ class ArmHandReach:
                 numbers={"strength": grip.grip.strongest, "force": grasp.squeeze},
             )
         handled = HeldObject.from_plan(plan, state)
-        return best_grasp_motion(self.mount, handled, grip, spare)
+        search = GraspMotionSearch(self.mount, handled, grip, spare)
+        return replace(search.best_motion(), work=search.work)
 
     def push_configuration(
         self, push: Push, state: WorldState, spare: float = 0.0
