@@ -295,7 +295,7 @@ def in_range(mount: Mount, hands: PostureSet, R_WD: Array, points: Array) -> NDA
     R_AD, p_AT = mount.R_WA.T @ R_WD, (points - mount.p_WA) @ mount.R_WA
     wrists = hands.palm + hands.R_DP @ mount.p_PW
     p_AW = wrists @ np.swapaxes(R_AD, -1, -2) + p_AT[:, None]
-    return np.asarray(mount.arm.is_in_range(p_AW, LIMIT_MARGIN).all(axis=0))
+    return np.asarray((mount.arm.range_excess(p_AW, LIMIT_MARGIN) == 0.0).all(axis=0))
 
 
 def solve_poses(

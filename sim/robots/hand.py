@@ -31,8 +31,6 @@ from sim.robots.lid_path import LidPath, LidShape
 Angles = tuple[float, ...]
 """Angles of a finger's independent joints [rad]."""
 
-_BLOCK = 1024  # hands whose spheres are computed at once
-
 
 @dataclass(frozen=True, eq=False)
 class Posture:
@@ -115,9 +113,10 @@ class PostureSet:
             postures, about, which, R_DP, strength, palm, unknown, unknown, circles, unknown, number
         )
         touching = len(postures[0].pushing)
+        together = 1024  # hands whose spheres are computed at once
         blocks = [
-            made[k : k + _BLOCK].spheres_along(np.eye(3)[None], np.zeros((1, 3)))[:, 0]
-            for k in range(0, len(made), _BLOCK)
+            made[k : k + together].spheres_along(np.eye(3)[None], np.zeros((1, 3)))[:, 0]
+            for k in range(0, len(made), together)
         ]
         # numpy is much faster on arrays that lie in a row.
         rows = [np.ascontiguousarray(np.moveaxis(each, -1, 0)) for each in blocks]
@@ -391,16 +390,11 @@ class Hand(Protocol):
         """Spheres of the whole hand in P, its fingers as thin as they are, shape (n, 4)."""
 
 
-# --- mount ----------------------------------------------------------------------------------------
-#
-# The mounted robot: an arm on its base with a hand on its flange, and where it waits.
-#
-# Frames: W is the world, A the arm's base, F its flange, P the palm.
-
-
 @dataclass(frozen=True, eq=False)
 class Mount:
-    """An arm with n joints and a hand, and where its base stands.
+    """An arm with n joints and a hand on its flange, and where its base stands.
+
+    Frames: W is the world, A the arm's base.
 
     Attributes:
         arm: on the base.
