@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
-Span = tuple[int, int]
-
 
 @dataclass(frozen=True)
 class StoryWord:
@@ -61,7 +59,7 @@ class StoryClause:
 
     verdict: str
     said: str
-    spans: tuple[Span, ...]
+    spans: tuple[tuple[int, int], ...]
     quantity: str
     measured: str
     asked: str
