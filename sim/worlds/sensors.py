@@ -1,6 +1,4 @@
-"""Noise of the sensors: of the camera's poses and of the joints.
-
-Noise of the joints' sensors: what they show of what is true, by steps, bias and gain.
+"""Noise of the sensors: what those of the joints show of what is true, by steps, bias and gain.
 
 Model: a sensor shows round(((1 + gain error) x + bias + noise) / resolution) · resolution. The
 noise is white and drawn for every sample, the bias is constant for each joint of a world. The true
@@ -21,17 +19,10 @@ from objectmodels.geometry.rotations import Array
 from sim.random_streams import RandomStream, source
 from sim.robots.cell_description import JointSensor, TorqueSensor
 
-# --- camera noise ---------------------------------------------------------------------------------
-#
-# Noise of the camera in what an even filter makes of its frames.
-
 
 def noise_left(share: float) -> float:
-    """Share of a frame's standard deviation that is left where each new frame has a weight."""
+    """Share of a camera frame's deviation that is left where each new frame has a weight."""
     return math.sqrt(share / (2.0 - share))
-
-
-# --- sensors --------------------------------------------------------------------------------------
 
 
 class TorqueReadings:
