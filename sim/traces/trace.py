@@ -434,7 +434,7 @@ def join_traces(traces: Sequence[Trace]) -> Trace:
         time=np.concatenate([trace.time for trace in traces]),
         phase=np.concatenate([trace.phase for trace in traces]),
         poses={name: np.concatenate([trace.poses[name] for trace in traces]) for name in names},
-        seen={name: np.concatenate([trace.seen[name] for trace in traces]) for name in names},
+        seen=_one_after_another([trace.seen for trace in traces]),
         joints=np.concatenate([trace.joints for trace in traces]),
         tips=dict(zip(fingers, np.concatenate(tips, axis=1), strict=True)),
         felt=dict(zip(fingers, np.concatenate(felt, axis=1), strict=True)),
