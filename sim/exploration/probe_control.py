@@ -44,29 +44,6 @@ if TYPE_CHECKING:
     from sim.supervision import Progress
     from sim.worlds.ports import Frame
 
-RUB_FORCE = 0.5
-"""Force with which a rub presses, as a share of the one that would move the object."""
-
-HOLD = 0.8
-"""Time for which the hand holds still at the end and looks [s]."""
-
-SETTLE = 0.3
-"""Time that an object gets to come to rest afterwards [s]."""
-
-_PRESSES = 0.15  # time constant of the force with which a rub presses [s]
-_MOVED = 0.002  # way of the fingertip into the face that a rub must not make [m]
-_LONGEST = 4.0  # times the time that the way alone takes, after the force has risen
-_RISE = 6.0  # longest time in which the force rises to the most [s]
-_LET_DOWN = 2.0  # speed of letting down, relative to raising
-_LOOKS_BACK = 0.35  # time over which camera frames are averaged by the guards [s]
-_TILTS = np.radians(2.5)  # seen tilt that no slide has, beyond the noise
-_SLIDES_SHARE = 0.5  # less of the arc's tilt than this is a slide,
-_SLIDES_SURELY = 4.0  # if it is less by so many standard deviations of what is seen
-_LEAST_SHORT = np.radians(0.5)  # which a tilt may always be seen too small
-_FEWEST_VIEWS = 5
-_LOST_SHARE, _LOST_TIME = 0.1, 0.3  # of the largest force felt, [s]
-_OFF = 0.015  # way sideways after which the finger has slipped along the face [m]
-
 
 def probe(
     experiment: Experiment,
@@ -95,7 +72,7 @@ def probe(
         found = Recording.nothing(experiment, early.end, early.detail, before)
     except UnreachableError as error:
         found = Recording.nothing(experiment, "unreachable", str(error), before)
-    execution.come_home(SETTLE)
+    execution.come_home(0.3)  # time for an object to come to rest
     trace = execution.recorder.trace(
         experiment.push.object,
         np.array(experiment.push.direction_W),
@@ -184,8 +161,6 @@ class ProbeControl(TouchControl):
         self._start = self.recorder.port.time
         self.recorder.begin("push", f"pressing until something moves ({kind})")
 
-    # -- the ways ------------------------------------------------------------------------------
-
     def _slide(self) -> tuple[EndReason, str]:
         """Straight ahead."""
         command, step = self.commanded, self.experiment.push.speed * self._period
@@ -214,38 +189,36 @@ class ProbeControl(TouchControl):
     def _rub(self) -> tuple[EndReason, str]:
         """Pressing gently, down along the face."""
         down = np.array([0.0, 0.0, -1.0])
-        wanted = RUB_FORCE * self.experiment.onset
+        wanted = 0.5 * self.experiment.onset  # half of what would move the object
+        time_constant = 0.15
         stiffness = self.stance.push_stiffness(self._u)
         command, drawn = self.commanded, 0.0
         while True:
             lacking = wanted - float(self._forces.sum())
-            command = command + self._period / _PRESSES * lacking / stiffness * self._u
+            command = command + self._period / time_constant * lacking / stiffness * self._u
             drawn += self.experiment.push.speed * self._period
             self._step(command + drawn * down, self._u)
             self._keep()
-            ended = self._rub_end() or self._guard_end()
+            way = self._here.midpoint - self._origin
+            if abs(float(way @ self._u)) > 0.002:
+                return "guard", "the object moved where the finger should slip"
+            if -way[2] >= self.experiment.raised:
+                self._moved = "slip"
+                return "stroke", f"the finger slipped by {-1e3 * way[2]:.0f} mm"
+            ended = self._guard_end()
             if ended is not None:
                 return ended
-
-    def _rub_end(self) -> tuple[EndReason, str] | None:
-        way = self._here.midpoint - self._origin
-        if abs(float(way @ self._u)) > _MOVED:
-            return "guard", "the object moved where the finger should slip"
-        if -way[2] < self.experiment.raised:
-            return None
-        self._moved = "slip"
-        return "stroke", f"the finger slipped by {-1e3 * way[2]:.0f} mm"
 
     def _let_down(self) -> None:
         radius = self._arc.arc_radius
         while self._angle > 0.0:
-            self._angle -= _LET_DOWN * self.experiment.push.speed * self._period / radius
+            self._angle -= 2.0 * self.experiment.push.speed * self._period / radius
             self._step(self._arc.tip_at(self._angle) + self._aside, self._u)
 
     def _hold(self) -> None:
         """Stands still and looks."""
         since = self.recorder.port.time
-        for _ in range(round(HOLD / self._period)):
+        for _ in range(round(0.8 / self._period)):
             self._step(self.commanded, self._u)
             self._seen += [frame for frame in self.recorder.frames if frame.time > since]
 
@@ -256,8 +229,6 @@ class ProbeControl(TouchControl):
     def _own_tilt(self) -> float:
         """Tilt at which the fingertip touches the face where it is [rad]."""
         return float(self._arc.tilt_angles(self._here.midpoint[None])[0])
-
-    # -- ends and guards -------------------------------------------------------------------------
 
     def _press(self, tip: Array) -> None:
         """Commands T, giving way to forces along the face."""
@@ -274,7 +245,7 @@ class ProbeControl(TouchControl):
         for frame in self.recorder.frames:
             own = self._own_tilt()
             self._views.append((frame.time, self._tilt_in(frame), own))
-        while self._views and self._views[0][0] < now - _LOOKS_BACK:
+        while self._views and self._views[0][0] < now - 0.35:
             self._views.popleft()
 
     def _way_end(self) -> tuple[EndReason, str] | None:
@@ -294,33 +265,32 @@ class ProbeControl(TouchControl):
     def _guard_end(self) -> tuple[EndReason, str] | None:
         """Too much force, a fingertip that slipped off, or too much time."""
         push, felt = self.experiment.push, float(self._forces.sum())
-        if felt > push.force_limit or self._at_stop():
+        (finger,) = self.stance.posture.pushing
+        # Bent back as far as it goes, a finger bears what no sensor shows.
+        at_stop = self.stance.mount.hand.is_at_stop(self.recorder.port.finger_angles(finger))
+        if felt > push.force_limit or at_stop:
             return "force", f"it does not move with {felt:.1f} N, the most of this finger"
         aside = float((self._here.midpoint - self._origin) @ [-self._u[1], self._u[0], 0.0])
         self._most = max(self._most, felt)
-        self._lost = self._lost + self._period if felt < _LOST_SHARE * self._most else 0.0
-        if self._lost > _LOST_TIME or abs(aside) > _OFF:
+        self._lost = self._lost + self._period if felt < 0.1 * self._most else 0.0
+        if self._lost > 0.3 or abs(aside) > 0.015:
             return "guard", "the fingertip slipped off"
-        longest = _RISE + _LONGEST * (push.stroke + self.experiment.raised) / push.speed
+        # Six seconds for the force to rise, then four times what the way alone takes.
+        longest = 6.0 + 4.0 * (push.stroke + self.experiment.raised) / push.speed
         if self.recorder.port.time - self._start > longest:
             return "guard", f"it took longer than {longest:.0f} s"
         return None
 
-    def _at_stop(self) -> bool:
-        """True if the finger is bent back as far as it goes."""
-        (finger,) = self.stance.posture.pushing
-        return self.stance.mount.hand.is_at_stop(self.recorder.port.finger_angles(finger))
-
     def _lately(self) -> tuple[float, float]:
         """Means of the tilts seen lately and of the fingertip's own [rad]; nan if too few."""
-        if len(self._views) < _FEWEST_VIEWS:
+        if len(self._views) < 5:
             return np.nan, np.nan
         _, seen, own = np.mean(self._views, axis=0).tolist()
         return seen, own
 
     def _tilts(self) -> tuple[EndReason, str] | None:
         seen, _ = self._lately()
-        if seen > _TILTS:
+        if seen > np.radians(2.5):  # which no slide has, beyond the noise
             self._moved = "topple"
             return "guard", f"it tilts ({np.degrees(seen):.0f}°) where it should slide"
         return None
@@ -332,8 +302,8 @@ class ProbeControl(TouchControl):
     def _slid(self, seen: float, own: float, views: Sized) -> tuple[EndReason, str] | None:
         """The end if much less of a tilt is seen in some frames than the fingertip has gone."""
         noise = np.radians(self.recorder.port.cell.vision.angle_noise_deg)
-        unsure = _SLIDES_SURELY * float(noise) / np.sqrt(max(len(views), 1))
-        if own - seen > max((1.0 - _SLIDES_SHARE) * own, unsure, _LEAST_SHORT):
+        unsure = 4.0 * float(noise) / np.sqrt(max(len(views), 1))
+        if own - seen > max(0.5 * own, unsure, np.radians(0.5)):
             self._moved = "slide"
             return "guard", "it slides where it should tilt"
         return None
@@ -342,8 +312,6 @@ class ProbeControl(TouchControl):
         """Tilt along the push that a frame shows [rad]."""
         up = frame.poses[self.experiment.push.object].R_WB[:, 2]
         return float(np.arctan2(up @ self._u, up[2]))
-
-    # -- the record ------------------------------------------------------------------------------
 
     def recording(self, end: EndReason, detail: str, before: PlanarPose) -> Recording:
         """The record of what was felt and seen."""

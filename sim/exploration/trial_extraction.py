@@ -37,6 +37,25 @@ if TYPE_CHECKING:
     from planner.types.world_state import SeenObject
 
 
+EVEN = (0.005, 0.9)
+"""Way after which, and share of the stroke until which, a push goes at an even speed [m]."""
+
+FORCE_SD = 0.03
+"""Standard deviation of a pushing force as a share of it: speeds that change, joints that flex."""
+
+_UNDER_WAY = 0.0015  # way of the fingertip from which on an object counts as sliding [m]
+_FEWEST = 5  # samples that a mean needs
+
+_SHOWS: dict[str, Moved] = {
+    "tilted": "topple",
+    "toppled": "topple",
+    "slid": "slide",
+    "stroke": "slide",
+    "force": "none",
+    "slipped": "slip",
+}
+
+
 @dataclass(frozen=True)
 class Recording:
     """The robot's knowledge during one touch, sampled n times from the touch on.
@@ -99,26 +118,6 @@ class Recording:
         )
 
 
-UNDER_WAY = 0.0015
-"""Way of the fingertip from which on an object counts as sliding [m]."""
-
-SMALL = np.radians([0.5, 1.5])
-"""Tilts over which the first balance is averaged [rad]."""
-
-LARGE = np.radians(1.5)
-"""The second one is averaged over so much before the largest tilt [rad]."""
-
-TURN_SD = 0.4
-"""Standard deviation of a turn rate besides what was seen: how the base carries an object is not
-known exactly, and the force turns a little as it begins to slide [rad/m]."""
-
-EDGE_SD = 0.0005
-"""Standard deviation of the distance from the touch to the far edge [m]."""
-
-_FEWEST = 5  # samples that a mean needs
-_ALIKE = 3.0  # samples after which the scatter is another
-
-
 @dataclass(frozen=True)
 class Curve:
     """The force over time of one touch, for people.
@@ -151,7 +150,8 @@ def extract_trials(recording: Recording, *, repetition: int = 0) -> tuple[Trial,
     if len(recording.time) < LEAST_SAMPLES or recording.moved is None:
         return ()
     source = recording.experiment.name
-    found = _REDUCED[recording.moved](recording, source)
+    reduced = {"topple": _tilts, "slide": _slide, "slip": _slip}
+    found = reduced[recording.moved](recording, source)
     return tuple(replace(trial, repetition=repetition) for trial in found)
 
 
@@ -163,7 +163,8 @@ def _tilts(recording: Recording, source: str) -> list[Trial]:
     tilt, height = arc.tilt_angles(recording.tips), arc.contact_heights(recording.tips)
     forces = recording.forces @ recording.before.R_WB
     top = float(tilt.max())
-    ranges = [SMALL] if top < SMALL[1] + LARGE else [SMALL, np.array([top - LARGE, top])]
+    small, large = np.radians([0.5, 1.5]), np.radians(1.5)
+    ranges = [small] if top < small[1] + large else [small, np.array([top - large, top])]
     found = []
     for low, high in ranges:
         inside = (tilt >= low) & (tilt <= high)
@@ -179,7 +180,7 @@ def _tilts(recording: Recording, source: str) -> list[Trial]:
                 force_sd=_force_sd(recording, inside),
                 tilt=mean,
                 # The far edge is as far from the touch as the shape says, to half a millimetre.
-                tilt_sd=EDGE_SD / float(height[inside].mean()),
+                tilt_sd=0.0005 / float(height[inside].mean()),
                 source=f"{source}, {np.degrees(mean):.1f}°",
             )
         )
@@ -191,7 +192,7 @@ def _slide(recording: Recording, source: str) -> list[Trial]:
     push = recording.experiment.push
     u, normal = np.array(push.direction_W), np.array(push.normal_W)
     travel = (recording.tips - recording.tips[0]) @ u
-    moving = travel > UNDER_WAY
+    moving = travel > _UNDER_WAY
     if moving.sum() < _FEWEST:
         return []
     before, after = recording.before, recording.after
@@ -209,7 +210,9 @@ def _slide(recording: Recording, source: str) -> list[Trial]:
     point = seen + (np.array(push.p_BC) - seen) @ out * out
     along = rot_z(yaw[moving].mean()) @ force
     way = float((recording.tips[-1] - recording.tips[0]) @ along / np.linalg.norm(along))
-    rate, rate_sd = turned / way, np.hypot(TURN_SD, np.sqrt(2.0) * recording.pose_sd[1] / way)
+    # Besides what was seen: how the base carries it is not known exactly, and the force turns
+    # a little as it begins to slide, by 0.4 rad/m.
+    rate, rate_sd = turned / way, np.hypot(0.4, np.sqrt(2.0) * recording.pose_sd[1] / way)
     return [
         Trial(
             "slide",
@@ -226,7 +229,7 @@ def _slide(recording: Recording, source: str) -> list[Trial]:
 def _slip(recording: Recording, source: str) -> list[Trial]:
     """The mean over the way on which the finger slipped."""
     down = recording.tips[0, 2] - recording.tips[:, 2]
-    slipping = down > UNDER_WAY
+    slipping = down > _UNDER_WAY
     if slipping.sum() < _FEWEST:
         return []
     R_BW = recording.before.R_WB.T
@@ -243,44 +246,18 @@ def _slip(recording: Recording, source: str) -> list[Trial]:
     ]
 
 
-_REDUCED = {"topple": _tilts, "slide": _slide, "slip": _slip}
-
-
 def _force_sd(recording: Recording, chosen: NDArray[np.bool_]) -> float:
-    """Of the mean over samples whose scatter lasts a few of them, and of the sensors' zero."""
+    """Of the mean over samples whose scatter lasts three of them, and of the sensors' zero."""
     along = recording.forces[chosen] @ np.array(recording.experiment.push.direction_W)
     steps = np.arange(len(along))
     scatter = float(np.std(along - np.polyval(np.polyfit(steps, along, 1), steps)))
-    sample = max(scatter, recording.force_sd) * np.sqrt(_ALIKE / len(along))
+    sample = max(scatter, recording.force_sd) * np.sqrt(3.0 / len(along))
     return float(np.hypot(sample, recording.zero_sd))
 
 
 def _triple(v: Array) -> tuple[float, float, float]:
     x, y, z = v.tolist()
     return x, y, z
-
-
-EVEN = (0.005, 0.9)
-"""Way after which, and share of the stroke until which, a push goes at an even speed [m]."""
-
-FEWEST = 20
-"""Samples that a mean needs."""
-
-FORCE_SD = 0.03
-"""Standard deviation of a pushing force as a share of it: speeds that change, joints that flex."""
-
-_AT_LIMIT = 0.5  # time at the end over which a force that moved nothing is averaged [s]
-_SLIPPING = 0.2  # time at the end in which a fingertip surely slips [s]
-_ONSET = 5  # samples before and after an onset over which its force is averaged
-
-_SHOWS: dict[str, Moved] = {
-    "tilted": "topple",
-    "toppled": "topple",
-    "slid": "slide",
-    "stroke": "slide",
-    "force": "none",
-    "slipped": "slip",
-}
 
 
 def trial_from_push(push: Push, target: SeenObject, trace: Trace) -> Trial | None:
@@ -322,14 +299,14 @@ def _chosen(
 ) -> NDArray[np.bool_] | None:
     """The samples whose force counts."""
     if moved == "none":
-        return np.asarray(time > time[-1] - _AT_LIMIT)
+        return np.asarray(time > time[-1] - 0.5)
     if moved == "slip":
         end = time[int(np.argmax(travel))]  # after it the finger springs back
-        return np.asarray((time > end - _SLIPPING) & (time <= end))
+        return np.asarray((time > end - 0.2) & (time <= end))
     if moved == "topple":
         onset = detect_onset(time, force, travel)
         if not onset.moved:
             return None
-        return np.asarray(np.abs(np.arange(len(time)) - onset.index) <= _ONSET)
+        return np.asarray(np.abs(np.arange(len(time)) - onset.index) <= 5)
     even = (travel > EVEN[0]) & (travel < EVEN[1] * push.stroke)
-    return np.asarray(even) if even.sum() >= FEWEST else None
+    return np.asarray(even) if even.sum() >= 20 else None
