@@ -318,7 +318,6 @@ class ProbeControl(TouchControl):
         name = self.experiment.push.object
         port, vision = self.recorder.port, self.recorder.port.cell.vision
         noise = self.stance.force_noise_gain(self._u) * port.torque_noise
-        tilts_seen = [self._tilt_in(frame) for frame in self._seen]
         frames = max(1.0, vision.rate_hz)
         return Recording(
             experiment=self.experiment,
@@ -330,7 +329,6 @@ class ProbeControl(TouchControl):
             forces=np.array([f for _, _, f in self._samples]),
             before=before,
             after=mean_poses(self._seen)[name] if self._seen else None,
-            seen_tilt=float(np.mean(tilts_seen)) if tilts_seen else None,
             force_sd=noise,
             zero_sd=noise / float(np.sqrt(max(1.0, self.pause / self._period))),
             tip_radius=self._tip_radius,

@@ -70,7 +70,6 @@ class Recording:
         forces: on the object in W, shape (n, 3) [N].
         before: where the object was seen before.
         after: where it was seen at the end, the finger still there; None if it was not looked at.
-        seen_tilt: the same for its tilt along the push [rad].
         tip_radius: of the finger [m].
         force_sd: standard deviation of one sample of the force along the push [N].
         zero_sd: of the sensors' zero, as a force along the push [N].
@@ -87,7 +86,6 @@ class Recording:
     forces: Array
     before: PlanarPose
     after: PlanarPose | None
-    seen_tilt: float | None
     tip_radius: float
     force_sd: float
     zero_sd: float
@@ -109,7 +107,6 @@ class Recording:
             empty,
             empty,
             before,
-            None,
             None,
             tip_radius=0.0,
             force_sd=0.0,

@@ -105,16 +105,12 @@ class Approach:
             if not self.pressing:
                 some = some[some.fronts >= self._room_ahead]
             known[some.number] = _HIT
+            points, R_BD = np.reshape(self.points, (2, 3)), rot_z([self.heading, self.heading])
             for part in sphere_parts(some.spheres.shape[1] - self.fingers):
-                some = some[self._are_clear(some, part)]
+                robot = some.spheres_along(np.eye(3)[None], np.zeros((1, 3)), part)[:, 0]
+                some = some[self._object.is_clear_along(robot, R_BD, points, FACE_CLEARANCE)]
             known[some.number] = _CLEAR
         return np.asarray(known[hands.number] == _CLEAR)
-
-    def _are_clear(self, hands: PostureSet, part: NDArray[np.intp]) -> NDArray[np.bool_]:
-        """Which of some hands do not hit the object with a part of their spheres, shape (n,)."""
-        robot = hands.spheres_along(np.eye(3)[None], np.zeros((1, 3)), part)[:, 0]
-        points, R_BD = np.reshape(self.points, (2, 3)), rot_z([self.heading, self.heading])
-        return self._object.is_clear_along(robot, R_BD, points, FACE_CLEARANCE)
 
     @property
     def _room_ahead(self) -> float:

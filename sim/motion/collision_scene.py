@@ -87,22 +87,14 @@ class Obstacle:
         whole, inside = cls.from_seen(seen, clearance), seen.model.inside
         if inside is None or seen.attitude is not None:
             return (whole,)
-        parts = open_box_parts(seen.model.extents, inside)
-        return tuple(whole._cuboid(low, high) for low, high in parts)
-
-    def _cuboid(self, low: Array, high: Array) -> Obstacle:
-        """A part of it that stands on the height of its base, from corner to corner in B."""
-        (x, y), (u, v) = low[:2], high[:2]
-        made = self.at_origin(np.array([[x, y], [u, y], [u, v], [x, v]]), float(high[2]))
-        middle = self.p_WB[:2] + self.R_WB[:2, :2] @ made.middle
-        return replace(
-            made,
-            name=self.name,
-            clearance=self.clearance,
-            R_WB=self.R_WB,
-            p_WB=self.p_WB,
-            middle=middle,
-        )
+        parts = []
+        for (x, y, _), (u, v, top) in open_box_parts(seen.model.extents, inside):
+            outline = np.array([[x, y], [u, y], [u, v], [x, v]])
+            middle_B, around = circle_around(outline)
+            middle = whole.p_WB[:2] + whole.R_WB[:2, :2] @ middle_B
+            part = replace(whole, outline=outline, height=float(top), middle=middle, around=around)
+            parts.append(part)
+        return tuple(parts)
 
     @classmethod
     def at_origin(cls, outline: Array, height: float, radius: float = 0.0) -> Obstacle:
@@ -291,19 +283,11 @@ class CollisionScene:
         chosen = np.hypot(apart[:, 0], apart[:, 1]) <= near
         return tuple(self.others[k] for k in np.flatnonzero(chosen))
 
-    def is_free(self, robot: Array, pushed: Obstacle | None = None) -> NDArray[np.bool_]:
-        """Which poses keep clear of table and objects.
-
-        Args:
-            robot: spheres in W, shape (..., k, 4).
-            pushed: the pushed object where it is by then.
-
-        Returns:
-            Shape (...).
-        """
+    def is_free(self, robot: Array) -> NDArray[np.bool_]:
+        """Which poses keep clear of table and objects, shape (...) for spheres in W (..., k, 4)."""
         free = self.is_clear_of_others(robot)
         if free.any():
-            free[free] = (pushed or self.pushed).is_clear(robot[free])
+            free[free] = self.pushed.is_clear(robot[free])
         return free
 
     def is_clear_of_others(self, robot: Array) -> NDArray[np.bool_]:

@@ -7,7 +7,7 @@ fingertips' centres. D is the frame of a push: x into the touched face, z up.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -96,16 +96,6 @@ class ArmConfiguration:
         unit = along / np.linalg.norm(along)
         whole = sum(hand.tip_stiffness(*contact) for contact in self._contact_points(unit))
         return np.asarray(self.R_WP @ np.linalg.solve(whole, along))
-
-    def reaches_bent(self, points: Array, forces: Sequence[Array]) -> bool:
-        """True if T can be commanded so that it is at points, (n, 3), whichever force bends it."""
-        try:
-            for force in forces:
-                for point in points + self.bend(force):
-                    self.joint_angles(point)
-        except UnreachableError:
-            return False
-        return True
 
     def force_noise_gain(self, direction_W: Array) -> float:
         """Noise of the force felt by all fingers per noise of a torque sensor [1/m]."""

@@ -43,6 +43,7 @@ from sim.motion.inverse_kinematics import (
     ArmConfiguration,
     IkSolutions,
     PushIkSearch,
+    UnreachableError,
     best_solutions,
     descent_points,
     in_range,
@@ -710,10 +711,17 @@ class PushMotionSearch:
 
     def _reaches_bent(self, found: _Found) -> bool:
         """True if the arm reaches all of the way with a finger that is bent by pressing."""
+        if not self._push.press:
+            return True
         pressing = self._push.press * self._way.inward
         drawing = pressing + self._push.force_limit * np.array(self._push.direction_W)
-        bent = found.stance.reaches_bent
-        return not self._push.press or bent(self._points[1:], (pressing, drawing))
+        try:
+            for force in (pressing, drawing):
+                for point in self._points[1:] + found.stance.bend(force):
+                    found.stance.joint_angles(point)
+        except UnreachableError:
+            return False
+        return True
 
     def _failure_answer(self, asked: int, blocked: list[_Found]) -> ReachAnswer:
         """Why no stance was found."""
@@ -746,7 +754,7 @@ class PushMotionSearch:
         """The hands that stay clear of everything during the push, a few at a time."""
         off = self._way_off.points if self._way.turn else self._points[:0]
         places = np.vstack([self._points, off])
-        near = self._scenery.obstacles_near(places, hands.horizontal_size)
+        near = self._scenery.obstacles_near(places, float(hands.extents.max(initial=0.0)))
         sweep = Sweep.along(self._points, self._R_WD)
         first, together, asked = 0, _AT_ONCE, 12  # of these the arm is asked for so many together
         while first < len(hands):

@@ -15,7 +15,6 @@ from __future__ import annotations
 import functools
 from collections import deque
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -114,15 +113,6 @@ def reachability_map(robot: RobotMount, arm: ArmKinematics, hand: Hand) -> Reach
     return ReachabilityMap(Mount.from_cell(robot, arm, hand))
 
 
-class _Answered(NamedTuple):
-    """A question about a push that was answered, for who asks again about what was chosen."""
-
-    asked: list[object]
-    state: WorldState
-    spare: float
-    found: tuple[ArmConfiguration, ReachAnswer] | ReachAnswer
-
-
 class ArmHandReach:
     """Arm and hand of a cell, as the planner asks for them (`planner.types.robot.Robot`).
 
@@ -146,7 +136,10 @@ class ArmHandReach:
             lowest_grasp=arm.link_radius + TABLE_CLEARANCE,
         )
         self._map = reachability_map(cell.robot, arm, hand)
-        self._answers: deque[_Answered] = deque(maxlen=16)
+        # For who asks again about a push that was chosen.
+        self._answers: deque[
+            tuple[tuple[object, ...], tuple[ArmConfiguration, ReachAnswer] | ReachAnswer]
+        ] = deque(maxlen=16)
         self._last_scenery: tuple[tuple[str, WorldState, float], CollisionScene] | None = None
 
     @property
@@ -246,10 +239,10 @@ class ArmHandReach:
             return ReachAnswer(
                 False, "table", f"the finger would touch the table {height:.0f} mm up"
             )
-        asked = [getattr(push, name) for name in Push.model_fields]
-        for known in self._answers:
-            if (known.asked, known.state, known.spare) == (asked, state, spare):
-                return known.found
+        asked = ([getattr(push, name) for name in Push.model_fields], state, spare)
+        for known, answered in self._answers:
+            if known == asked:
+                return answered
         way = self.fingertip_path(push, state)
         scenery = self._scenery(push.object, state, spare)
         search = PushMotionSearch(self.mount, push, way, state.table, scenery, self._effort)
@@ -264,7 +257,7 @@ class ArmHandReach:
         else:
             answer = replace(found[1], work=search.work, postures=search.postures)
             found = found[0], answer
-        self._answers.append(_Answered(asked, state, spare, found))
+        self._answers.append((asked, found))
         return found
 
     def _scenery(self, pushed: str, state: WorldState, spare: float) -> CollisionScene:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import functools
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from importlib.resources.abc import Traversable
 from typing import Protocol
 
@@ -136,28 +136,12 @@ class PostureSet:
 
     def __getitem__(self, chosen: NDArray[np.bool_] | NDArray[np.intp] | slice) -> PostureSet:
         k = np.arange(len(self))[chosen]  # numpy takes rows faster than it sorts them out
-        return PostureSet(
-            self.postures,
-            self.spheres,
-            self.which.take(k),
-            self.R_DP.take(k, axis=0),
-            self.strength.take(k),
-            self.palm.take(k, axis=0),
-            self.lowest_points.take(k),
-            self.extents.take(k),
-            self.circles.take(k, axis=0),
-            self.fronts.take(k),
-            self.number.take(k),
-        )
+        rows = (getattr(self, field.name).take(k, axis=0) for field in fields(self)[2:])
+        return PostureSet(self.postures, self.spheres, *rows)
 
     def posture_at(self, index: int) -> Posture:
         """Posture of one of them."""
         return self.postures[int(self.which[index])]
-
-    @property
-    def horizontal_size(self) -> float:
-        """Largest horizontal distance of any point from T [m]."""
-        return float(self.extents.max(initial=0.0))
 
     def palms_along(self, R_WD: Array, points: Array) -> tuple[Array, Array]:
         """Palm poses in W with T at points, shapes (n, w, 3, 3) and (n, w, 3); see below."""

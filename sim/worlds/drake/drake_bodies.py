@@ -126,7 +126,16 @@ class ContactWatch:
         }
         self._objects = frozenset(objects)
         self._owner = {name: name for name in objects} | dict(lids or {})
-        self._untold = frozenset(self._standing())
+        # What belongs together, or stands, is nothing to tell.
+        self._untold = {
+            pair
+            for name, owner in self._owner.items()
+            for pair in (
+                (name, _TABLE),
+                (_TABLE, name),
+                *((name, other) for other, its in self._owner.items() if its == owner),
+            )
+        }
         self.begun: list[BodyContact] = []
         self._touching: dict[tuple[str, str], float] = {}
         self._by_robot: dict[str, float] = {}
@@ -134,7 +143,11 @@ class ContactWatch:
     def note(self, time: float, context: Context) -> list[str]:
         """Takes in contacts at a time [s]; returns objects that the robot began to touch."""
         self.begun, anew = [], []
-        for pair in self._pairs(context):
+        for overlap in self._shapes.Eval(context).ComputePointPairPenetration():
+            a, b = self._bodies[overlap.id_A], self._bodies[overlap.id_B]
+            if (a, b) in self._untold:
+                continue
+            pair = (a, b) if a < b else (b, a)
             # What was apart for less is taken as having touched all the time.
             if time - self._touching.get(pair, -np.inf) > 0.1:
                 self.begun.append(BodyContact(time, *pair))
@@ -155,19 +168,6 @@ class ContactWatch:
             owners = {self._owner[name] for name in pair if name in self._owner}
             if len(pair) == 2 and len(owners) == 1 and not pair <= self._owner.keys():
                 yield *owners, overlap.depth
-
-    def _standing(self) -> Iterator[tuple[str, str]]:
-        """Pairs of bodies whose contact is nothing to tell: what belongs together, or stands."""
-        for name, owner in self._owner.items():
-            yield from ((name, _TABLE), (_TABLE, name))
-            yield from ((name, other) for other, its in self._owner.items() if its == owner)
-
-    def _pairs(self, context: Context) -> Iterator[tuple[str, str]]:
-        """Names of the bodies in contact, but for what only stands."""
-        for overlap in self._shapes.Eval(context).ComputePointPairPenetration():
-            a, b = self._bodies[overlap.id_A], self._bodies[overlap.id_B]
-            if (a, b) not in self._untold:
-                yield (a, b) if a < b else (b, a)
 
 
 @dataclass(frozen=True)
@@ -454,17 +454,6 @@ def hull_points(truth: Truth) -> Iterator[Point3]:
     yield from truth.vertices_m or ((x, y, truth.height) for x, y in truth.upper_points)
 
 
-def filter_slabs(
-    scene_graph: SceneGraph, slabs: Iterable[GeometryId], others: Iterable[GeometryId]
-) -> None:
-    """Slabs meet none of the others."""
-    from pydrake.geometry import CollisionFilterDeclaration, GeometrySet
-
-    pairs = CollisionFilterDeclaration()
-    pairs.ExcludeBetween(GeometrySet(list(slabs)), GeometrySet(list(others)))
-    scene_graph.collision_filter_manager().Apply(pairs)
-
-
 def add_rims(plant: MultibodyPlant, table: Table) -> list[GeometryId]:
     """Adds a rim along each edge of the table, fixed to the world."""
     from pydrake.geometry import (
@@ -516,18 +505,27 @@ def add_sole(plant: MultibodyPlant, truth: Truth, body: RigidBody) -> GeometryId
     )
 
 
+def filter_slabs(
+    scene_graph: SceneGraph, slabs: Iterable[GeometryId], others: Iterable[GeometryId]
+) -> None:
+    """Slabs meet none of the others."""
+    from pydrake.geometry import CollisionFilterDeclaration, GeometrySet
+
+    pairs = CollisionFilterDeclaration()
+    pairs.ExcludeBetween(GeometrySet(list(slabs)), GeometrySet(list(others)))
+    scene_graph.collision_filter_manager().Apply(pairs)
+
+
 def filter_rims(
     scene_graph: SceneGraph,
-    rims: Iterable[GeometryId],
-    soles: Iterable[GeometryId],
-    others: Iterable[GeometryId],
+    rims: list[GeometryId],
+    soles: list[GeometryId],
+    others: list[GeometryId],
 ) -> None:
     """Rims and soles meet each other alone."""
     from pydrake.geometry import CollisionFilterDeclaration, GeometrySet
 
     pairs = CollisionFilterDeclaration()
-    rim_set, sole_set, rest = (GeometrySet(list(each)) for each in (rims, soles, others))
-    pairs.ExcludeBetween(rim_set, rest)
-    pairs.ExcludeBetween(sole_set, rest)
-    pairs.ExcludeWithin(sole_set)
+    pairs.ExcludeBetween(GeometrySet([*rims, *soles]), GeometrySet(others))
+    pairs.ExcludeWithin(GeometrySet(soles))
     scene_graph.collision_filter_manager().Apply(pairs)
