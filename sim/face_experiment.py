@@ -41,7 +41,7 @@ from sim.motion.inverse_kinematics import UnreachableError
 from sim.robots.cell_description import LOOK
 from sim.traces.trace import EndReason
 from sim.truth.object_truth import Truth
-from sim.truth.observer import Moved, Observer, Verdict
+from sim.truth.observer import Moved, Verdict, first_motion
 from sim.truth.scene_file import Scene, sample_world
 from sim.worlds.camera import initial_frames
 from sim.worlds.drake.single_object import SingleObjectWorld, single_object_world
@@ -107,21 +107,20 @@ class Touch(Protocol):
 def touch(scene: Scene, contact: Contact, *, seed: int = 0) -> TouchResult:
     """Pushes an object by a force alone; a `sim.face_experiment.Touch`."""
     world = single_object_world(scene, contact.object, seed)
-    observer = Observer(world.scene, bound=1e-4)  # the object creeps by a tenth of it
-    truth = observer.truth(contact.object)
+    truth = world.scene.object(contact.object).truth
     if not _meets(truth, contact):
         return TouchResult(None, None, f"it misses the {contact.object}")
     weight = GRAVITY * truth.mass_kg
     # The quick force: shares of the weight, and the time to grow by e [s].
     weakest, strongest, growth = 0.01, 10.0, 0.2
-    quick = _Roll(world, observer, contact, lambda t: weakest * weight * math.exp(t / growth))
+    quick = _Roll(world, contact, lambda t: weakest * weight * math.exp(t / growth))
     quick.run(growth * math.log(strongest / weakest))
     if quick.verdict.outcome == "none":
         return TouchResult("none", None)
     rough = quick.onset
     # Shares of the rough onset where the slow force begins; the next one if it moved before.
     for near in (0.92, 0.7, 0.4):
-        slow = _Roll(world, observer, contact, partial(_slow, near=near, rough=rough))
+        slow = _Roll(world, contact, partial(_slow, near=near, rough=rough))
         slow.run(_RISE + _SLOWNESS * (1.3 - near))
         if slow.verdict.outcome == "none":
             return TouchResult("none", None, "it moved only as long as the force grew quickly")
@@ -156,18 +155,15 @@ class _Roll:
     """An object that begins at rest, under a force [N] that grows with time, until it moves."""
 
     def __init__(
-        self,
-        world: SingleObjectWorld,
-        observer: Observer,
-        contact: Contact,
-        force: Callable[[float], float],
+        self, world: SingleObjectWorld, contact: Contact, force: Callable[[float], float]
     ) -> None:
-        self._world, self._observer, self._contact, self._force = world, observer, contact, force
+        self._world, self._contact, self._force = world, contact, force
         self.verdict: Verdict
 
     def run(self, most: float) -> None:
         """Rolls out until the object moves, or for a time [s]."""
         world, contact = self._world, self._contact
+        truth = world.scene.object(contact.object).truth
         point, along = np.array(contact.point), world.R_WB @ np.array(contact.direction)
         poses = [world.restart()]
         steps = 20  # after which the observer looks
@@ -176,7 +172,8 @@ class _Roll:
                 world.step(point, self._force(k * world.step_time) * along)
                 for k in range(start + 1, start + steps + 1)
             ]
-            self.verdict = self._observer.judge(contact.object, np.array(poses))
+            # The object creeps by a tenth of the bound.
+            self.verdict = first_motion(truth, np.array(poses), bound=1e-4)
             if self.verdict.outcome != "none":
                 return
 
@@ -243,7 +240,7 @@ class FingerTouch:
         if not len(recording.time):
             return TouchResult(None, None, recording.detail)
         true_poses = np.array([sample.poses[contact.object] for sample in record.samples])
-        seen = Observer(sample_world(scene, seed)).judge(contact.object, true_poses)
+        seen = first_motion(sample_world(scene, seed).object(contact.object).truth, true_poses)
         if seen.outcome == "none":
             return TouchResult(None, None, recording.detail)
         onset = force_curve(recording).onset

@@ -107,7 +107,7 @@ class Approach:
             known[some.number] = _HIT
             points, R_BD = np.reshape(self.points, (2, 3)), rot_z([self.heading, self.heading])
             for part in sphere_parts(some.spheres.shape[1] - self.fingers):
-                robot = some.spheres_along(np.eye(3)[None], np.zeros((1, 3)), part)[:, 0]
+                robot = some.spheres_in_D(part)
                 some = some[self._object.is_clear_along(robot, R_BD, points, FACE_CLEARANCE)]
             known[some.number] = _CLEAR
         return np.asarray(known[hands.number] == _CLEAR)
@@ -382,7 +382,7 @@ def first_obstacles(
         return stopped_by
     near = _obstacles_near(hands.circles, others, sweep)
     (beside,) = np.nonzero(near.any(axis=1))
-    spheres = hands[beside].spheres_along(np.eye(3)[None], np.zeros((1, 3)))[:, 0]
+    spheres = hands[beside].spheres_in_D()
     parts = [spheres[:, part] for part in sphere_parts(spheres.shape[1])]
     for number, each in enumerate(others):
         (close,) = np.nonzero(near[beside, number] & (stopped_by[beside] < 0))

@@ -297,7 +297,11 @@ def _step_segments(
     elif isinstance(step, PourOut):
         yield from _pour_segments(step, handled.held, R_WB, p_WB)
     elif isinstance(step, SetDown):
-        stands = np.array([*p_WB[:2], _height_of_origin(handled.held, R_WB)])
+        # As high as B's origin is when it stands on the table in that orientation.
+        held = handled.held
+        corners = [[x, y, z] for z in (0.0, held.model.top) for x, y in held.model.outline]
+        height = float(np.round(-(np.array(corners) @ R_WB[2]).min(), 9)) + 0.0
+        stands = np.array([*p_WB[:2], height])
         yield _straight_segment("set_down", R_WB, p_WB, stands, LIFT_SPEED)
     elif isinstance(step, SetOn):
         on = np.array([*p_WB[:2], step.height])
@@ -336,12 +340,6 @@ def _turning_segment(step: TurnOver, handled: HeldObject, R_WB: Array, p_WB: Arr
     fastest = math.inf if handled.plan.speed is None else handled.plan.speed
     rate = min(_TURN_SPEED, fastest / float(np.linalg.norm(p_BG)))
     return HeldSegment("carry", R_WB, p_BG, middle, middle, axis, step.angle, CARRY_SPEED, rate)
-
-
-def _height_of_origin(held: SeenObject, R_WB: Array) -> float:
-    """Height of B's origin when it stands on the table in an orientation [m]."""
-    corners = np.array([[x, y, z] for z in (0.0, held.model.top) for x, y in held.model.outline])
-    return float(np.round(-(corners @ R_WB[2]).min(), 9)) + 0.0
 
 
 def _pour_segments(

@@ -895,7 +895,7 @@ class PushMotionSearch:
         off = Sweep(self._way_off.R_WD[1:], self._way_off.points[1:])
         stopped_by = first_obstacles(hands, near, off)
         clear = stopped_by < 0
-        robot = hands[clear].spheres_along(np.eye(3)[None], np.zeros((1, 3)))[:, 0]
+        robot = hands[clear].spheres_in_D()
         clear[clear] = self._pushed[-1].is_clear_along(robot, *off, FACE_CLEARANCE)
         return clear, stopped_by
 
@@ -912,7 +912,7 @@ class PushMotionSearch:
         shares = np.linspace(0.0, 1.0, 2 + int(far / 0.015))[:, None]
         points = off + shares * (self._points[0] - off)
         which, hand = np.unique(solved.hand, return_inverse=True)
-        robot = hands[which].spheres_along(np.eye(3)[None], np.zeros((1, 3)))[:, 0]
+        robot = hands[which].spheres_in_D()
         R_WD = np.broadcast_to(self._R_WD[0], (len(points), 3, 3))
         for clearance in (FACE_CLEARANCE, -0.03):
             clear = self._pushed[-1].is_clear_along(robot, R_WD, points, clearance)

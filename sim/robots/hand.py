@@ -114,10 +114,7 @@ class PostureSet:
         )
         touching = len(postures[0].pushing)
         together = 1024  # hands whose spheres are computed at once
-        blocks = [
-            made[k : k + together].spheres_along(np.eye(3)[None], np.zeros((1, 3)))[:, 0]
-            for k in range(0, len(made), together)
-        ]
+        blocks = [made[k : k + together].spheres_in_D() for k in range(0, len(made), together)]
         # numpy is much faster on arrays that lie in a row.
         rows = [np.ascontiguousarray(np.moveaxis(each, -1, 0)) for each in blocks]
         lowest = [(z - r)[:, :-touching].min(axis=1, initial=np.inf) for _, _, z, r in rows]
@@ -147,6 +144,10 @@ class PostureSet:
         """Palm poses in W with T at points, shapes (n, w, 3, 3) and (n, w, 3); see below."""
         p_WP = points + (R_WD @ self.palm[:, None, :, None])[..., 0]
         return R_WD @ self.R_DP[:, None], p_WP
+
+    def spheres_in_D(self, part: NDArray[np.intp] | slice = slice(None)) -> Array:
+        """The spheres from T, in D, shape (n, k, 4), or a part of them."""
+        return self.spheres_along(np.eye(3)[None], np.zeros((1, 3)), part)[:, 0]
 
     def spheres_along(
         self, R_WD: Array, points: Array, part: NDArray[np.intp] | slice = slice(None)

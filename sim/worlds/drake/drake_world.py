@@ -276,11 +276,6 @@ class DrakeWorld:
             port.FixValue(self._context, np.concatenate([q, (q - before) / self._period]))
         self._q_arm, self._q_hand = q_arm, q_hand
 
-    @property
-    def lids(self) -> dict[str, float]:
-        """True opening of each lid now, as in `Trace.lids`; for an observer."""
-        return self._lids.lid_openings()
-
     def truth_now(self, name: str) -> Truth:
         """The truth of an object at this time; for an observer, never for the robot.
 
