@@ -27,17 +27,13 @@ from numpy.typing import ArrayLike
 
 from objectmodels.geometry.base_shapes import Polygon
 from objectmodels.mechanics.push_thresholds import GRAVITY
-from planner.touch_experiments import Experiment
 from planner.touch_experiments import press as press_at
 from planner.types.world_state import SeenObject, WorldState
 from sim.control.free_motion import RobotSetup
 from sim.control.guarded_touch import PAUSE
 from sim.control.object_estimate import mean_poses
-from sim.control.plan_execution import PushExecution
-from sim.control.trace_recorder import EarlyEndError
-from sim.exploration.probe_control import ProbeControl
-from sim.exploration.trial_extraction import Recording, force_curve
-from sim.motion.inverse_kinematics import UnreachableError
+from sim.exploration.probe_control import ProbeControl, probe
+from sim.exploration.trial_extraction import force_curve
 from sim.robots.cell_description import LOOK
 from sim.traces.trace import EndReason
 from sim.truth.object_truth import Truth
@@ -236,7 +232,7 @@ class FingerTouch:
             state.objects[contact.object], np.array(contact.point), normal, setup.reach.limits
         )
         record = setup.observer.record()
-        recording = _press(experiment, setup, state)
+        recording = probe(experiment, setup, state, control=_PressControl)
         if not len(recording.time):
             return TouchResult(None, None, recording.detail)
         true_poses = np.array([sample.poses[contact.object] for sample in record.samples])
@@ -248,28 +244,13 @@ class FingerTouch:
         return TouchResult(seen.outcome, felt, recording.detail)
 
 
-def _press(experiment: Experiment, setup: RobotSetup, state: WorldState) -> Recording:
-    """Carries out one press, after which the hand stays at the object."""
-    models = {name: seen.model for name, seen in state.objects.items()}
-    execution = PushExecution(experiment.push, setup, models)
-    before = state.objects[experiment.push.object].pose
-    try:
-        stance, way = execution.stance(state)
-        execution.approach(stance, way)
-        control = _PressControl(experiment, execution.recorder, stance, way)
-        return control.recording(*control.run(), before)
-    except EarlyEndError as early:
-        return Recording.nothing(experiment, early.end, early.detail, before)
-    except UnreachableError as error:
-        return Recording.nothing(experiment, "unreachable", str(error), before)
-
-
 class _PressControl(ProbeControl):
     """One press, from before the face until something has moved."""
 
     pause = PAUSE
     # What a sticking fingertip drags along the face would add to the force: percents of it.
     gives_way = 0.03
+    stays = True
 
     def run(self) -> tuple[EndReason, str]:
         self._begin()

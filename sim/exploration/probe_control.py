@@ -45,71 +45,18 @@ if TYPE_CHECKING:
     from sim.worlds.ports import Frame
 
 
-def probe(
-    experiment: Experiment,
-    setup: RobotSetup,
-    state: WorldState,
-    *,
-    progress: Progress | None = None,
-) -> Recording:
-    """Carries out one experiment.
-
-    Args:
-        experiment: which.
-        setup: the robot.
-        state: what is believed, from a look since which nothing has moved.
-        progress: told of the phase, the simulated time [s] and what happens.
-
-    Returns:
-        What the robot felt and saw, also if the touch was aborted.
-    """
-    models = {name: seen.model for name, seen in state.objects.items()}
-    execution = PushExecution(experiment.push, setup, models, progress)
-    before = state.objects[experiment.push.object].pose
-    try:
-        found = _carry_out(experiment, execution, state, before)
-    except EarlyEndError as early:
-        found = Recording.nothing(experiment, early.end, early.detail, before)
-    except UnreachableError as error:
-        found = Recording.nothing(experiment, "unreachable", str(error), before)
-    execution.come_home(0.3)  # time for an object to come to rest
-    trace = execution.recorder.trace(
-        experiment.push.object,
-        np.array(experiment.push.direction_W),
-        end=found.end,
-        detail=found.detail,
-    )
-    return replace(found, trace=trace)
-
-
-def _carry_out(
-    experiment: Experiment,
-    execution: PushExecution,
-    state: WorldState,
-    before: PlanarPose,
-) -> Recording:
-    """Goes there, touches, and leaves the object again."""
-    stance, way = execution.stance(state)
-    way = way.raised_by(experiment.raised)
-    execution.approach(stance, way)
-    control = ProbeControl(experiment, execution.recorder, stance, way)
-    try:
-        end, detail = control.run()
-    finally:
-        execution.leave(stance, control.commanded, way)
-    return control.recording(end, detail, before)
-
-
 class ProbeControl(TouchControl):
     """One touch, from before the face until the hand holds still at its end.
 
     Attributes:
         gives_way: time constant with which forces along the face are given way to [s].
+        stays: the hand stays at the object in the end.
     """
 
     pause = 1.5
     speed = 0.012
     gives_way = 0.08
+    stays = False
 
     def __init__(
         self,
@@ -337,3 +284,53 @@ class ProbeControl(TouchControl):
                 float(np.radians(vision.angle_noise_deg) / np.sqrt(frames)),
             ),
         )
+
+
+def probe(
+    experiment: Experiment,
+    setup: RobotSetup,
+    state: WorldState,
+    *,
+    progress: Progress | None = None,
+    control: type[ProbeControl] = ProbeControl,
+) -> Recording:
+    """Carries out one experiment.
+
+    Args:
+        experiment: which.
+        setup: the robot.
+        state: what is believed, from a look since which nothing has moved.
+        progress: told of the phase, the simulated time [s] and what happens.
+        control: of the touch.
+
+    Returns:
+        What the robot felt and saw, also if the touch was aborted.
+    """
+    models = {name: seen.model for name, seen in state.objects.items()}
+    execution = PushExecution(experiment.push, setup, models, progress)
+    before = state.objects[experiment.push.object].pose
+    try:
+        stance, way = execution.stance(state)
+        way = way.raised_by(experiment.raised)
+        execution.approach(stance, way)
+        touch = control(experiment, execution.recorder, stance, way)
+        try:
+            end, detail = touch.run()
+        finally:
+            if not control.stays:
+                execution.leave(stance, touch.commanded, way)
+        found = touch.recording(end, detail, before)
+    except EarlyEndError as early:
+        found = Recording.nothing(experiment, early.end, early.detail, before)
+    except UnreachableError as error:
+        found = Recording.nothing(experiment, "unreachable", str(error), before)
+    if control.stays:
+        return found
+    execution.come_home(0.3)  # time for an object to come to rest
+    trace = execution.recorder.trace(
+        experiment.push.object,
+        np.array(experiment.push.direction_W),
+        end=found.end,
+        detail=found.detail,
+    )
+    return replace(found, trace=trace)

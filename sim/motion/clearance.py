@@ -6,7 +6,7 @@ Frames: W is the world, B the pushed or held object, D the frame of the push, P 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import NamedTuple
@@ -20,6 +20,7 @@ from planner.types.robot import ReachAnswer
 from planner.types.world_state import PlanarPose
 from sim.motion.collision_scene import LEAST_CLEARANCE, CollisionScene, Obstacle
 from sim.motion.held_object_path import HeldObject, HeldSegment
+from sim.motion.roadmap import free_path
 from sim.robots.collision_spheres import (
     TABLE_CLEARANCE,
     height_above_table,
@@ -437,12 +438,18 @@ class TransitClearance:
     def are_free(self, q: Array) -> NDArray[np.bool_]:
         """Which arm poses, shape (n, joints), keep clear of everything, shape (n,)."""
         spheres, pose = self._low_spheres(q)
-        hit = self.scenery.stops(spheres)
+        hit = ~self.scenery.is_clear_of_others(spheres[:, None])
         for each in self.standing:
             hit |= each.hits(spheres, each.clearance)
         free = np.ones(len(q), dtype=bool)
         free[pose[hit]] = False
         return free
+
+    def path_from_home(
+        self, q: Array, places: Array, spend: Callable[[], None]
+    ) -> tuple[Array, ...] | None:
+        """Arm poses between home and a pose, shape (joints,) [rad]; see `free_path`."""
+        return free_path(self.mount.arm, self.mount.home, q, places, self.are_free, spend)
 
     def _low_spheres(self, q: Array) -> tuple[Array, NDArray[np.intp]]:
         """Spheres in W that are not above everything, shape (m, 4), and the pose of each, (m,)."""

@@ -294,21 +294,11 @@ class CollisionScene:
         """Which poses keep clear of the table and of all but the pushed object; see `is_free`."""
         hit = np.asarray(height_above_table(robot) < TABLE_CLEARANCE)
         low = self._low(robot)
-        hit[low] |= self._hits_others(robot[low])
-        return np.asarray(~hit.any(axis=-1))
-
-    def stops(self, spheres: Array) -> NDArray[np.bool_]:
-        """Which spheres in W, shape (n, 4), come too near to the table or the others, (n,)."""
-        return np.asarray(height_above_table(spheres) < TABLE_CLEARANCE) | self._hits_others(
-            spheres
-        )
-
-    def _hits_others(self, spheres: Array) -> NDArray[np.bool_]:
-        """Which spheres in W, shape (n, 4), come too near to any of the others, shape (n,)."""
-        hit = np.zeros(len(spheres), dtype=bool)
+        spheres, hit_low = robot[low], hit[low]
         for each in self._beside(spheres):
-            hit |= each.hits(spheres, each.clearance)
-        return hit
+            hit_low |= each.hits(spheres, each.clearance)
+        hit[low] = hit_low
+        return np.asarray(~hit.any(axis=-1))
 
     def hit_by(self, robot: Array) -> str | None:
         """Which of the others is in the robot's way, in any of its poses; None if none is."""

@@ -555,13 +555,13 @@ class GraspMotionSearch:
         def spend() -> None:
             self.work += 1
 
-        arm, home = self._mount.arm, self._mount.home
+        home = self._mount.home
         up = np.array([[0.0, 0.0, height] for height in (0.10, 0.20, 0.30)])
         raised, valid = way.joint_angles(np.broadcast_to(R_WB, (len(up), 3, 3)), p_WB + up)
         raised = raised[valid]
         places = np.vstack([raised, 0.5 * (home + q), 0.5 * (home + raised)])
         for some in (places, sample_configurations(home, q)):
-            found = free_path(arm, home, q, some, clearance.are_free, spend)
+            found = clearance.path_from_home(q, some, spend)
             if found is not None:
                 return found
         return None
@@ -855,8 +855,7 @@ class PushMotionSearch:
         def spend() -> None:
             self._work += 1
 
-        arm, home = self._mount.arm, self._mount.home
-        return free_path(arm, home, found.above, places, clearance.are_free, spend)
+        return clearance.path_from_home(found.above, places, spend)
 
     def _come_off(self, hands: PostureSet, solved: IkSolutions) -> NDArray[np.bool_]:
         """Which arms also get off the face at the end, and back to the start, shape (k,)."""
