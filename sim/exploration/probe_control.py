@@ -45,6 +45,10 @@ if TYPE_CHECKING:
     from sim.worlds.ports import Frame
 
 
+RUB_FORCE = 0.5
+"""Force with which a rub presses, as a share of the one that would move the object."""
+
+
 class ProbeControl(TouchControl):
     """One touch, from before the face until the hand holds still at its end.
 
@@ -136,7 +140,7 @@ class ProbeControl(TouchControl):
     def _rub(self) -> tuple[EndReason, str]:
         """Pressing gently, down along the face."""
         down = np.array([0.0, 0.0, -1.0])
-        wanted = 0.5 * self.experiment.onset  # half of what would move the object
+        wanted = RUB_FORCE * self.experiment.onset
         time_constant = 0.15
         stiffness = self.stance.push_stiffness(self._u)
         command, drawn = self.commanded, 0.0
