@@ -830,19 +830,15 @@ class PushMotionSearch:
             if free.any():
                 free[free] = each.is_clear(arms[free, k])
         if free.any():
-            free[free] = self._come_down(hands, solved[free])
+            # Hands come down from few heights, so that each way is looked at once.
+            ways, way = np.unique(
+                np.column_stack([solved.hand[free], solved.lift[free]]), axis=0, return_inverse=True
+            )
+            points = descent_points(self._points[0], ways[:, 1])
+            R_WD = np.broadcast_to(self._R_WD[0], (points.shape[1], 3, 3))
+            robot = hands[ways[:, 0].astype(int)].spheres_along(R_WD, points)
+            free[free] = self._scenery.is_free(robot).all(axis=1)[way.ravel()]
         return free
-
-    def _come_down(self, hands: PostureSet, solved: IkSolutions) -> NDArray[np.bool_]:
-        """Which hands are clear of everything on the way down, shape (k,)."""
-        ways, way = np.unique(
-            np.column_stack([solved.hand, solved.lift]), axis=0, return_inverse=True
-        )
-        down = descent_points(self._points[0], ways[:, 1])
-        R_WD = np.broadcast_to(self._R_WD[0], (down.shape[1], 3, 3))
-        robot = hands[ways[:, 0].astype(int)].spheres_along(R_WD, down)
-        free = np.asarray(self._scenery.is_free(robot).all(axis=1))
-        return np.asarray(free[way.ravel()])
 
     def _way_there(self, found: _Found, places: Array) -> tuple[Array, ...] | None:
         """Arm poses between home and above the start; None if no free way was found."""

@@ -36,11 +36,10 @@ from sim.views.trace_scene import (
     samples,
     triangles,
 )
-from sim.worlds.drake.drake_plant import Plant
+from sim.worlds.drake.drake_plant import Plant, pose_row
 
 if TYPE_CHECKING:
     from pydrake.geometry import GeometryId, SceneGraphInspector, Shape
-    from pydrake.math import RigidTransform
     from pydrake.multibody.tree import RigidBody
     from pydrake.systems.framework import Context
 
@@ -81,13 +80,13 @@ def viewer_scene(scene: Scene, model: Plant) -> dict[str, Any]:
     inspector = model.scene_graph.model_inspector()
     bodies = []
     for body in drawn_bodies(model):
-        kind = _kind(model, body)
+        kind, owner = _kind_and_object(model, body)
         shapes = [_drawn(inspector, each) for each in _seen_geometries(model, body)]
         if kind == "object":
             shapes = object_shapes(scene.object(body.name()), shapes)
         elif kind == "world":
             shapes = furniture(scene, shapes)
-        name, owner = body_name(body), _object(model, body)
+        name = body_name(body)
         bodies.append({"name": name, "kind": kind, "object": owner, "shapes": shapes})
     return _document(scene.name, bodies)
 
@@ -169,25 +168,17 @@ def body_poses(model: Plant, bodies: list[RigidBody], context: Context) -> Array
     return np.array([pose_row(model.plant.EvalBodyPoseInWorld(context, body)) for body in bodies])
 
 
-def pose_row(X: RigidTransform) -> Array:
-    """A pose as a row of a trace: quaternion (w, x, y, z) and position."""
-    return np.append(X.rotation().ToQuaternion().wxyz(), X.translation())
-
-
-def _kind(model: Plant, body: RigidBody) -> str:
+def _kind_and_object(model: Plant, body: RigidBody) -> tuple[str, str | None]:
+    """The kind of a body, and the name of the object that it is, or whose lid it is."""
     if body.index() == model.plant.world_body().index():
-        return "world"
+        return "world", None
     if body.model_instance() in (model.arm, model.hand):
-        return "robot"
-    is_lid = any(lid.body.index() == body.index() for lid in model.lids.values())
-    return "lid" if is_lid else "object"
-
-
-def _object(model: Plant, body: RigidBody) -> str | None:
-    """Name of the object that a body is, or whose lid it is; None for others."""
+        return "robot", None
     lids = {lid.body.index(): name for name, lid in model.lids.items()}
+    if body.index() in lids:
+        return "lid", lids[body.index()]
     bodies = {each.index(): name for name, each in model.bodies.items()}
-    return (lids | bodies).get(body.index())
+    return "object", bodies.get(body.index())
 
 
 def _seen_geometries(model: Plant, body: RigidBody) -> list[GeometryId]:

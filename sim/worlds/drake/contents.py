@@ -18,7 +18,7 @@ from objectmodels.models.object_parts import FlipLid, LiftOffLid, section_area
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Scene
 from sim.worlds.drake.drake_bodies import LidBody, shared_inertia
-from sim.worlds.drake.drake_plant import Standing
+from sim.worlds.drake.drake_plant import Standing, pose_row
 
 if TYPE_CHECKING:
     from pydrake.math import RigidTransform
@@ -98,20 +98,19 @@ class Lids:
 
     def loose(self) -> dict[str, tuple[Array, Array]]:
         """R_WL and p_WL of the lids that are off, by the names of their objects."""
-        off = {name: each for name, each in self._lids.items() if name in self._off}
-        poses = {n: self._plant.EvalBodyPoseInWorld(self._context, e.body) for n, e in off.items()}
+        poses = {name: self._pose(each) for name, each in self._lids.items() if name in self._off}
         return {n: (X_WL.rotation().matrix(), X_WL.translation()) for n, X_WL in poses.items()}
 
     def poses(self) -> dict[str, Array]:
         """Poses X_WL of the lids that come off, quaternion (w, x, y, z) and p_WL, shape (7,)."""
-        poses = {}
-        for name, each in self._lids.items():
-            if each.seat is not None:
-                X_WL = self._plant.EvalBodyPoseInWorld(self._context, each.body)
-                poses[name] = np.concatenate(
-                    [X_WL.rotation().ToQuaternion().wxyz(), X_WL.translation()]
-                )
-        return poses
+        return {
+            name: pose_row(self._pose(each))
+            for name, each in self._lids.items()
+            if each.seat is not None
+        }
+
+    def _pose(self, each: LidBody) -> RigidTransform:
+        return self._plant.EvalBodyPoseInWorld(self._context, each.body)
 
     def _snap(self) -> None:
         tau = np.zeros(self._plant.num_velocities())
@@ -128,10 +127,8 @@ class Lids:
     def _from_seat(self, each: LidBody) -> RigidTransform:
         """Pose of a lid in its seat."""
         assert each.seat is not None
-        X_WS, X_WL = (
-            self._plant.EvalBodyPoseInWorld(self._context, body) for body in (each.seat, each.body)
-        )
-        return X_WS.InvertAndCompose(X_WL)
+        X_WS = self._plant.EvalBodyPoseInWorld(self._context, each.seat)
+        return X_WS.InvertAndCompose(self._pose(each))
 
     def _is_seated(self, each: LidBody) -> bool:
         X_SL = self._from_seat(each)

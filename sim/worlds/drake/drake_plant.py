@@ -286,6 +286,11 @@ def filter_collisions(
     scene_graph.collision_filter_manager().Apply(pairs)
 
 
+def pose_row(X: RigidTransform) -> Array:
+    """A pose as a row of a trace: quaternion (w, x, y, z) and position, shape (7,)."""
+    return np.append(X.rotation().ToQuaternion().wxyz(), X.translation())
+
+
 def initial_pose(item: SceneObject, level: int = 0) -> RigidTransform:
     """Pose X_WB in which an object is at the start, with so many slabs below its own."""
     from pydrake.math import RigidTransform, RotationMatrix

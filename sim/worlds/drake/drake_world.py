@@ -28,7 +28,7 @@ from sim.truth.scene_file import TOUCHING, Scene, sample_world
 from sim.worlds.camera import camera_port
 from sim.worlds.drake.contents import Lids, Liquid
 from sim.worlds.drake.drake_bodies import ContactWatch
-from sim.worlds.drake.drake_plant import Standing, add_plant
+from sim.worlds.drake.drake_plant import Standing, add_plant, pose_row
 from sim.worlds.drake.world_variation import ShiftingContents, VaryingFriction
 from sim.worlds.ports import Frame, Sample, WallClock, WorldRecord
 from sim.worlds.sensors import JointReadings, TorqueReadings
@@ -291,7 +291,7 @@ class DrakeWorld:
         for name, body in self._model.bodies.items():
             X_WB = self._plant.EvalBodyPoseInWorld(self._context, body)
             p_WB = X_WB.translation()
-            poses[name] = np.concatenate([X_WB.rotation().ToQuaternion().wxyz(), p_WB])
+            poses[name] = pose_row(X_WB)
             # However it lies or is pressed, the middle of its base is on the table or over it.
             if (
                 p_WB[2] < -0.005
