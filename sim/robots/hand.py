@@ -12,7 +12,7 @@ from __future__ import annotations
 import functools
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from importlib.resources.abc import Traversable
 from typing import Protocol
 
@@ -106,26 +106,29 @@ class PostureSet:
         palm = -(R_DP @ tips[which][..., None])[..., 0]
         about = np.array(padded_spheres(spheres))
         about[..., :3] -= tips[:, None]
-        unknown = np.zeros(len(which))
-        number = np.arange(len(which))
-        circles = np.zeros((len(which), 3))
-        made = cls(
-            postures, about, which, R_DP, strength, palm, unknown, unknown, circles, unknown, number
-        )
         touching = len(postures[0].pushing)
-        together = 1024  # hands whose spheres are computed at once
-        blocks = [made[k : k + together].spheres_in_D() for k in range(0, len(made), together)]
-        # numpy is much faster on arrays that lie in a row.
-        rows = [np.ascontiguousarray(np.moveaxis(each, -1, 0)) for each in blocks]
+        rows = []
+        for k in range(0, len(which), 1024):
+            some = slice(k, k + 1024)
+            placed = place_spheres(about[which[some]], R_DP[some], np.zeros(3))
+            # numpy is much faster on arrays that lie in a row.
+            rows.append(np.ascontiguousarray(np.moveaxis(placed, -1, 0)))
         lowest = [(z - r)[:, :-touching].min(axis=1, initial=np.inf) for _, _, z, r in rows]
         extents = [(np.sqrt(x * x + y * y) + r).max(axis=1) for x, y, _, r in rows]
         fronts = [(x + r)[:, :-touching].max(axis=1, initial=-np.inf) for x, _, _, r in rows]
-        return replace(
-            made,
-            lowest_points=np.concatenate([unknown[:0], *lowest]),
-            extents=np.concatenate([unknown[:0], *extents]),
-            circles=np.concatenate([circles[:0], *map(_circles_around, rows)]),
-            fronts=np.concatenate([unknown[:0], *fronts]),
+        none = np.zeros(0)
+        return cls(
+            postures,
+            about,
+            which,
+            R_DP,
+            strength,
+            palm,
+            lowest_points=np.concatenate([none, *lowest]),
+            extents=np.concatenate([none, *extents]),
+            circles=np.concatenate([np.zeros((0, 3)), *map(_circles_around, rows)]),
+            fronts=np.concatenate([none, *fronts]),
+            number=np.arange(len(which)),
         )
 
     def __len__(self) -> int:
