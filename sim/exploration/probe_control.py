@@ -325,9 +325,9 @@ def probe(
                 execution.leave(stance, touch.commanded, way)
         found = touch.recording(end, detail, before)
     except EarlyEndError as early:
-        found = Recording.nothing(experiment, early.end, early.detail, before)
+        found = Recording(experiment, early.end, early.detail, before)
     except UnreachableError as error:
-        found = Recording.nothing(experiment, "unreachable", str(error), before)
+        found = Recording(experiment, "unreachable", str(error), before)
     if control.stays:
         return found
     execution.come_home(0.3)  # time for an object to come to rest

@@ -58,18 +58,18 @@ _SHOWS: dict[str, Moved] = {
 
 @dataclass(frozen=True)
 class Recording:
-    """The robot's knowledge during one touch, sampled n times from the touch on.
+    """The robot's knowledge during one touch, sampled n times from the touch on if it came to one.
 
     Attributes:
         experiment: what was tried.
         end: how it ended; `detail` says it in words.
+        before: where the object was seen before.
+        after: where it was seen at the end, the finger still there; None if it was not looked at.
         moved: what the touch showed: that the object slid or tilted, that the finger slipped; None
             if nothing did, or if that is not clear.
         time: shape (n,) [s].
         tips: the fingertip's centre p_WT, shape (n, 3) [m].
         forces: on the object in W, shape (n, 3) [N].
-        before: where the object was seen before.
-        after: where it was seen at the end, the finger still there; None if it was not looked at.
         tip_radius: of the finger [m].
         force_sd: standard deviation of one sample of the force along the push [N].
         zero_sd: of the sensors' zero, as a force along the push [N].
@@ -80,39 +80,17 @@ class Recording:
     experiment: Experiment
     end: EndReason
     detail: str
-    moved: Moved | None
-    time: Array
-    tips: Array
-    forces: Array
     before: PlanarPose
-    after: PlanarPose | None
-    tip_radius: float
-    force_sd: float
-    zero_sd: float
-    pose_sd: tuple[float, float]
+    after: PlanarPose | None = None
+    moved: Moved | None = None
+    time: Array = field(default_factory=lambda: np.empty(0))
+    tips: Array = field(default_factory=lambda: np.empty((0, 3)))
+    forces: Array = field(default_factory=lambda: np.empty((0, 3)))
+    tip_radius: float = 0.0
+    force_sd: float = 0.0
+    zero_sd: float = 0.0
+    pose_sd: tuple[float, float] = (0.0, 0.0)
     trace: Trace | None = field(default=None, repr=False)
-
-    @classmethod
-    def nothing(
-        cls, experiment: Experiment, end: EndReason, detail: str, before: PlanarPose
-    ) -> Recording:
-        """Of a touch that did not come about."""
-        empty = np.empty((0, 3))
-        return cls(
-            experiment,
-            end,
-            detail,
-            None,
-            np.empty(0),
-            empty,
-            empty,
-            before,
-            None,
-            tip_radius=0.0,
-            force_sd=0.0,
-            zero_sd=0.0,
-            pose_sd=(0.0, 0.0),
-        )
 
 
 @dataclass(frozen=True)
