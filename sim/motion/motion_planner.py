@@ -629,7 +629,7 @@ class PushMotionSearch:
         scenery: CollisionScene,
         effort: Effort,
     ) -> None:
-        self._work = 1
+        self._work = 1  # units, here and wherever it grows
         self.postures = 0
         self.stopped_by: set[str] = set()
         self._effort = effort

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
@@ -125,7 +124,3 @@ class RunStory:
     ghosts: tuple[Ghost, ...] = ()
     contacts: tuple[ContactMark, ...] = ()
     notes: tuple[str, ...] = ()
-
-    def document(self) -> dict[str, Any]:
-        """The same as a JSON object."""
-        return asdict(self)

@@ -11,6 +11,7 @@ import gzip
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from html import escape
 from importlib import resources
 from itertools import groupby
@@ -464,7 +465,7 @@ def save_recording(
 
 def _replay_content(trace: Trace, scene: Scene, story: RunStory) -> dict[str, Any]:
     drawn, recording = scene_and_recording(trace, scene)
-    return {"scene": drawn, "recording": recording, "story": story.document()}
+    return {"scene": drawn, "recording": recording, "story": asdict(story)}
 
 
 def _packed(content: Mapping[str, Any]) -> bytes:
