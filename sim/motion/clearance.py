@@ -34,6 +34,8 @@ FACE_CLEARANCE = 0.0005
 """Least distance of all but the fingertips from the pushed face [m]."""
 
 _ROUNDING = 1e-9  # so that none is left out that touches [m]
+_HELD_CLEARANCE = 0.004  # of what is held from what it is poured or put into [m]
+_SINKS = 0.001  # what stands on another object into that, at most [m]
 _UNKNOWN, _HIT, _CLEAR = -1, 0, 1
 
 
@@ -139,10 +141,6 @@ def _known_hands(approach: Approach) -> NDArray[np.int8]:
         return np.full(len(hand.pressing_postures()), _UNKNOWN, dtype=np.int8)
     every = hand.pushing_postures(approach.fingers, approach.spread, fine=approach.fine)
     return np.full(len(every), _UNKNOWN, dtype=np.int8)
-
-
-_HELD_CLEARANCE = 0.004  # of what is held from what it is poured or put into [m]
-_SINKS = 0.001  # what stands on another object into that, at most [m]
 
 
 @dataclass(frozen=True, eq=False)

@@ -55,6 +55,17 @@ _BASE_R = dict.fromkeys(FINGERS, np.eye(3)) | {
     "thumb": rot_y(np.radians(27.0)) @ axis_rotation([0.0, 0.0, 1.0], np.pi)
 }
 
+CURLED: Angles = (0.0, 1.40, 1.60)
+"""A finger that is out of the way [rad]."""
+
+RESTING = Posture(
+    "resting", dict.fromkeys(FINGERS, CURLED) | {"thumb": (0.0, -0.65, 0.0)}, (), np.zeros((0, 3))
+)
+"""The hand while it waits."""
+
+FLANGE_TO_PALM = 0.03
+"""Distance from the flange to the palm's origin, along z [m]."""
+
 
 def finger_points(finger: str, angles: Angles) -> Array:
     """Joints and tip of a finger in the palm frame.
@@ -183,18 +194,6 @@ def is_at_stop(angles: Angles) -> bool:
     low, high = FINGER_LIMITS.T
     room = np.minimum(angles - low, high - angles)
     return bool(room.min() < 0.005)
-
-
-CURLED: Angles = (0.0, 1.40, 1.60)
-"""A finger that is out of the way [rad]."""
-
-RESTING = Posture(
-    "resting", dict.fromkeys(FINGERS, CURLED) | {"thumb": (0.0, -0.65, 0.0)}, (), np.zeros((0, 3))
-)
-"""The hand while it waits."""
-
-FLANGE_TO_PALM = 0.03
-"""Distance from the flange to the palm's origin, along z [m]."""
 
 
 def touching_posture(name: str, angles: Mapping[str, Angles], pushing: tuple[str, ...]) -> Posture:

@@ -47,7 +47,6 @@ Kinds besides those of the plant are `lathe` (a profile of radius and height, tu
 
 _UPRIGHT = (1.0, 0.0, 0.0, 0.0)
 _HERE = (*_UPRIGHT, 0.0, 0.0, 0.0)  # where its body is
-_CARDBOARD = (0.72, 0.62, 0.48, 1.0)
 _STEEL, _WHITE = (0.46, 0.48, 0.51, 1.0), (0.96, 0.95, 0.91, 1.0)
 _WITH_HANDLE = frozenset({"mug"})  # models of the registry
 _WIDE = 0.7  # share of the radius from which an opening shows what is inside
@@ -312,7 +311,8 @@ def believed_shapes(name: str, model: ObjectModel) -> list[Shape]:
         if model.inside is not None:
             parts = open_box_parts((x, y, z), model.inside)
             cuboids = [((b - a).tolist(), ((a + b) / 2.0).tolist()) for a, b in parts]
-        boxes = [_box("solid", size, middle, _CARDBOARD) for size, middle in cuboids]
+        cardboard = (0.72, 0.62, 0.48, 1.0)
+        boxes = [_box("solid", size, middle, cardboard) for size, middle in cuboids]
         return [*boxes, *_labels(name, (x, y, z))]
     if isinstance(model, CylinderModel):
         round_shapes = [_turned(model)]
