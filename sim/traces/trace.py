@@ -400,19 +400,22 @@ def join_traces(traces: Sequence[Trace]) -> Trace:
     if len(traces) == 1:
         return traces[0]
     last = traces[-1]
-    rows = (*_SAMPLED, "joints", "spilled")
-    by_name = (key for key in _BY_NAME if key not in {"tips", "felt"})
     # One that ended before the hand got there has none.
     fingers = tuple(next((trace.tips for trace in reversed(traces) if trace.tips), ()))
     tips, felt = zip(*(_by_slots(trace, len(fingers)) for trace in traces), strict=True)
+    joined: dict[str, Any] = {}
+    for key in (*_SAMPLED, "joints", "spilled"):
+        joined[key] = np.concatenate([getattr(trace, key) for trace in traces])
+    for key in (key for key in _BY_NAME if key not in {"tips", "felt"}):
+        joined[key] = _one_after_another([getattr(trace, key) for trace in traces])
+    for key in _FRAMES:
+        joined[key] = _frame_after_frame([getattr(trace, key) for trace in traces])
     return replace(
         last,
         tips=dict(zip(fingers, np.concatenate(tips, axis=1), strict=True)),
         felt=dict(zip(fingers, np.concatenate(felt, axis=1), strict=True)),
         contacts=tuple(event for trace in traces for event in trace.contacts),
-        **{key: np.concatenate([getattr(trace, key) for trace in traces]) for key in rows},
-        **{key: _one_after_another([getattr(trace, key) for trace in traces]) for key in by_name},
-        **{key: _frame_after_frame([getattr(trace, key) for trace in traces]) for key in _FRAMES},
+        **joined,
     )
 
 
