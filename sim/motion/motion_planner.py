@@ -837,7 +837,8 @@ class PushMotionSearch:
             points = descent_points(self._points[0], ways[:, 1])
             R_WD = np.broadcast_to(self._R_WD[0], (points.shape[1], 3, 3))
             robot = hands[ways[:, 0].astype(int)].spheres_along(R_WD, points)
-            free[free] = self._scenery.is_free(robot).all(axis=1)[way.ravel()]
+            clear = np.asarray(self._scenery.is_free(robot).all(axis=1))
+            free[free] = clear[way.ravel()]
         return free
 
     def _way_there(self, found: _Found, places: Array) -> tuple[Array, ...] | None:

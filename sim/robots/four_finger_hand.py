@@ -53,6 +53,9 @@ HOLDING: tuple[str, ...] = ("thumb", "index", "middle", "ring")
 SHARES = np.array([1.0, 1 / 3, 1 / 3, 1 / 3])
 """Of the squeeze that each of them bears: the fingers stand side by side about the thumb."""
 
+FINGER_SPREADS: tuple[float, ...] = (0.04, 0.032, 0.024)
+"""Distances between the fingertips of a two-finger push, the largest first [m]."""
+
 NARROWEST, WIDEST = 0.008, 0.100
 """Widths that the hand closes about [m]."""
 
@@ -522,7 +525,7 @@ class FourFingerHand:
     joint_names = kinematics.JOINT_NAMES
     grasp_fingers = HOLDING
     tip_radius = kinematics.TIP_RADIUS
-    finger_spreads = (0.04, 0.032, 0.024)
+    finger_spreads = FINGER_SPREADS
     force_skew = LARGEST_SKEW
     grasp_widths = (NARROWEST, WIDEST)
     # The palm is turned by π on the flange.
