@@ -63,9 +63,9 @@ class Lids:
             if each.seat is None:
                 continue
             if name not in self._off:
-                assert not isinstance(each.lid, FlipLid)
-                lift_off = isinstance(each.lid, LiftOffLid)
-                most = each.lid.travel if lift_off else 2.0 * np.pi * each.lid.turns
+                lid = each.lid
+                assert not isinstance(lid, FlipLid)
+                most = lid.travel if isinstance(lid, LiftOffLid) else 2.0 * np.pi * lid.turns
                 if self._joint_position(each) > most:
                     self._take_off(name, each)
             elif self._is_seated(each) and not self._is_touched(each):
