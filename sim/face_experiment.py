@@ -27,21 +27,17 @@ from numpy.typing import ArrayLike
 
 from objectmodels.geometry.base_shapes import Polygon
 from objectmodels.mechanics.push_thresholds import GRAVITY
-from planner.touch_experiments import Experiment
 from planner.touch_experiments import press as press_at
 from planner.types.world_state import SeenObject, WorldState
 from sim.control.free_motion import RobotSetup
 from sim.control.guarded_touch import PAUSE
 from sim.control.object_estimate import mean_poses
-from sim.control.plan_execution import PushExecution
-from sim.control.trace_recorder import EarlyEndError
-from sim.exploration.probe_control import ProbeControl
-from sim.exploration.trial_extraction import Recording, force_curve
-from sim.motion.inverse_kinematics import UnreachableError
+from sim.exploration.probe_control import ProbeControl, probe
+from sim.exploration.trial_extraction import force_curve
 from sim.robots.cell_description import LOOK
 from sim.traces.trace import EndReason
 from sim.truth.object_truth import Truth
-from sim.truth.observer import Moved, Observer, Verdict
+from sim.truth.observer import Moved, Verdict, first_motion
 from sim.truth.scene_file import Scene, sample_world
 from sim.worlds.camera import initial_frames
 from sim.worlds.drake.single_object import SingleObjectWorld, single_object_world
@@ -50,14 +46,8 @@ if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel
 
 
-# --- face contact ---------------------------------------------------------------------------------
-#
-# One push at one place of an object, and what it did: the experiment of the paper's Fig. 7.
-#
-# There are several ways of pushing; each is like `Touch`: it builds its own world from plain
-# data, so that it may run in any process, and its answer depends on its arguments alone, and on
-# what a robot that pushes believes.
-
+_SLOWNESS = 10.0  # time in which the slow force would grow by as much as moves the object [s]
+_RISE = 0.2  # time in which the slow force gets near the onset [s]
 
 Way = Literal["force", "robot"]
 """A force applied directly, or the robot's finger."""
@@ -100,54 +90,37 @@ class TouchResult:
 
 
 class Touch(Protocol):
-    """A way of pushing."""
+    """A way of pushing.
+
+    It builds its own world from plain data, so that it may run in any process, and its answer
+    depends on its arguments alone, and on what a robot that pushes believes.
+    """
 
     def __call__(self, scene: Scene, contact: Contact, *, seed: int) -> TouchResult:
         """Pushes once in a fresh world of a scene and a seed."""
 
 
-# --- face experiment ------------------------------------------------------------------------------
-
-
-BOUND = 1e-4
-"""Displacement that counts as motion [m]; the object creeps by a tenth of it."""
-
-STRONGEST = 10.0
-"""What withstands so many times its weight does not move."""
-
-SLOWNESS = 10.0
-"""Time in which the slow force would grow by as much as moves the object [s]."""
-
-_WEAKEST, _GROWTH = 0.01, 0.2  # the quick force: share of the weight, time to grow by e [s]
-_RISE = 0.2  # time in which the slow force gets near the onset [s]
-_NEAR = (0.92, 0.7, 0.4)  # of the rough onset; the next one if it moved before
-_FAR = 1.3  # of the rough onset, where the slow force ends
-_MARGIN = 0.01  # the slow force grows by so much of the rough onset before anything moves
-_CHUNK = 20  # steps after which the observer looks
-_TOLERANCE = 1e-3  # of what is called meeting the object [m]
-_FITTED = 0.5  # the part of √v that the line is fitted to
-_FEWEST = 4  # steps that the line needs; a body that breaks away in fewer has no delay
-
-
 def touch(scene: Scene, contact: Contact, *, seed: int = 0) -> TouchResult:
     """Pushes an object by a force alone; a `sim.face_experiment.Touch`."""
     world = single_object_world(scene, contact.object, seed)
-    observer = Observer(world.scene, bound=BOUND)
-    truth = observer.truth(contact.object)
+    truth = world.scene.object(contact.object).truth
     if not _meets(truth, contact):
         return TouchResult(None, None, f"it misses the {contact.object}")
     weight = GRAVITY * truth.mass_kg
-    quick = _Roll(world, observer, contact, lambda t: _WEAKEST * weight * math.exp(t / _GROWTH))
-    quick.run(_GROWTH * math.log(STRONGEST / _WEAKEST))
+    # The quick force: shares of the weight, and the time to grow by e [s].
+    weakest, strongest, growth = 0.01, 10.0, 0.2
+    quick = _Roll(world, contact, lambda t: weakest * weight * math.exp(t / growth))
+    quick.run(growth * math.log(strongest / weakest))
     if quick.verdict.outcome == "none":
         return TouchResult("none", None)
     rough = quick.onset
-    for near in _NEAR:
-        slow = _Roll(world, observer, contact, partial(_slow, near=near, rough=rough))
-        slow.run(_RISE + SLOWNESS * (_FAR - near))
+    # Shares of the rough onset where the slow force begins; the next one if it moved before.
+    for near in (0.92, 0.7, 0.4):
+        slow = _Roll(world, contact, partial(_slow, near=near, rough=rough))
+        slow.run(_RISE + _SLOWNESS * (1.3 - near))
         if slow.verdict.outcome == "none":
             return TouchResult("none", None, "it moved only as long as the force grew quickly")
-        if slow.onset > (near + _MARGIN) * rough:
+        if slow.onset > (near + 0.01) * rough:
             break
     return TouchResult(slow.verdict.outcome, slow.onset)
 
@@ -157,7 +130,7 @@ def _meets(truth: Truth, contact: Contact) -> bool:
     p, u = np.array(contact.point), np.array(contact.direction)
     sides = Polygon.convex(truth.outline)
     normals = np.vstack((np.pad(sides.normals, ((0, 0), (0, 1))), [[0, 0, 1], [0, 0, -1]]))
-    room = np.append(sides.offsets, [truth.height, 0.0]) - normals @ p + _TOLERANCE
+    room = np.append(sides.offsets, [truth.height, 0.0]) - normals @ p + 1e-3
     closing = normals @ u
     with np.errstate(divide="ignore", invalid="ignore"):
         at = room / closing
@@ -171,33 +144,32 @@ def _slow(time: float, *, near: float, rough: float) -> float:
     """The slow force [N]: quickly near the rough onset, then evenly through it."""
     if time < _RISE:
         return rough * near * time / _RISE
-    return rough * (near + (time - _RISE) / SLOWNESS)
+    return rough * (near + (time - _RISE) / _SLOWNESS)
 
 
 class _Roll:
     """An object that begins at rest, under a force [N] that grows with time, until it moves."""
 
     def __init__(
-        self,
-        world: SingleObjectWorld,
-        observer: Observer,
-        contact: Contact,
-        force: Callable[[float], float],
+        self, world: SingleObjectWorld, contact: Contact, force: Callable[[float], float]
     ) -> None:
-        self._world, self._observer, self._contact, self._force = world, observer, contact, force
+        self._world, self._contact, self._force = world, contact, force
         self.verdict: Verdict
 
     def run(self, most: float) -> None:
         """Rolls out until the object moves, or for a time [s]."""
         world, contact = self._world, self._contact
+        truth = world.scene.object(contact.object).truth
         point, along = np.array(contact.point), world.R_WB @ np.array(contact.direction)
         poses = [world.restart()]
-        for start in range(0, math.ceil(most / world.step_time), _CHUNK):
+        steps = 20  # after which the observer looks
+        for start in range(0, math.ceil(most / world.step_time), steps):
             poses += [
                 world.step(point, self._force(k * world.step_time) * along)
-                for k in range(start + 1, start + _CHUNK + 1)
+                for k in range(start + 1, start + steps + 1)
             ]
-            self.verdict = self._observer.judge(contact.object, np.array(poses))
+            # The object creeps by a tenth of the bound.
+            self.verdict = first_motion(truth, np.array(poses), bound=1e-4)
             if self.verdict.outcome != "none":
                 return
 
@@ -219,31 +191,23 @@ def onset_time(times: ArrayLike, speeds: ArrayLike) -> float:
         speeds: at these times, shape (n,) [m/s].
     """
     t, root = np.asarray(times, float), np.sqrt(np.maximum(speeds, 0.0))
-    before = (root < (1.0 - _FITTED) * root[-1]) | (np.diff(root, append=np.inf) < 0.0)
+    before = (root < 0.5 * root[-1]) | (np.diff(root, append=np.inf) < 0.0)
     first = int(np.flatnonzero(before)[-1]) + 1 if before.any() else 0
-    if len(root) - first < _FEWEST:
-        return float(t[-1])
+    if len(root) - first < 4:
+        return float(t[-1])  # a body that breaks away in so few steps has no delay
     slope, offset = np.polyfit(t[first:], root[first:], 1)
     return float(-offset / slope)
-
-
-# --- finger push ----------------------------------------------------------------------------------
-#
-# One push by the robot's finger, in a fresh world: what it felt, and what an observer saw.
-#
-# This is the robot's half of the paper's Fig. 7. The robot looks, goes where it believes the
-# contact to be, presses straight in and feels when the object begins to move. Along the face the
-# fingertip gives way, so that the force stays normal to it. The robot knows nothing else: what
-# moved is judged by the observer of the simulated world, as a person did it for the paper. The
-# hand stays where it is then: a press is the last thing done in its world.
-
-
-_SQUARE = np.radians(1.0)  # from straight in; more is another push [rad]
 
 
 @dataclass(frozen=True)
 class FingerTouch:
     """Pushes with the robot's finger; a `sim.face_experiment.Touch`.
+
+    This is the robot's half of the paper's Fig. 7. The robot looks, goes where it believes the
+    contact to be, presses straight in and feels when the object begins to move. Along the face the
+    fingertip gives way, so that the force stays normal to it. The robot knows nothing else: what
+    moved is judged by the observer of the simulated world, as a person did it for the paper. The
+    hand stays where it is then: a press is the last thing done in its world.
 
     Attributes:
         believed: the robot's models of all objects, by their names in the scene.
@@ -256,46 +220,28 @@ class FingerTouch:
     def __call__(self, scene: Scene, contact: Contact, *, seed: int = 0) -> TouchResult:
         """Pushes once in a fresh world; see `Touch`."""
         normal = np.array(contact.normal)
-        if abs(normal[2]) > np.sin(_SQUARE) or -normal @ contact.direction < np.cos(_SQUARE):
+        square = np.radians(1.0)
+        if abs(normal[2]) > np.sin(square) or -normal @ contact.direction < np.cos(square):
             return TouchResult(None, None, "the finger presses upright faces straight in only")
-        setup, state = self.build(scene, seed), self._believed_state(scene, seed)
+        setup = self.build(scene, seed)
+        poses = mean_poses(initial_frames(scene, LOOK, seed=seed))
+        state = WorldState(
+            {n: SeenObject.lying(n, pose, self.believed[n]) for n, pose in poses.items()}
+        )
         experiment = press_at(
             state.objects[contact.object], np.array(contact.point), normal, setup.reach.limits
         )
         record = setup.observer.record()
-        recording = _press(experiment, setup, state)
+        recording = probe(experiment, setup, state, control=_PressControl)
         if not len(recording.time):
             return TouchResult(None, None, recording.detail)
-        poses = np.array([sample.poses[contact.object] for sample in record.samples])
-        seen = Observer(sample_world(scene, seed)).judge(contact.object, poses)
+        true_poses = np.array([sample.poses[contact.object] for sample in record.samples])
+        seen = first_motion(sample_world(scene, seed).object(contact.object).truth, true_poses)
         if seen.outcome == "none":
             return TouchResult(None, None, recording.detail)
         onset = force_curve(recording).onset
         felt = onset.force if onset is not None and onset.moved else None
         return TouchResult(seen.outcome, felt, recording.detail)
-
-    def _believed_state(self, scene: Scene, seed: int) -> WorldState:
-        """The robot's beliefs after its first look."""
-        poses = mean_poses(initial_frames(scene, LOOK, seed=seed))
-        return WorldState(
-            {n: SeenObject.lying(n, pose, self.believed[n]) for n, pose in poses.items()}
-        )
-
-
-def _press(experiment: Experiment, setup: RobotSetup, state: WorldState) -> Recording:
-    """Carries out one press, after which the hand stays at the object."""
-    models = {name: seen.model for name, seen in state.objects.items()}
-    execution = PushExecution(experiment.push, setup, models)
-    before = state.objects[experiment.push.object].pose
-    try:
-        stance, way = execution.stance(state)
-        execution.approach(stance, way)
-        control = _PressControl(experiment, execution.recorder, stance, way)
-        return control.recording(*control.run(), before)
-    except EarlyEndError as early:
-        return Recording.nothing(experiment, early.end, early.detail, before)
-    except UnreachableError as error:
-        return Recording.nothing(experiment, "unreachable", str(error), before)
 
 
 class _PressControl(ProbeControl):
@@ -304,13 +250,11 @@ class _PressControl(ProbeControl):
     pause = PAUSE
     # What a sticking fingertip drags along the face would add to the force: percents of it.
     gives_way = 0.03
+    stays = True
 
     def run(self) -> tuple[EndReason, str]:
         self._begin()
-        command, step = self.commanded, self.experiment.push.speed * self._period
-        while True:
-            command = command + step * self._u
-            self._press(command)
-            ended = self._way_end()
-            if ended is not None:
-                return ended
+        return self._slide()
+
+    def _tilts(self) -> None:
+        """An object may tilt as well."""

@@ -44,83 +44,9 @@ if TYPE_CHECKING:
     from sim.supervision import Progress
     from sim.worlds.ports import Frame
 
+
 RUB_FORCE = 0.5
 """Force with which a rub presses, as a share of the one that would move the object."""
-
-HOLD = 0.8
-"""Time for which the hand holds still at the end and looks [s]."""
-
-SETTLE = 0.3
-"""Time that an object gets to come to rest afterwards [s]."""
-
-_PRESSES = 0.15  # time constant of the force with which a rub presses [s]
-_MOVED = 0.002  # way of the fingertip into the face that a rub must not make [m]
-_LONGEST = 4.0  # times the time that the way alone takes, after the force has risen
-_RISE = 6.0  # longest time in which the force rises to the most [s]
-_LET_DOWN = 2.0  # speed of letting down, relative to raising
-_LOOKS_BACK = 0.35  # time over which camera frames are averaged by the guards [s]
-_TILTS = np.radians(2.5)  # seen tilt that no slide has, beyond the noise
-_SLIDES_SHARE = 0.5  # less of the arc's tilt than this is a slide,
-_SLIDES_SURELY = 4.0  # if it is less by so many standard deviations of what is seen
-_LEAST_SHORT = np.radians(0.5)  # which a tilt may always be seen too small
-_FEWEST_VIEWS = 5
-_LOST_SHARE, _LOST_TIME = 0.1, 0.3  # of the largest force felt, [s]
-_OFF = 0.015  # way sideways after which the finger has slipped along the face [m]
-
-
-def probe(
-    experiment: Experiment,
-    setup: RobotSetup,
-    state: WorldState,
-    *,
-    progress: Progress | None = None,
-) -> Recording:
-    """Carries out one experiment.
-
-    Args:
-        experiment: which.
-        setup: the robot.
-        state: what is believed, from a look since which nothing has moved.
-        progress: told of the phase, the simulated time [s] and what happens.
-
-    Returns:
-        What the robot felt and saw, also if the touch was aborted.
-    """
-    models = {name: seen.model for name, seen in state.objects.items()}
-    execution = PushExecution(experiment.push, setup, models, progress)
-    before = state.objects[experiment.push.object].pose
-    try:
-        found = _carry_out(experiment, execution, state, before)
-    except EarlyEndError as early:
-        found = Recording.nothing(experiment, early.end, early.detail, before)
-    except UnreachableError as error:
-        found = Recording.nothing(experiment, "unreachable", str(error), before)
-    execution.come_home(SETTLE)
-    trace = execution.recorder.trace(
-        experiment.push.object,
-        np.array(experiment.push.direction_W),
-        end=found.end,
-        detail=found.detail,
-    )
-    return replace(found, trace=trace)
-
-
-def _carry_out(
-    experiment: Experiment,
-    execution: PushExecution,
-    state: WorldState,
-    before: PlanarPose,
-) -> Recording:
-    """Goes there, touches, and leaves the object again."""
-    stance, way = execution.stance(state)
-    way = way.raised_by(experiment.raised)
-    execution.approach(stance, way)
-    control = ProbeControl(experiment, execution.recorder, stance, way)
-    try:
-        end, detail = control.run()
-    finally:
-        execution.leave(stance, control.commanded, way)
-    return control.recording(end, detail, before)
 
 
 class ProbeControl(TouchControl):
@@ -128,11 +54,13 @@ class ProbeControl(TouchControl):
 
     Attributes:
         gives_way: time constant with which forces along the face are given way to [s].
+        stays: the hand stays at the object in the end.
     """
 
     pause = 1.5
     speed = 0.012
     gives_way = 0.08
+    stays = False
 
     def __init__(
         self,
@@ -184,8 +112,6 @@ class ProbeControl(TouchControl):
         self._start = self.recorder.port.time
         self.recorder.begin("push", f"pressing until something moves ({kind})")
 
-    # -- the ways ------------------------------------------------------------------------------
-
     def _slide(self) -> tuple[EndReason, str]:
         """Straight ahead."""
         command, step = self.commanded, self.experiment.push.speed * self._period
@@ -215,37 +141,35 @@ class ProbeControl(TouchControl):
         """Pressing gently, down along the face."""
         down = np.array([0.0, 0.0, -1.0])
         wanted = RUB_FORCE * self.experiment.onset
+        time_constant = 0.15
         stiffness = self.stance.push_stiffness(self._u)
         command, drawn = self.commanded, 0.0
         while True:
             lacking = wanted - float(self._forces.sum())
-            command = command + self._period / _PRESSES * lacking / stiffness * self._u
+            command = command + self._period / time_constant * lacking / stiffness * self._u
             drawn += self.experiment.push.speed * self._period
             self._step(command + drawn * down, self._u)
             self._keep()
-            ended = self._rub_end() or self._guard_end()
+            way = self._here.midpoint - self._origin
+            if abs(float(way @ self._u)) > 0.002:
+                return "guard", "the object moved where the finger should slip"
+            if -way[2] >= self.experiment.raised:
+                self._moved = "slip"
+                return "stroke", f"the finger slipped by {-1e3 * way[2]:.0f} mm"
+            ended = self._guard_end()
             if ended is not None:
                 return ended
-
-    def _rub_end(self) -> tuple[EndReason, str] | None:
-        way = self._here.midpoint - self._origin
-        if abs(float(way @ self._u)) > _MOVED:
-            return "guard", "the object moved where the finger should slip"
-        if -way[2] < self.experiment.raised:
-            return None
-        self._moved = "slip"
-        return "stroke", f"the finger slipped by {-1e3 * way[2]:.0f} mm"
 
     def _let_down(self) -> None:
         radius = self._arc.arc_radius
         while self._angle > 0.0:
-            self._angle -= _LET_DOWN * self.experiment.push.speed * self._period / radius
+            self._angle -= 2.0 * self.experiment.push.speed * self._period / radius
             self._step(self._arc.tip_at(self._angle) + self._aside, self._u)
 
     def _hold(self) -> None:
         """Stands still and looks."""
         since = self.recorder.port.time
-        for _ in range(round(HOLD / self._period)):
+        for _ in range(round(0.8 / self._period)):
             self._step(self.commanded, self._u)
             self._seen += [frame for frame in self.recorder.frames if frame.time > since]
 
@@ -256,8 +180,6 @@ class ProbeControl(TouchControl):
     def _own_tilt(self) -> float:
         """Tilt at which the fingertip touches the face where it is [rad]."""
         return float(self._arc.tilt_angles(self._here.midpoint[None])[0])
-
-    # -- ends and guards -------------------------------------------------------------------------
 
     def _press(self, tip: Array) -> None:
         """Commands T, giving way to forces along the face."""
@@ -274,7 +196,7 @@ class ProbeControl(TouchControl):
         for frame in self.recorder.frames:
             own = self._own_tilt()
             self._views.append((frame.time, self._tilt_in(frame), own))
-        while self._views and self._views[0][0] < now - _LOOKS_BACK:
+        while self._views and self._views[0][0] < now - 0.35:
             self._views.popleft()
 
     def _way_end(self) -> tuple[EndReason, str] | None:
@@ -294,33 +216,32 @@ class ProbeControl(TouchControl):
     def _guard_end(self) -> tuple[EndReason, str] | None:
         """Too much force, a fingertip that slipped off, or too much time."""
         push, felt = self.experiment.push, float(self._forces.sum())
-        if felt > push.force_limit or self._at_stop():
+        (finger,) = self.stance.posture.pushing
+        # Bent back as far as it goes, a finger bears what no sensor shows.
+        at_stop = self.stance.mount.hand.is_at_stop(self.recorder.port.finger_angles(finger))
+        if felt > push.force_limit or at_stop:
             return "force", f"it does not move with {felt:.1f} N, the most of this finger"
         aside = float((self._here.midpoint - self._origin) @ [-self._u[1], self._u[0], 0.0])
         self._most = max(self._most, felt)
-        self._lost = self._lost + self._period if felt < _LOST_SHARE * self._most else 0.0
-        if self._lost > _LOST_TIME or abs(aside) > _OFF:
+        self._lost = self._lost + self._period if felt < 0.1 * self._most else 0.0
+        if self._lost > 0.3 or abs(aside) > 0.015:
             return "guard", "the fingertip slipped off"
-        longest = _RISE + _LONGEST * (push.stroke + self.experiment.raised) / push.speed
+        # Six seconds for the force to rise, then four times what the way alone takes.
+        longest = 6.0 + 4.0 * (push.stroke + self.experiment.raised) / push.speed
         if self.recorder.port.time - self._start > longest:
             return "guard", f"it took longer than {longest:.0f} s"
         return None
 
-    def _at_stop(self) -> bool:
-        """True if the finger is bent back as far as it goes."""
-        (finger,) = self.stance.posture.pushing
-        return self.stance.mount.hand.is_at_stop(self.recorder.port.finger_angles(finger))
-
     def _lately(self) -> tuple[float, float]:
         """Means of the tilts seen lately and of the fingertip's own [rad]; nan if too few."""
-        if len(self._views) < _FEWEST_VIEWS:
+        if len(self._views) < 5:
             return np.nan, np.nan
         _, seen, own = np.mean(self._views, axis=0).tolist()
         return seen, own
 
     def _tilts(self) -> tuple[EndReason, str] | None:
         seen, _ = self._lately()
-        if seen > _TILTS:
+        if seen > np.radians(2.5):  # which no slide has, beyond the noise
             self._moved = "topple"
             return "guard", f"it tilts ({np.degrees(seen):.0f}°) where it should slide"
         return None
@@ -332,8 +253,8 @@ class ProbeControl(TouchControl):
     def _slid(self, seen: float, own: float, views: Sized) -> tuple[EndReason, str] | None:
         """The end if much less of a tilt is seen in some frames than the fingertip has gone."""
         noise = np.radians(self.recorder.port.cell.vision.angle_noise_deg)
-        unsure = _SLIDES_SURELY * float(noise) / np.sqrt(max(len(views), 1))
-        if own - seen > max((1.0 - _SLIDES_SHARE) * own, unsure, _LEAST_SHORT):
+        unsure = 4.0 * float(noise) / np.sqrt(max(len(views), 1))
+        if own - seen > max(0.5 * own, unsure, np.radians(0.5)):
             self._moved = "slide"
             return "guard", "it slides where it should tilt"
         return None
@@ -343,14 +264,11 @@ class ProbeControl(TouchControl):
         up = frame.poses[self.experiment.push.object].R_WB[:, 2]
         return float(np.arctan2(up @ self._u, up[2]))
 
-    # -- the record ------------------------------------------------------------------------------
-
     def recording(self, end: EndReason, detail: str, before: PlanarPose) -> Recording:
         """The record of what was felt and seen."""
         name = self.experiment.push.object
         port, vision = self.recorder.port, self.recorder.port.cell.vision
         noise = self.stance.force_noise_gain(self._u) * port.torque_noise
-        tilts_seen = [self._tilt_in(frame) for frame in self._seen]
         frames = max(1.0, vision.rate_hz)
         return Recording(
             experiment=self.experiment,
@@ -362,7 +280,6 @@ class ProbeControl(TouchControl):
             forces=np.array([f for _, _, f in self._samples]),
             before=before,
             after=mean_poses(self._seen)[name] if self._seen else None,
-            seen_tilt=float(np.mean(tilts_seen)) if tilts_seen else None,
             force_sd=noise,
             zero_sd=noise / float(np.sqrt(max(1.0, self.pause / self._period))),
             tip_radius=self._tip_radius,
@@ -371,3 +288,53 @@ class ProbeControl(TouchControl):
                 float(np.radians(vision.angle_noise_deg) / np.sqrt(frames)),
             ),
         )
+
+
+def probe(
+    experiment: Experiment,
+    setup: RobotSetup,
+    state: WorldState,
+    *,
+    progress: Progress | None = None,
+    control: type[ProbeControl] = ProbeControl,
+) -> Recording:
+    """Carries out one experiment.
+
+    Args:
+        experiment: which.
+        setup: the robot.
+        state: what is believed, from a look since which nothing has moved.
+        progress: told of the phase, the simulated time [s] and what happens.
+        control: of the touch.
+
+    Returns:
+        What the robot felt and saw, also if the touch was aborted.
+    """
+    models = {name: seen.model for name, seen in state.objects.items()}
+    execution = PushExecution(experiment.push, setup, models, progress)
+    before = state.objects[experiment.push.object].pose
+    try:
+        stance, way = execution.stance(state)
+        way = way.raised_by(experiment.raised)
+        execution.approach(stance, way)
+        touch = control(experiment, execution.recorder, stance, way)
+        try:
+            end, detail = touch.run()
+        finally:
+            if not control.stays:
+                execution.leave(stance, touch.commanded, way)
+        found = touch.recording(end, detail, before)
+    except EarlyEndError as early:
+        found = Recording(experiment, early.end, early.detail, before)
+    except UnreachableError as error:
+        found = Recording(experiment, "unreachable", str(error), before)
+    if control.stays:
+        return found
+    execution.come_home(0.3)  # time for an object to come to rest
+    trace = execution.recorder.trace(
+        experiment.push.object,
+        np.array(experiment.push.direction_W),
+        end=found.end,
+        detail=found.detail,
+    )
+    return replace(found, trace=trace)

@@ -37,21 +37,39 @@ if TYPE_CHECKING:
     from planner.types.world_state import SeenObject
 
 
+EVEN = (0.005, 0.9)
+"""Way after which, and share of the stroke until which, a push goes at an even speed [m]."""
+
+FORCE_SD = 0.03
+"""Standard deviation of a pushing force as a share of it: speeds that change, joints that flex."""
+
+_UNDER_WAY = 0.0015  # way of the fingertip from which on an object counts as sliding [m]
+_FEWEST = 5  # samples that a mean needs
+
+_SHOWS: dict[str, Moved] = {
+    "tilted": "topple",
+    "toppled": "topple",
+    "slid": "slide",
+    "stroke": "slide",
+    "force": "none",
+    "slipped": "slip",
+}
+
+
 @dataclass(frozen=True)
 class Recording:
-    """The robot's knowledge during one touch, sampled n times from the touch on.
+    """The robot's knowledge during one touch, sampled n times from the touch on if it came to one.
 
     Attributes:
         experiment: what was tried.
         end: how it ended; `detail` says it in words.
+        before: where the object was seen before.
+        after: where it was seen at the end, the finger still there; None if it was not looked at.
         moved: what the touch showed: that the object slid or tilted, that the finger slipped; None
             if nothing did, or if that is not clear.
         time: shape (n,) [s].
         tips: the fingertip's centre p_WT, shape (n, 3) [m].
         forces: on the object in W, shape (n, 3) [N].
-        before: where the object was seen before.
-        after: where it was seen at the end, the finger still there; None if it was not looked at.
-        seen_tilt: the same for its tilt along the push [rad].
         tip_radius: of the finger [m].
         force_sd: standard deviation of one sample of the force along the push [N].
         zero_sd: of the sensors' zero, as a force along the push [N].
@@ -62,61 +80,17 @@ class Recording:
     experiment: Experiment
     end: EndReason
     detail: str
-    moved: Moved | None
-    time: Array
-    tips: Array
-    forces: Array
     before: PlanarPose
-    after: PlanarPose | None
-    seen_tilt: float | None
-    tip_radius: float
-    force_sd: float
-    zero_sd: float
-    pose_sd: tuple[float, float]
+    after: PlanarPose | None = None
+    moved: Moved | None = None
+    time: Array = field(default_factory=lambda: np.empty(0))
+    tips: Array = field(default_factory=lambda: np.empty((0, 3)))
+    forces: Array = field(default_factory=lambda: np.empty((0, 3)))
+    tip_radius: float = 0.0
+    force_sd: float = 0.0
+    zero_sd: float = 0.0
+    pose_sd: tuple[float, float] = (0.0, 0.0)
     trace: Trace | None = field(default=None, repr=False)
-
-    @classmethod
-    def nothing(
-        cls, experiment: Experiment, end: EndReason, detail: str, before: PlanarPose
-    ) -> Recording:
-        """Of a touch that did not come about."""
-        empty = np.empty((0, 3))
-        return cls(
-            experiment,
-            end,
-            detail,
-            None,
-            np.empty(0),
-            empty,
-            empty,
-            before,
-            None,
-            None,
-            tip_radius=0.0,
-            force_sd=0.0,
-            zero_sd=0.0,
-            pose_sd=(0.0, 0.0),
-        )
-
-
-UNDER_WAY = 0.0015
-"""Way of the fingertip from which on an object counts as sliding [m]."""
-
-SMALL = np.radians([0.5, 1.5])
-"""Tilts over which the first balance is averaged [rad]."""
-
-LARGE = np.radians(1.5)
-"""The second one is averaged over so much before the largest tilt [rad]."""
-
-TURN_SD = 0.4
-"""Standard deviation of a turn rate besides what was seen: how the base carries an object is not
-known exactly, and the force turns a little as it begins to slide [rad/m]."""
-
-EDGE_SD = 0.0005
-"""Standard deviation of the distance from the touch to the far edge [m]."""
-
-_FEWEST = 5  # samples that a mean needs
-_ALIKE = 3.0  # samples after which the scatter is another
 
 
 @dataclass(frozen=True)
@@ -151,7 +125,8 @@ def extract_trials(recording: Recording, *, repetition: int = 0) -> tuple[Trial,
     if len(recording.time) < LEAST_SAMPLES or recording.moved is None:
         return ()
     source = recording.experiment.name
-    found = _REDUCED[recording.moved](recording, source)
+    reduced = {"topple": _tilts, "slide": _slide, "slip": _slip}
+    found = reduced[recording.moved](recording, source)
     return tuple(replace(trial, repetition=repetition) for trial in found)
 
 
@@ -163,7 +138,8 @@ def _tilts(recording: Recording, source: str) -> list[Trial]:
     tilt, height = arc.tilt_angles(recording.tips), arc.contact_heights(recording.tips)
     forces = recording.forces @ recording.before.R_WB
     top = float(tilt.max())
-    ranges = [SMALL] if top < SMALL[1] + LARGE else [SMALL, np.array([top - LARGE, top])]
+    small, large = np.radians([0.5, 1.5]), np.radians(1.5)
+    ranges = [small] if top < small[1] + large else [small, np.array([top - large, top])]
     found = []
     for low, high in ranges:
         inside = (tilt >= low) & (tilt <= high)
@@ -179,7 +155,7 @@ def _tilts(recording: Recording, source: str) -> list[Trial]:
                 force_sd=_force_sd(recording, inside),
                 tilt=mean,
                 # The far edge is as far from the touch as the shape says, to half a millimetre.
-                tilt_sd=EDGE_SD / float(height[inside].mean()),
+                tilt_sd=0.0005 / float(height[inside].mean()),
                 source=f"{source}, {np.degrees(mean):.1f}°",
             )
         )
@@ -191,7 +167,7 @@ def _slide(recording: Recording, source: str) -> list[Trial]:
     push = recording.experiment.push
     u, normal = np.array(push.direction_W), np.array(push.normal_W)
     travel = (recording.tips - recording.tips[0]) @ u
-    moving = travel > UNDER_WAY
+    moving = travel > _UNDER_WAY
     if moving.sum() < _FEWEST:
         return []
     before, after = recording.before, recording.after
@@ -209,7 +185,9 @@ def _slide(recording: Recording, source: str) -> list[Trial]:
     point = seen + (np.array(push.p_BC) - seen) @ out * out
     along = rot_z(yaw[moving].mean()) @ force
     way = float((recording.tips[-1] - recording.tips[0]) @ along / np.linalg.norm(along))
-    rate, rate_sd = turned / way, np.hypot(TURN_SD, np.sqrt(2.0) * recording.pose_sd[1] / way)
+    # Besides what was seen: how the base carries it is not known exactly, and the force turns
+    # a little as it begins to slide, by 0.4 rad/m.
+    rate, rate_sd = turned / way, np.hypot(0.4, np.sqrt(2.0) * recording.pose_sd[1] / way)
     return [
         Trial(
             "slide",
@@ -226,7 +204,7 @@ def _slide(recording: Recording, source: str) -> list[Trial]:
 def _slip(recording: Recording, source: str) -> list[Trial]:
     """The mean over the way on which the finger slipped."""
     down = recording.tips[0, 2] - recording.tips[:, 2]
-    slipping = down > UNDER_WAY
+    slipping = down > _UNDER_WAY
     if slipping.sum() < _FEWEST:
         return []
     R_BW = recording.before.R_WB.T
@@ -243,44 +221,18 @@ def _slip(recording: Recording, source: str) -> list[Trial]:
     ]
 
 
-_REDUCED = {"topple": _tilts, "slide": _slide, "slip": _slip}
-
-
 def _force_sd(recording: Recording, chosen: NDArray[np.bool_]) -> float:
-    """Of the mean over samples whose scatter lasts a few of them, and of the sensors' zero."""
+    """Of the mean over samples whose scatter lasts three of them, and of the sensors' zero."""
     along = recording.forces[chosen] @ np.array(recording.experiment.push.direction_W)
     steps = np.arange(len(along))
     scatter = float(np.std(along - np.polyval(np.polyfit(steps, along, 1), steps)))
-    sample = max(scatter, recording.force_sd) * np.sqrt(_ALIKE / len(along))
+    sample = max(scatter, recording.force_sd) * np.sqrt(3.0 / len(along))
     return float(np.hypot(sample, recording.zero_sd))
 
 
 def _triple(v: Array) -> tuple[float, float, float]:
     x, y, z = v.tolist()
     return x, y, z
-
-
-EVEN = (0.005, 0.9)
-"""Way after which, and share of the stroke until which, a push goes at an even speed [m]."""
-
-FEWEST = 20
-"""Samples that a mean needs."""
-
-FORCE_SD = 0.03
-"""Standard deviation of a pushing force as a share of it: speeds that change, joints that flex."""
-
-_AT_LIMIT = 0.5  # time at the end over which a force that moved nothing is averaged [s]
-_SLIPPING = 0.2  # time at the end in which a fingertip surely slips [s]
-_ONSET = 5  # samples before and after an onset over which its force is averaged
-
-_SHOWS: dict[str, Moved] = {
-    "tilted": "topple",
-    "toppled": "topple",
-    "slid": "slide",
-    "stroke": "slide",
-    "force": "none",
-    "slipped": "slip",
-}
 
 
 def trial_from_push(push: Push, target: SeenObject, trace: Trace) -> Trial | None:
@@ -322,14 +274,14 @@ def _chosen(
 ) -> NDArray[np.bool_] | None:
     """The samples whose force counts."""
     if moved == "none":
-        return np.asarray(time > time[-1] - _AT_LIMIT)
+        return np.asarray(time > time[-1] - 0.5)
     if moved == "slip":
         end = time[int(np.argmax(travel))]  # after it the finger springs back
-        return np.asarray((time > end - _SLIPPING) & (time <= end))
+        return np.asarray((time > end - 0.2) & (time <= end))
     if moved == "topple":
         onset = detect_onset(time, force, travel)
         if not onset.moved:
             return None
-        return np.asarray(np.abs(np.arange(len(time)) - onset.index) <= _ONSET)
+        return np.asarray(np.abs(np.arange(len(time)) - onset.index) <= 5)
     even = (travel > EVEN[0]) & (travel < EVEN[1] * push.stroke)
-    return np.asarray(even) if even.sum() >= FEWEST else None
+    return np.asarray(even) if even.sum() >= 20 else None

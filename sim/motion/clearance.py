@@ -1,19 +1,14 @@
 """Clearance of hand and arm: on the approach, while pushing, while holding, on the way there.
 
-Obstacles of a hand that holds something, and of what it holds; no arm is looked at.
-
-What happens while it holds the object does not depend on how the open hand gets on and off, so that
-it is looked at once for all ways to withdraw.
-
-Frames: see `sim.motion.held_object_path`; P is the palm.
+Frames: W is the world, B the pushed or held object, D the frame of the push, P the palm, T as in
+`sim.robots.hand`.
 """
 
 from __future__ import annotations
 
-import functools
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -25,6 +20,7 @@ from planner.types.robot import ReachAnswer
 from planner.types.world_state import PlanarPose
 from sim.motion.collision_scene import LEAST_CLEARANCE, CollisionScene, Obstacle
 from sim.motion.held_object_path import HeldObject, HeldSegment
+from sim.motion.roadmap import free_path
 from sim.robots.collision_spheres import (
     TABLE_CLEARANCE,
     height_above_table,
@@ -34,29 +30,22 @@ from sim.robots.collision_spheres import (
 )
 from sim.robots.hand import GraspPosture, Hand, Mount, PostureSet
 
-# --- approach clearance ---------------------------------------------------------------------------
-#
-# Which hands touch the object that they are to push with nothing but their fingertips.
-#
-# Model: the hand stands before the face, then at it. Seen from the object that is the same
-# wherever the object stands, so it is found once for each contact, told apart to a nanometre, and
-# kept.
-#
-# Frames: B is the object, D the frame of the push, T as in `sim.robots.hand`.
-
-
 FACE_CLEARANCE = 0.0005
 """Least distance of all but the fingertips from the pushed face [m]."""
 
-_DIGITS = 9  # of places [m] and headings [rad]
-_CONTACTS = 2048  # that are kept, some 10 kB each at most
 _ROUNDING = 1e-9  # so that none is left out that touches [m]
+_HELD_CLEARANCE = 0.004  # of what is held from what it is poured or put into [m]
+_SINKS = 0.001  # what stands on another object into that, at most [m]
 _UNKNOWN, _HIT, _CLEAR = -1, 0, 1
 
 
 @dataclass(frozen=True)
 class Approach:
-    """The approach to a contact, seen from the pushed object.
+    """The approach to a contact, which hands make that touch the object with fingertips alone.
+
+    Model: the hand stands before the face, then at it. Seen from the object that is the same
+    wherever the object stands, so it is found once for each contact, told apart to a nanometre, and
+    kept.
 
     Attributes:
         hand: that pushes.
@@ -119,16 +108,12 @@ class Approach:
             if not self.pressing:
                 some = some[some.fronts >= self._room_ahead]
             known[some.number] = _HIT
+            points, R_BD = np.reshape(self.points, (2, 3)), rot_z([self.heading, self.heading])
             for part in sphere_parts(some.spheres.shape[1] - self.fingers):
-                some = some[self._are_clear(some, part)]
+                robot = some.spheres_in_D(part)
+                some = some[self._object.is_clear_along(robot, R_BD, points, FACE_CLEARANCE)]
             known[some.number] = _CLEAR
         return np.asarray(known[hands.number] == _CLEAR)
-
-    def _are_clear(self, hands: PostureSet, part: NDArray[np.intp]) -> NDArray[np.bool_]:
-        """Which of some hands do not hit the object with a part of their spheres, shape (n,)."""
-        robot = hands.spheres_along(np.eye(3)[None], np.zeros((1, 3)), part)[:, 0]
-        points, R_BD = np.reshape(self.points, (2, 3)), rot_z([self.heading, self.heading])
-        return self._object.is_clear_along(robot, R_BD, points, FACE_CLEARANCE)
 
     @property
     def _room_ahead(self) -> float:
@@ -138,17 +123,17 @@ class Approach:
         ahead = np.reshape(self.points, (2, 3))[:, :2] @ inward
         return face - float(ahead.max()) - FACE_CLEARANCE - _ROUNDING
 
-    @functools.cached_property
+    @cached_property
     def _object(self) -> Obstacle:
         outline = np.reshape(self.outline, (-1, 2))
         return Obstacle.at_origin(outline, self.height, self.radius)
 
 
 def _rounded(array: Array) -> tuple[float, ...]:
-    return tuple(np.round(array, _DIGITS).ravel().tolist())
+    return tuple(np.round(array, 9).ravel().tolist())
 
 
-@functools.lru_cache(maxsize=_CONTACTS)
+@lru_cache(maxsize=2048)  # some 10 kB each at most
 def _known_hands(approach: Approach) -> NDArray[np.int8]:
     """What is known of each of all hands by now."""
     hand = approach.hand
@@ -156,17 +141,6 @@ def _known_hands(approach: Approach) -> NDArray[np.int8]:
         return np.full(len(hand.pressing_postures()), _UNKNOWN, dtype=np.int8)
     every = hand.pushing_postures(approach.fingers, approach.spread, fine=approach.fine)
     return np.full(len(every), _UNKNOWN, dtype=np.int8)
-
-
-# --- clearance ------------------------------------------------------------------------------------
-
-
-_HELD_CLEARANCE = 0.004  # of what is held from what it is poured or put into [m]
-_OWNER_CLEARANCE = 0.0023  # of the hand from the object whose lid it holds [m]
-_LID_CLEARANCE = 0.0015  # of a hand that puts a lid aside from the table [m]
-_FACE_CLEARANCE = 0.002  # of the open hand from what it is about to hold [m]
-_OFF_TABLE = 0.002  # of what is tilted over the table [m]
-_SINKS = 0.001  # what stands on another object into that, at most [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,22 +175,16 @@ class WaySamples:
         columns = ((way.R_WB, way.p_WB, way.free, way.last) for way in ways)
         return cls(*map(np.concatenate, zip(*columns, strict=True)))
 
-    @property
-    def open_hand(self) -> WaySamples:
-        """Those at which the hand is open."""
-        return self._chosen(self.free)
-
-    @property
-    def holding(self) -> WaySamples:
-        """Those at which the hand holds the object."""
-        return self._chosen(~self.free)
-
-    def _chosen(self, some: NDArray[np.bool_]) -> WaySamples:
+    def __getitem__(self, some: NDArray[np.bool_]) -> WaySamples:
         return WaySamples(self.R_WB[some], self.p_WB[some], self.free[some], self.last[some])
 
 
 class HoldClearance:
     """A hold of a plan among the objects on the table; `spare` [m] as of `CollisionScene`.
+
+    What may be in the way is that of the hand and of what it holds; no arm is looked at. What
+    happens while it holds the object does not depend on how the open hand gets on and off, so that
+    it is looked at once for all ways to withdraw.
 
     Attributes:
         scenery: everything on the table, as the hand may come near to it.
@@ -232,7 +200,8 @@ class HoldClearance:
         carried: WaySamples,
         spare: float = 0.0,
     ) -> None:
-        self._hand, self._handled, self._carried, self._spare = hand, handled, carried, spare
+        self._hand, self._handled, self._spare = hand, handled, spare
+        self._holding = carried[~carried.free]
         self._plan, self._owner = handled.plan, handled.owner
         self._closed, self._open = grip.posture_at(), grip.posture_at(grip.opening)
         self.R_BP, self.p_BP = handled.palm_at(grip.middle)
@@ -242,10 +211,15 @@ class HoldClearance:
         )
 
     def _around_it(self, scenery: CollisionScene) -> CollisionScene:
-        """The scene for the hand, which may come near to the object of a lid, and into a box."""
-        near = dict.fromkeys(self._open_boxes, LEAST_CLEARANCE - self._spare)
+        """The scene for the hand, which may come near to a lid's object, and into a sturdy box."""
+        objects = self._handled.state.objects
+        near = {
+            name: LEAST_CLEARANCE - self._spare
+            for name in self._lower
+            if objects[name].model.inside is not None and not objects[name].fragile
+        }
         if self._owner is not None:
-            near[self._owner] = _OWNER_CLEARANCE - self._spare
+            near[self._owner] = 0.0023 - self._spare
         others = (
             replace(each, clearance=near[each.name]) if each.name in near else each
             for each in scenery.others
@@ -261,29 +235,19 @@ class HoldClearance:
         on = self._handled.held.on
         return found if on is None else found | {on}
 
-    @property
-    def _open_boxes(self) -> Iterator[str]:
-        """Names of the open boxes among these; a fragile one is kept away from."""
-        objects = self._handled.state.objects
-        return (
-            name
-            for name in self._lower
-            if objects[name].model.inside is not None and not objects[name].fragile
-        )
-
     def blocked_along(self, way: WaySamples, stood: Obstacle) -> ReachAnswer | None:
         """The answer if something is in the way of hand or held object along a way; else None.
 
         `stood` is what is held, where it stands in the end.
         """
-        free = way.open_hand
+        free = way[way.free]
         hand = self._hand_along(free, is_open=True)
         blocked = self._hand_meets(hand) or self._closed_hand_blocked
         if blocked is not None:
             return blocked
         for last, one in zip(free.last, hand, strict=True):
             stands = stood if last else self.about
-            if (stands.distance_to(one) < _FACE_CLEARANCE).any():
+            if (stands.distance_to(one) < 0.002).any():
                 what = f"the open hand does not get around the {self._plan.object}"
                 return ReachAnswer(False, "object", what)
         return self.blocked_hold
@@ -291,7 +255,7 @@ class HoldClearance:
     @cached_property
     def _closed_hand_blocked(self) -> ReachAnswer | None:
         """The answer if something is in the way of the hand while it holds the object."""
-        return self._hand_meets(self._hand_along(self._carried.holding, is_open=False))
+        return self._hand_meets(self._hand_along(self._holding, is_open=False))
 
     @cached_property
     def blocked_hold(self) -> ReachAnswer | None:
@@ -326,13 +290,11 @@ class HoldClearance:
     def _hand_meets(self, hand: Array) -> ReachAnswer | None:
         """The answer if table or others are in the way of the hand's spheres; else None."""
         low = height_above_table(hand).min(initial=np.inf)
-        if low < (TABLE_CLEARANCE if self._owner is None else _LID_CLEARANCE):
+        if low < (TABLE_CLEARANCE if self._owner is None else 0.0015):  # a lid is put aside flat
             up = 1e3 * float(low)
             return ReachAnswer(False, "table", f"the hand would come to {up:.0f} mm over the table")
-        for each in self.scenery.others_near(hand):
-            if not each.is_clear(hand).all():
-                return _blocked_answer(each.name, "the hand")
-        return None
+        name = self.scenery.hit_by(hand)
+        return None if name is None else _blocked_answer(name, "the hand")
 
     def hand_spheres(self, *, is_open: bool) -> Array:
         """Spheres of the hand in P, with its fingertips."""
@@ -342,14 +304,14 @@ class HoldClearance:
 
     def _held_blocked(self) -> ReachAnswer | None:
         """The answer if something is in the way of the held object; else None."""
-        way, pushed = self._carried.holding, self.scenery.pushed
+        way, pushed = self._holding, self.scenery.pushed
         body = place_spheres(surface_spheres(pushed.outline, pushed.height), way.R_WB, way.p_WB)
         what = f"the {self._plan.object}"
         # What is set down in the end comes down to the table, on whatever face that may be.
         level = np.maximum(way.R_WB[:, 2, 2], way.R_WB[:, 2] @ way.R_WB[-1, 2])
         tilted = level < 1.0 - 1e-9
         low = height_above_table(body[tilted]).min(initial=np.inf)
-        if low < _OFF_TABLE:
+        if low < 0.002:
             return ReachAnswer(False, "table", f"{what} would hit the table while it is tilted")
         kept = dict(self._plan.limits.clear_of)
         into = {step.into for step in self._plan.steps if isinstance(step, PourOut)}
@@ -377,25 +339,8 @@ def _blocked_answer(name: str, what: str) -> ReachAnswer:
     return ReachAnswer(False, "obstacle", f"{what} would hit the {name}", name)
 
 
-# --- sweep clearance ------------------------------------------------------------------------------
-#
-# Which obstacle a hand comes too near to first, as its fingertips go along a way.
-#
-# Model: the way is looked at in small steps; the palm turns about the vertical alone. Circles
-# about hands and obstacles, as seen from above, sort out most pairs; spheres are placed for the
-# others.
-#
-# Frames: W is the world, D the frame of the push, T as in `sim.robots.hand`.
-
-
-_STEP = 0.025  # largest step of the hand along the stroke [m]
-_TOGETHER = 384  # hands whose spheres a processor keeps at hand
-_FEW = 24  # hands of which all spheres are looked at together
-_AT_T, _AS_D = np.zeros((1, 3)), np.eye(3)[None]  # where T is about itself, how D stands in itself
-
-
 class Sweep(NamedTuple):
-    """Where the fingertips stop on their way.
+    """Where the hand is looked at on the way of its fingertips; the palm turns about the vertical.
 
     Attributes:
         R_WD: frame of the push at each place, shape (w, 3, 3).
@@ -415,7 +360,7 @@ class Sweep(NamedTuple):
         """
         before, after = points[1:-1], points[2:]
         apart = np.linalg.norm(after - before, axis=1).max()
-        n = max(1, int(np.ceil(apart / _STEP)))
+        n = max(1, int(np.ceil(apart / 0.025)))
         t = np.arange(n)[:, None] / n
         stroke = (before[:, None] + t * (after - before)[:, None]).reshape(-1, 3)
         which = np.array([0, *np.repeat(np.arange(1, len(before) + 1), n), -1])
@@ -425,19 +370,24 @@ class Sweep(NamedTuple):
 def first_obstacles(
     hands: PostureSet, others: tuple[Obstacle, ...], sweep: Sweep
 ) -> NDArray[np.intp]:
-    """The first of some obstacles that each hand comes too near to; −1 if none, shape (n,)."""
+    """The first of some obstacles that each hand comes too near to; −1 if none, shape (n,).
+
+    Circles about hands and obstacles, as seen from above, sort out most pairs; spheres are placed
+    for the others.
+    """
+    together = 384  # hands whose spheres a processor keeps at hand
     stopped_by = np.full(len(hands), -1)
     if not others or not len(hands):
         return stopped_by
     near = _obstacles_near(hands.circles, others, sweep)
     (beside,) = np.nonzero(near.any(axis=1))
-    spheres = hands[beside].spheres_along(_AS_D, _AT_T)[:, 0]
+    spheres = hands[beside].spheres_in_D()
     parts = [spheres[:, part] for part in sphere_parts(spheres.shape[1])]
     for number, each in enumerate(others):
         (close,) = np.nonzero(near[beside, number] & (stopped_by[beside] < 0))
-        for k in range(0, len(close), _TOGETHER):
-            clear = some = close[k : k + _TOGETHER]
-            for part in parts if len(some) > _FEW else (spheres,):
+        for k in range(0, len(close), together):
+            clear = some = close[k : k + together]
+            for part in parts if len(some) > 24 else (spheres,):
                 clear = clear[each.is_clear_along(part[clear], *sweep, each.clearance)]
             stopped_by[beside[some]] = number
             stopped_by[beside[clear]] = -1
@@ -464,19 +414,12 @@ def _obstacles_near(
     return np.asarray(near.any(axis=0))
 
 
-# --- transit clearance ----------------------------------------------------------------------------
-#
-# Which arm poses between home and the places of a motion are clear of table and objects.
-#
-# Model: most of arm and hand is higher than everything that stands there, so only the spheres
-# that come below that height are placed.
-#
-# Frames: W is the world, P the palm.
-
-
 @dataclass(frozen=True, eq=False)
 class TransitClearance:
-    """Clearance of arm and hand from all that stands on the table.
+    """Clearance of arm and hand from all that stands on the table, between home and a motion.
+
+    Model: most of arm and hand is higher than everything that stands there, so only the spheres
+    that come below that height are placed.
 
     Attributes:
         mount: of the arm.
@@ -493,22 +436,24 @@ class TransitClearance:
     def are_free(self, q: Array) -> NDArray[np.bool_]:
         """Which arm poses, shape (n, joints), keep clear of everything, shape (n,)."""
         spheres, pose = self._low_spheres(q)
-        hit = self.scenery.stops(spheres)
+        hit = ~self.scenery.is_clear_of_others(spheres[:, None])
         for each in self.standing:
             hit |= each.hits(spheres, each.clearance)
         free = np.ones(len(q), dtype=bool)
         free[pose[hit]] = False
         return free
 
-    @property
-    def _height(self) -> float:
-        """Height above which nothing is met [m]."""
-        tops = [each.top + each.clearance for each in (*self.scenery.others, *self.standing)]
-        return max([TABLE_CLEARANCE, *tops]) + _ROUNDING
+    def path_from_home(
+        self, q: Array, places: Array, spend: Callable[[], None]
+    ) -> tuple[Array, ...] | None:
+        """Arm poses between home and a pose, shape (joints,) [rad]; see `free_path`."""
+        return free_path(self.mount.arm, self.mount.home, q, places, self.are_free, spend)
 
     def _low_spheres(self, q: Array) -> tuple[Array, NDArray[np.intp]]:
         """Spheres in W that are not above everything, shape (m, 4), and the pose of each, (m,)."""
-        height, (at, radius) = self._height, (self.hand[:, :3], self.hand[:, 3])
+        tops = [each.top + each.clearance for each in (*self.scenery.others, *self.standing)]
+        height = max([TABLE_CLEARANCE, *tops]) + _ROUNDING
+        at, radius = self.hand[:, :3], self.hand[:, 3]
         R_WP, p_WP = self.mount.palm_poses(q)
         pose, which = np.nonzero(R_WP[:, 2] @ at.T + p_WP[:, 2:] - radius < height)
         placed = np.empty((len(pose), 4))

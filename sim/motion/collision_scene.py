@@ -39,7 +39,6 @@ FRAGILE_CLEARANCE = 0.030
 SPARE = 0.002
 """How much nearer the hand may get than was planned, as two looks differ by their noise [m]."""
 
-_MANY = 400  # spheres of which those that stay beside are sorted out first
 _ROUNDING = 1e-9  # so that it leaves none out that is near [m]
 
 
@@ -88,22 +87,14 @@ class Obstacle:
         whole, inside = cls.from_seen(seen, clearance), seen.model.inside
         if inside is None or seen.attitude is not None:
             return (whole,)
-        parts = open_box_parts(seen.model.extents, inside)
-        return tuple(whole._cuboid(low, high) for low, high in parts)
-
-    def _cuboid(self, low: Array, high: Array) -> Obstacle:
-        """A part of it that stands on the height of its base, from corner to corner in B."""
-        (x, y), (u, v) = low[:2], high[:2]
-        made = self.at_origin(np.array([[x, y], [u, y], [u, v], [x, v]]), float(high[2]))
-        middle = self.p_WB[:2] + self.R_WB[:2, :2] @ made.middle
-        return replace(
-            made,
-            name=self.name,
-            clearance=self.clearance,
-            R_WB=self.R_WB,
-            p_WB=self.p_WB,
-            middle=middle,
-        )
+        parts = []
+        for (x, y, _), (u, v, top) in open_box_parts(seen.model.extents, inside):
+            outline = np.array([[x, y], [u, y], [u, v], [x, v]])
+            middle_B, around = circle_around(outline)
+            middle = whole.p_WB[:2] + whole.R_WB[:2, :2] @ middle_B
+            part = replace(whole, outline=outline, height=float(top), middle=middle, around=around)
+            parts.append(part)
+        return tuple(parts)
 
     @classmethod
     def at_origin(cls, outline: Array, height: float, radius: float = 0.0) -> Obstacle:
@@ -183,22 +174,16 @@ class Obstacle:
         Returns:
             Shape (n,).
         """
-        hit = self.hits_along(robot.reshape(-1, 4), R_WD, points, clearance)
-        return np.asarray(~hit.reshape(robot.shape[:2]).any(axis=1))
-
-    def hits_along(
-        self, spheres: Array, R_WD: Array, points: Array, clearance: float
-    ) -> NDArray[np.bool_]:
-        """Which spheres in D, shape (n, 4), do not keep it somewhere, shape (n,); see above."""
+        spheres = robot.reshape(-1, 4)
         hit = np.zeros(len(spheres), dtype=bool)
         low = clearance + self.top - points[:, 2].min()
         (near,) = np.nonzero(spheres[:, 2] - spheres[:, 3] < low)
         if not len(near):
-            return hit
+            return np.ones(len(robot), dtype=bool)
         # Seen from D the object moves: nothing but the spheres that it comes near to is looked at.
         middle = ((self.middle - points[:, :2])[:, None] @ R_WD[:, :2, :2])[:, 0]
         rows = spheres.T.take(near, axis=1)
-        if len(near) > _MANY:
+        if len(near) > 400:
             (beside,) = np.nonzero(self._are_beside(rows, middle, clearance))
             near, rows = near[beside], rows.take(beside, axis=1)
         x, y, _, r = rows
@@ -212,7 +197,7 @@ class Obstacle:
                 [cos * x - sin * y + p_BD[0], sin * x + cos * y + p_BD[1], z + p_BD[2], r]
             )
             hit[near[k[self._distance_in_B(in_B) <= clearance]]] = True
-        return hit
+        return np.asarray(~hit.reshape(robot.shape[:2]).any(axis=1))
 
     def _are_beside(self, rows: Array, middle: Array, clearance: float) -> NDArray[np.bool_]:
         """Which spheres in D, shape (4, n), are beside the rectangle that its middle keeps to."""
@@ -298,40 +283,22 @@ class CollisionScene:
         chosen = np.hypot(apart[:, 0], apart[:, 1]) <= near
         return tuple(self.others[k] for k in np.flatnonzero(chosen))
 
-    def is_free(self, robot: Array, pushed: Obstacle | None = None) -> NDArray[np.bool_]:
-        """Which poses keep clear of table and objects.
-
-        Args:
-            robot: spheres in W, shape (..., k, 4).
-            pushed: the pushed object where it is by then.
-
-        Returns:
-            Shape (...).
-        """
+    def is_free(self, robot: Array) -> NDArray[np.bool_]:
+        """Which poses keep clear of table and objects, shape (...) for spheres in W (..., k, 4)."""
         free = self.is_clear_of_others(robot)
         if free.any():
-            free[free] = (pushed or self.pushed).is_clear(robot[free])
+            free[free] = self.pushed.is_clear(robot[free])
         return free
 
     def is_clear_of_others(self, robot: Array) -> NDArray[np.bool_]:
         """Which poses keep clear of the table and of all but the pushed object; see `is_free`."""
         hit = np.asarray(height_above_table(robot) < TABLE_CLEARANCE)
         low = self._low(robot)
-        hit[low] |= self._hits_others(robot[low])
-        return np.asarray(~hit.any(axis=-1))
-
-    def stops(self, spheres: Array) -> NDArray[np.bool_]:
-        """Which spheres in W, shape (n, 4), come too near to the table or the others, (n,)."""
-        return np.asarray(height_above_table(spheres) < TABLE_CLEARANCE) | self._hits_others(
-            spheres
-        )
-
-    def _hits_others(self, spheres: Array) -> NDArray[np.bool_]:
-        """Which spheres in W, shape (n, 4), come too near to any of the others, shape (n,)."""
-        hit = np.zeros(len(spheres), dtype=bool)
+        spheres, hit_low = robot[low], hit[low]
         for each in self._beside(spheres):
-            hit |= each.hits(spheres, each.clearance)
-        return hit
+            hit_low |= each.hits(spheres, each.clearance)
+        hit[low] = hit_low
+        return np.asarray(~hit.any(axis=-1))
 
     def hit_by(self, robot: Array) -> str | None:
         """Which of the others is in the robot's way, in any of its poses; None if none is."""

@@ -25,8 +25,7 @@ STANDOFF = 0.03
 BACK = 0.03
 """Distance by which the fingertips leave the face [m]."""
 
-STROKE_POINTS = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
-"""Shares of the stroke at which the arm's pose is looked at."""
+_STROKE_POINTS = np.array([0.0, 0.25, 0.5, 0.75, 1.0])  # shares at which the arm is looked at
 
 
 @dataclass(frozen=True)
@@ -80,14 +79,14 @@ class FingertipPath:
         x, y, _ = self.inward if self.inward[2] == 0.0 else self.end - self.touch
         return rot_z(np.arctan2(y, x))
 
-    def points_at(self, shares: Array = STROKE_POINTS) -> Array:
+    def points_at(self, shares: Array = _STROKE_POINTS) -> Array:
         """Start, and the stroke at shares of it, shape (1 + n, 3)."""
         half, chord = 0.5 * self.turn, self.end - self.touch
         sines = np.sinc(shares * half / np.pi) / np.sinc(half / np.pi)
         turned = rot_z((shares - 1.0) * half) @ chord
         return np.vstack([self.start, self.touch + (shares * sines)[:, None] * turned])
 
-    def turns_at(self, shares: Array = STROKE_POINTS) -> Array:
+    def turns_at(self, shares: Array = _STROKE_POINTS) -> Array:
         """Turn of the palm at these points, shape (1 + n,) [rad]."""
         return np.append(0.0, shares * self.turn)
 

@@ -10,7 +10,7 @@ to reach, or has left, is thought to hang in the hand as well, so that one kind 
 everything. While something is poured the lip is the point: it stays where it is put. It comes down
 to the other object's rim only when the held one leans so far that its body is no more in the way.
 
-Frames: W is the world, B the held object, G the middle of the grasp.
+Frames: W is the world, B the held object, C a point of it, G the middle of the grasp.
 """
 
 from __future__ import annotations
@@ -42,14 +42,14 @@ from planner.types.plan import LIFT_SPEED, Plan
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.motion.collision_scene import Obstacle
 
-# --- held segment ---------------------------------------------------------------------------------
-#
-# One leg of the way of what a hand holds.
-#
-# Frames: W is the world, B the held object, C a point of it.
+THREAD = 2.0 * np.pi
+"""Turn of a cap in which it rises by its pitch [rad]."""
 
+CARRY_SPEED, REACH_SPEED = 0.12, 0.10
+"""Of the hand that carries, and reaches for something [m/s]."""
 
-_STEP, _TURN_STEP = 0.025, np.radians(8.0)  # between poses that are looked at
+_TURN_SPEED, _RIGHTING_SPEED = 0.6, 0.9  # about the vertical; upright after pouring [rad/s]
+_BEYOND = 0.03  # how far the open hand is drawn off from what it is to hold, beyond its end [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +87,7 @@ class HeldSegment:
     def sample_shares(self) -> Array:
         """Shares between which nothing is missed."""
         far = np.linalg.norm(self.end - self.start)
-        n = int(np.ceil(max(far / _STEP, abs(self.turn) / _TURN_STEP, 1.0)))
+        n = int(np.ceil(max(far / 0.025, abs(self.turn) / np.radians(8.0), 1.0)))
         return np.linspace(0.0, 1.0, n + 1)
 
     @property
@@ -107,30 +107,6 @@ class HeldSegment:
         R_WB, _ = self.end_pose
         there = replace(self, R_WB=R_WB, start=self.end, end=self.start, turn=-self.turn)
         return replace(there, **changes)  # type: ignore[arg-type]
-
-
-# --- held object path -----------------------------------------------------------------------------
-
-
-THREAD = 2.0 * np.pi
-"""Turn of a cap in which it rises by its pitch [rad]."""
-
-
-BEYOND = 0.03
-"""How far the open hand is drawn off from what it is to hold, beyond its end [m]."""
-
-CARRY_SPEED, REACH_SPEED = 0.12, 0.10
-"""Of the hand that carries, and reaches for something [m/s]."""
-
-TURN_SPEED, RIGHTING_SPEED = 0.6, 0.9
-"""Of what is carried about the vertical, and back upright after pouring [rad/s]."""
-
-_LOWERS = (np.radians(52.0), np.radians(74.0))  # tilts between which the lip comes down [rad]
-_LOWERS_SHARE = (0.55, 0.85)  # of the largest tilt, if that is little
-_HALF_HAND = 0.04  # of index and ring about the middle finger, with their thickness [m]
-_DOWN = 0.7  # of an approach from above
-_STROKE = np.radians(125.0)  # by which a wrist turns a cap at most before it grips anew
-_LETS_GO = (SetDown, SetOn, PutOn, TurnCap)  # if it is the last step
 
 
 @dataclass(frozen=True, eq=False)
@@ -258,25 +234,10 @@ def withdrawal_vectors(grasp: Grasp, held: SeenObject) -> tuple[Array, ...]:
         ]
     )
     off = (corners - np.array(grasp.p_BG)) @ held.pose.R_WB.T
-    back = -(BEYOND + float(np.max(off @ -approach))) * approach
-    up = np.array([0.0, 0.0, BEYOND + held.model.top - grasp.p_BG[2] + _HALF_HAND])
-    return (back,) if approach[2] < -_DOWN else (back, up)
-
-
-def held_segments(handled: HeldObject, off: Array) -> tuple[tuple[HeldSegment, ...], ...]:
-    """The legs of a plan: of the approach, of each step, and of the way back.
-
-    Args:
-        handled: what is held, and the plan.
-        off: the way of the open hand off it, in W, shape (3,) [m].
-
-    Returns:
-        Of the approach and of the way back there is one, or none where the hand holds it already,
-        or still does.
-    """
-    steps = step_segments(handled)
-    before, after = free_segments(handled, off, steps)
-    return (before, *steps, after)
+    back = -(_BEYOND + float(np.max(off @ -approach))) * approach
+    half_hand = 0.04  # of index and ring about the middle finger, with their thickness [m]
+    up = np.array([0.0, 0.0, _BEYOND + held.model.top - grasp.p_BG[2] + half_hand])
+    return (back,) if approach[2] < -0.7 else (back, up)
 
 
 def step_segments(handled: HeldObject) -> tuple[tuple[HeldSegment, ...], ...]:
@@ -295,11 +256,20 @@ def step_segments(handled: HeldObject) -> tuple[tuple[HeldSegment, ...], ...]:
 def free_segments(
     handled: HeldObject, off: Array, steps: tuple[tuple[HeldSegment, ...], ...]
 ) -> tuple[tuple[HeldSegment, ...], tuple[HeldSegment, ...]]:
-    """The legs of the open hand before and after the steps; arguments as of `held_segments`."""
+    """The legs of the open hand before and after the steps.
+
+    Args:
+        handled: what is held, and the plan.
+        off: the way of the open hand off it, in W, shape (3,) [m].
+        steps: the legs of each step.
+
+    Returns:
+        Of either there is one, or none where the hand holds it already, or still does.
+    """
     R_WB, p_WB = handled.start_pose
     there = _straight_segment("approach", R_WB, p_WB + off, p_WB, REACH_SPEED, free=True)
     before = () if handled.grasp.held else (there,)
-    if not isinstance(handled.plan.steps[-1], _LETS_GO):
+    if not isinstance(handled.plan.steps[-1], SetDown | SetOn | PutOn | TurnCap):
         return before, ()
     ends = [legs[-1].end_pose for legs in steps if legs]
     R_WE, p_WE = ends[-1] if ends else (R_WB, p_WB)
@@ -317,13 +287,21 @@ def _step_segments(
         up = np.array([0.0, 0.0, step.height])
         yield _straight_segment("lift", R_WB, p_WB, p_WB + up, LIFT_SPEED)
     elif isinstance(step, Carry):
-        yield _carry_segment(step, R_WB, p_WB)
+        turn = 0.0
+        if step.to.yaw is not None:
+            turn = float(wrap(step.to.yaw - np.arctan2(R_WB[1, 0], R_WB[0, 0])))
+        end = np.array([step.to.x, step.to.y, p_WB[2]])
+        yield replace(_straight_segment("carry", R_WB, p_WB, end, CARRY_SPEED), turn=turn)
     elif isinstance(step, TurnOver):
         yield _turning_segment(step, handled, R_WB, p_WB)
     elif isinstance(step, PourOut):
         yield from _pour_segments(step, handled.held, R_WB, p_WB)
     elif isinstance(step, SetDown):
-        stands = np.array([*p_WB[:2], _height_of_origin(handled.held, R_WB)])
+        # As high as B's origin is when it stands on the table in that orientation.
+        held = handled.held
+        corners = [[x, y, z] for z in (0.0, held.model.top) for x, y in held.model.outline]
+        height = float(np.round(-(np.array(corners) @ R_WB[2]).min(), 9)) + 0.0
+        stands = np.array([*p_WB[:2], height])
         yield _straight_segment("set_down", R_WB, p_WB, stands, LIFT_SPEED)
     elif isinstance(step, SetOn):
         on = np.array([*p_WB[:2], step.height])
@@ -339,12 +317,13 @@ def _straight_segment(
     phase: str, R_WB: Array, start: Array, end: Array, speed: float, *, free: bool = False
 ) -> HeldSegment:
     up = np.array([0.0, 0.0, 1.0])
-    return HeldSegment(phase, R_WB, np.zeros(3), start, end, up, 0.0, speed, TURN_SPEED, free)
+    return HeldSegment(phase, R_WB, np.zeros(3), start, end, up, 0.0, speed, _TURN_SPEED, free)
 
 
 def _turn_segments(step: TurnCap, pitch: float, R_WB: Array, p_WB: Array) -> Iterator[HeldSegment]:
     """Turns of the held cap, and of the open hand back between them."""
-    strokes = max(1, int(np.ceil(abs(step.angle) / _STROKE)))
+    # A wrist turns a cap by no more before it grips anew.
+    strokes = max(1, int(np.ceil(abs(step.angle) / np.radians(125.0))))
     turn = step.angle / strokes
     rise = np.array([0.0, 0.0, pitch * turn / THREAD])
     for k in range(strokes):
@@ -355,26 +334,12 @@ def _turn_segments(step: TurnCap, pitch: float, R_WB: Array, p_WB: Array) -> Ite
             yield leg.way_back(start=p_WB, end=p_WB, free=True)
 
 
-def _carry_segment(step: Carry, R_WB: Array, p_WB: Array) -> HeldSegment:
-    turn = 0.0
-    if step.to.yaw is not None:
-        turn = float(wrap(step.to.yaw - np.arctan2(R_WB[1, 0], R_WB[0, 0])))
-    end = np.array([step.to.x, step.to.y, p_WB[2]])
-    return replace(_straight_segment("carry", R_WB, p_WB, end, CARRY_SPEED), turn=turn)
-
-
 def _turning_segment(step: TurnOver, handled: HeldObject, R_WB: Array, p_WB: Array) -> HeldSegment:
     p_BG, axis = np.array(handled.grasp.p_BG), np.array(step.axis_W)
     middle = p_WB + R_WB @ p_BG
     fastest = math.inf if handled.plan.speed is None else handled.plan.speed
-    rate = min(TURN_SPEED, fastest / float(np.linalg.norm(p_BG)))
+    rate = min(_TURN_SPEED, fastest / float(np.linalg.norm(p_BG)))
     return HeldSegment("carry", R_WB, p_BG, middle, middle, axis, step.angle, CARRY_SPEED, rate)
-
-
-def _height_of_origin(held: SeenObject, R_WB: Array) -> float:
-    """Height of B's origin when it stands on the table in an orientation [m]."""
-    corners = np.array([[x, y, z] for z in (0.0, held.model.top) for x, y in held.model.outline])
-    return float(np.round(-(corners @ R_WB[2]).min(), 9)) + 0.0
 
 
 def _pour_segments(
@@ -386,7 +351,8 @@ def _pour_segments(
     p_BC = lip_point(held, R_WB.T @ lean)
     here, there = p_WB + R_WB @ p_BC, np.array(step.lip_W)
     over = np.array([*there[:2], max(here[2], there[2])])
-    lowers = np.minimum(_LOWERS, np.multiply(_LOWERS_SHARE, step.angle))
+    # Tilts between which the lip comes down; shares of the largest one if that is little.
+    lowers = np.minimum(np.radians([52.0, 74.0]), np.multiply([0.55, 0.85], step.angle))
     tilts = np.array([0.0, *lowers, step.angle])
     places = [over, over, there, there]
     first = HeldSegment("carry", R_WB, p_BC, here, over, axis, 0.0, CARRY_SPEED, step.rate)
@@ -404,7 +370,7 @@ def _pour_segments(
     yield first
     yield from tilting
     for leg in reversed(tilting):
-        yield leg.way_back(rate=RIGHTING_SPEED)
+        yield leg.way_back(rate=_RIGHTING_SPEED)
     yield first.way_back()
 
 
@@ -427,26 +393,18 @@ def upright_again(
     here = leg.start + share * (leg.end - leg.start)
     rest = replace(leg, R_WB=R_WB[0], start=here, end=leg.start, turn=-share * leg.turn)
     way = [rest, *(each.way_back() for each in reversed(done))]
-    return tuple(replace(each, rate=max(each.rate, RIGHTING_SPEED)) for each in way)
-
-
-# --- point attractor ------------------------------------------------------------------------------
-#
-# Free motion by a point attractor: a bounded velocity pulls a point to its target.
-#
-# The velocity points at the target, is no faster than allowed and changes no faster than an
-# acceleration allows; near the target it is what still lets it stop there. The point may be that
-# of the fingertips in W or the joint angles of the arm: a point that starts at rest then moves on
-# the straight line to its target, which is what was checked for collisions.
-
-
-_ARRIVED = 1e-6
+    return tuple(replace(each, rate=max(each.rate, _RIGHTING_SPEED)) for each in way)
 
 
 def attractor_points(
     start: Array, target: Array, *, speed: float, acceleration: float, period: float
 ) -> Iterator[Array]:
     """Points on the way from `start` to `target`, one per period; the last one is the target.
+
+    A point attractor: the velocity points at the target, is no faster than allowed and changes no
+    faster than an acceleration allows; near the target it is what still lets it stop there. The
+    point may be that of the fingertips in W or the joint angles of the arm: a point that starts at
+    rest then moves on the straight line to its target, which is what was checked for collisions.
 
     Args:
         start: where the point is, at rest, shape (n,).
@@ -456,16 +414,17 @@ def attractor_points(
         period: time between two points [s].
     """
     point, velocity = np.array(start, dtype=float), np.zeros(len(start))
+    arrived = 1e-6
     while True:
         way = target - point
         distance = float(np.linalg.norm(way))
-        if distance < _ARRIVED:
+        if distance < arrived:
             if distance > 0.0:
                 yield target.copy()
             return
         # Speed from which it can stop at the target, in whole periods.
         stopping = np.sqrt(2.0 * acceleration * distance + (acceleration * period / 2) ** 2)
-        allowed = min(speed, max(stopping - acceleration * period / 2, _ARRIVED / period))
+        allowed = min(speed, max(stopping - acceleration * period / 2, arrived / period))
         change = allowed * way / distance - velocity
         most = acceleration * period
         velocity = velocity + change * min(1.0, most / max(float(np.linalg.norm(change)), 1e-12))

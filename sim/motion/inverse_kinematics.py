@@ -1,19 +1,13 @@
-"""Inverse kinematics of the arm: its redundancy, and the search along a path.
+"""Inverse kinematics of the arm: a stance, and the search for arm poses along the path of a push.
 
-Arm poses along the path of a push, for many hands at once.
-
-Model: all solutions of the arm over a ring of redundancy angles (of the elbow), first at both ends
-of the stroke, which sorts out most, then along the whole way for the best. They are ranked by the
-room to the joint limits, and by how far from home they are. What is continuous and bears the force
-of the push is an arm pose of a stance, if nothing is in the way.
-
-Frames: see `sim.motion.inverse_kinematics`; D is the frame of the push.
+Frames: W is the world, A the arm's base, F its flange, P the palm, T the midpoint of the pushing
+fingertips' centres. D is the frame of a push: x into the touched face, z up.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -24,14 +18,14 @@ from planner.types.actions import Push
 from sim.motion.roadmap import LIMIT_MARGIN
 from sim.robots.hand import Angles, Mount, Posture, PostureSet
 
-# --- arm configuration ----------------------------------------------------------------------------
-#
-# Arm and hand while they push: one family of poses along the path of the fingertips.
-#
-# The palm keeps its orientation, or turns about the vertical with an object that is turned.
-#
-# Frames: W is the world, A the arm's base, F its flange, P the palm, T the midpoint of the
-# pushing fingertips' centres. D is the frame of a push: x into the touched face, z up.
+EFFORT_SHARE = 0.5
+"""Share of the arm joints' largest torques that a push may take; the rest moves and holds it."""
+
+ENOUGH_MARGIN = 0.35
+"""More room to the joint limits than this is no better [rad]."""
+
+_DESCENT = np.linspace(0.0, 1.0, 6)  # to the start of a push, shares of the lift
+_WORK, _TOGETHER = 4, 24  # units of work, and solutions that are followed for them
 
 
 class UnreachableError(Exception):
@@ -41,6 +35,8 @@ class UnreachableError(Exception):
 @dataclass(frozen=True)
 class ArmConfiguration:
     """A hand posture, the palm's orientation and the arm's branch; fingertips may go anywhere.
+
+    The palm keeps its orientation, or turns about the vertical with an object that is turned.
 
     Attributes:
         mount: of the arm.
@@ -101,16 +97,6 @@ class ArmConfiguration:
         whole = sum(hand.tip_stiffness(*contact) for contact in self._contact_points(unit))
         return np.asarray(self.R_WP @ np.linalg.solve(whole, along))
 
-    def reaches_bent(self, points: Array, forces: Sequence[Array]) -> bool:
-        """True if T can be commanded so that it is at points, (n, 3), whichever force bends it."""
-        try:
-            for force in forces:
-                for point in points + self.bend(force):
-                    self.joint_angles(point)
-        except UnreachableError:
-            return False
-        return True
-
     def force_noise_gain(self, direction_W: Array) -> float:
         """Noise of the force felt by all fingers per noise of a torque sensor [1/m]."""
         along, hand = self.R_WP.T @ direction_W, self.mount.hand
@@ -124,23 +110,6 @@ class ArmConfiguration:
             (finger, self.posture.angles[finger], tip + radius * along_P)
             for finger, tip in zip(self.posture.pushing, self.posture.tips, strict=True)
         ]
-
-
-# --- inverse kinematics ---------------------------------------------------------------------------
-
-
-EFFORT_SHARE = 0.5
-"""Share of the arm joints' largest torques that a push may take; the rest moves and holds it."""
-
-ENOUGH_MARGIN = 0.35
-"""More room to the joint limits than this is no better [rad]."""
-
-_LIFTS = np.array([0.36, 0.30, 0.24, 0.18])  # heights of T above the start, the best first [m]
-_DESCENT = np.linspace(0.0, 1.0, 6)
-_LARGEST_STEP = 1.0  # more change of a joint between points of the way is a jump [rad]
-_HOMESICK = 0.2  # room to the limits that a joint's being one radian nearer to home is worth
-_WORK, _TOGETHER = 4, 24  # units of work, and solutions that are followed for them
-_SOLVED = 240  # solutions that are followed along the way in all
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,7 +143,12 @@ class IkSolutions:
 
 
 class PushIkSearch:
-    """The arm poses of one push.
+    """The arm poses of one push, for many hands at once.
+
+    Model: all solutions of the arm over a ring of redundancy angles (of the elbow), first at both
+    ends of the stroke, which sorts out most, then along the whole way for the best. They are ranked
+    by the room to the joint limits, and by how far from home they are. What is continuous and bears
+    the force of the push is an arm pose of a stance, if nothing is in the way.
 
     Args:
         mount: of the arm.
@@ -230,7 +204,8 @@ class PushIkSearch:
         hand, elbow, at_touch = hand[some], elbow[some], at_touch[some]
         _, good_too, room_too = self._at_point(-1, hands[hand], elbow, least)
         good, room = good[some] & good_too, np.minimum(room[some], room_too)
-        row, branch = best_solutions(good, room, at_touch - self._mount.home, _HOMESICK, _SOLVED)
+        off = at_touch - self._mount.home
+        row, branch = best_solutions(good, room, off, homesick=0.2, most=240)
         return hand[row], elbow[row], branch
 
     def _at_point(
@@ -255,23 +230,22 @@ class PushIkSearch:
     ) -> IkSolutions:
         """Solutions that are continuous along the whole path, from above the start on."""
         start, w = self._points[0], len(self._points)
-        lifts = _LIFTS[start[2] + 0.03 < _LIFTS]
+        # Heights of T above the start, the best first.
+        lifts = np.array([0.36, 0.30, 0.24, 0.18])
+        lifts = lifts[start[2] + 0.03 < lifts]
         above = np.column_stack([np.tile(start[:2], (len(lifts), 1)), lifts])
         points = np.vstack([self._points, above])
         R_WD = np.concatenate([self._R_WD, np.broadcast_to(self._R_WD[0], (len(lifts), 3, 3))])
         q, valid = solve_poses(self._mount, hands[hand], R_WD, points, elbow, branch)
         q, valid = q[:, :, 0], valid[:, :, 0]
-        steady = np.abs(np.diff(q[:, :w], axis=1)).max(axis=(1, 2)) < _LARGEST_STEP
-        near = np.abs(q[:, w:] - q[:, :1]).max(axis=2) < 2.0 * _LARGEST_STEP
+        # More change of a joint between points of the way is a jump.
+        steady = np.abs(np.diff(q[:, :w], axis=1)).max(axis=(1, 2)) < 1.0
+        near = np.abs(q[:, w:] - q[:, :1]).max(axis=2) < 2.0
         lifted = valid[:, w:] & near
         good = valid[:, :w].all(axis=1) & steady & lifted.any(axis=1)
         lift = lifts[lifted.argmax(axis=1)]
         room = self._mount.arm.joint_room(q[:, :w]).min(axis=1)
         solved = IkSolutions(hand, elbow, branch, q[:, :w], q[:, :0], lift, room, work)[good]
-        return self._let_down(hands, solved)
-
-    def _let_down(self, hands: PostureSet, solved: IkSolutions) -> IkSolutions:
-        """The same with the descent from above to the start."""
         points = descent_points(self._points[0], solved.lift)
         R_WD = np.broadcast_to(self._R_WD[0], (len(_DESCENT), 3, 3))
         q, valid = solve_poses(
@@ -311,7 +285,7 @@ def in_range(mount: Mount, hands: PostureSet, R_WD: Array, points: Array) -> NDA
     R_AD, p_AT = mount.R_WA.T @ R_WD, (points - mount.p_WA) @ mount.R_WA
     wrists = hands.palm + hands.R_DP @ mount.p_PW
     p_AW = wrists @ np.swapaxes(R_AD, -1, -2) + p_AT[:, None]
-    return np.asarray(mount.arm.is_in_range(p_AW, LIMIT_MARGIN).all(axis=0))
+    return np.asarray((mount.arm.range_excess(p_AW, LIMIT_MARGIN) == 0.0).all(axis=0))
 
 
 def solve_poses(

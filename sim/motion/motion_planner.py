@@ -1,14 +1,6 @@
 """Searches for motions of arm and hand: of a push, of a grasp, of the flip of a lid.
 
-The search for a stance: a hand, an arm pose for every point of its way, and a way to get there.
-
-Model: the palm keeps its orientation to the push's frame, which turns where the object is to be
-turned. Hands are taken best first, a few at a time. What costs least sorts out first: a hand too
-low over the table or too far from the shoulder, then one whose spheres come too near an object
-anywhere on the way, the pushed object moving along. For the rest the arm is asked
-(`sim.motion.inverse_kinematics`). Where it is clear of everything as a whole, and a free way leads
-there from home (`sim.motion.roadmap`), is a stance; the search ends with the first that has room
-enough.
+Each ends with a stance: a hand, an arm pose for every point of its way, and a way to get there.
 
 Frames: see `sim.motion.inverse_kinematics`.
 """
@@ -51,6 +43,7 @@ from sim.motion.inverse_kinematics import (
     ArmConfiguration,
     IkSolutions,
     PushIkSearch,
+    UnreachableError,
     best_solutions,
     descent_points,
     in_range,
@@ -60,28 +53,14 @@ from sim.robots.collision_spheres import TABLE_CLEARANCE, height_above_table, pl
 from sim.robots.hand import FlipPostureSet, GraspPosture, Mount, PostureSet
 from sim.robots.lid_path import LidShape, hinge_pose, lid_shape
 
-# --- flip motion search ---------------------------------------------------------------------------
-#
-# The search for a stance that flips a lid: a hand, arm poses along its way, a way from home.
-#
-# Model: hands that are clear of the lid and its object wherever that stands are sorted out by
-# what else stands about; for the rest the arm's solutions are looked at over a ring of redundancy
-# angles, at the ends and the middle of the way first, then all along it. What is continuous,
-# clear of everything and has a free way from home is a stance; room to the joint limits and
-# nearness to home count.
-#
-# Frames: W the world, E and L as in `sim.robots.lid_path`, P the palm, T the fingertip's
-# centre.
-
-
-_HANDS = 240  # that are looked at, evenly among all
-_FLIP_FOLLOWED, _FLIP_SOLVED = 48, 480  # solutions that are followed together, and in all
-_WAYS = 3  # stances for which a way from home is looked for
-_FLIP_LARGEST_STEP = 1.2  # more change of a joint between points of the way is a jump [rad]
-_FLIP_HOMESICK = 0.2  # as for pushes, see `sim.motion.inverse_kinematics`
-_LIFT = {True: 0.12, False: 0.03}  # how far over the start the hand comes down [m]
-_DESCENT = np.linspace(1.0, 0.0, 5)
+_DESCENT = np.linspace(1.0, 0.0, 5)  # of a hand to a lid, shares of its lift
 _BODY_CLEARANCE = 0.002  # of the hand from the object and its lid on its way down [m]
+_LARGEST_STEP = 0.6  # more change of a joint between poses of a held object is a jump [rad]
+_AT_ONCE = 48  # hands that are looked at for one unit of work
+_LOOKED = 2  # units of work: to look at so many
+_OUT_OF_REACH = ReachAnswer(
+    False, "kinematics", "the arm does not reach along the whole way of the hand"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,19 +86,24 @@ class FlipConfiguration:
         Raises:
             UnreachableError: the arm does not get there in this stance.
         """
-        R_WP = self.R_WE @ rot_y(share * self._palm_turn) @ self.hands.R_EP[0, 0]
-        return replace(self.stance, R_WP=R_WP).joint_angles(self.R_WE @ p_ET + self.p_WE)
-
-    @property
-    def _palm_turn(self) -> float:
-        """Turn of the palm about E's y axis [rad]."""
         R_EP = self.hands.R_EP[0]
         whole = R_EP[self.hands.path.touching.stop - 1] @ R_EP[0].T
-        return float(np.arctan2(whole[0, 2], whole[0, 0]))
+        palm_turn = float(np.arctan2(whole[0, 2], whole[0, 0]))
+        R_WP = self.R_WE @ rot_y(share * palm_turn) @ R_EP[0]
+        return replace(self.stance, R_WP=R_WP).joint_angles(self.R_WE @ p_ET + self.p_WE)
 
 
 class FlipMotionSearch:
-    """The search for one flip of the lid of an object."""
+    """The search for a stance that flips the lid of an object.
+
+    Model: hands that are clear of the lid and its object wherever that stands are sorted out by
+    what else stands about; for the rest the arm's solutions are looked at over a ring of redundancy
+    angles, at the ends and the middle of the way first, then all along it. What is continuous,
+    clear of everything and has a free way from home is a stance; room to the joint limits and
+    nearness to home count.
+
+    Frames: E and L as in `sim.robots.lid_path`, P the palm, T the fingertip's centre.
+    """
 
     def __init__(self, mount: Mount, step: FlipOver, name: str, state: WorldState) -> None:
         self._mount = mount
@@ -131,8 +115,8 @@ class FlipMotionSearch:
         bare = {**state.objects, name: replace(target, lid=None)}
         self._scenery = CollisionScene.from_state(replace(state, objects=bare), name)
         self._hands = mount.hand.flip_postures(self._lid)
-        # Behind an open lid it is above everything before.
-        self._lift = _LIFT[self._lid.is_opening]
+        # How far over the start the hand comes down [m]; behind an open lid it is above everything.
+        self._lift = 0.12 if self._lid.is_opening else 0.03
         self._stopped: set[str] = set()
 
     def best_configuration(self) -> tuple[FlipConfiguration, ReachAnswer] | ReachAnswer:
@@ -148,15 +132,14 @@ class FlipMotionSearch:
                 False, "obstacle", f"the hand would hit the {other} beside the lid", other
             )
         met: list[Array] = []
-        for tried, found in enumerate(self._configurations(hands)):
-            stance, above, room = found
-            via = self._way_there(stance, above, thorough=tried == _WAYS - 1)
+        ways = 3  # stances for which a way from home is looked for
+        found = itertools.islice(self._configurations(hands), ways)
+        for tried, (stance, above, room) in enumerate(found, start=1):
+            via = self._way_there(stance, above, thorough=tried == ways)
             if via is not None:
                 whole = replace(stance, stance=replace(stance.stance, via=via))
                 return whole, ReachAnswer(ok=True, margin=room)
             met.append(stance.stance.robot_spheres(interpolate_joints(self._mount.home, above)))
-            if tried == _WAYS - 1:
-                break
         if met:
             hit = self._scenery.hit_by(met[0])
             what = hit or f"{self._name} or the table"
@@ -169,7 +152,7 @@ class FlipMotionSearch:
     def _clear_hands(self) -> FlipPostureSet:
         """Hands that hit nothing else on their way."""
         every = self._hands
-        hands = every[np.unique(np.linspace(0, len(every) - 1, _HANDS).astype(int))]
+        hands = every[np.unique(np.linspace(0, len(every) - 1, 240).astype(int))]
         near = self._scenery.obstacles_near(self._p_WE[None], 0.45)
         if not near:
             return hands
@@ -182,15 +165,14 @@ class FlipMotionSearch:
                     self._stopped.add(each.name)
         return hands[np.flatnonzero(free)]
 
-    # -- arms -----------------------------------------------------------------------------------
-
     def _configurations(
         self, hands: FlipPostureSet
     ) -> Iterator[tuple[FlipConfiguration, Array, float]]:
         """Stances, the arm's pose above their start, and their room to the joint limits."""
         hand, elbow, branch = self._at_a_glance(hands)
-        for first in range(0, len(hand), _FLIP_FOLLOWED):
-            few = slice(first, first + _FLIP_FOLLOWED)
+        together = 48  # solutions that are followed together
+        for first in range(0, len(hand), together):
+            few = slice(first, first + together)
             at, q, room = self._follow_path(hands, hand[few], elbow[few], branch[few])
             for k, q_above, most in zip(first + at, q[:, 0], room.tolist(), strict=True):
                 one = hands[hand[k : k + 1]]
@@ -231,7 +213,7 @@ class FlipMotionSearch:
         room = self._mount.arm.joint_room(q).min(axis=1)
         off = q[:, 0] - self._mount.home
         row, branch = best_solutions(
-            np.asarray(usable.all(axis=1)), room, off, _FLIP_HOMESICK, _FLIP_SOLVED
+            np.asarray(usable.all(axis=1)), room, off, homesick=0.2, most=480
         )
         return hand[row], elbow[row], branch
 
@@ -250,12 +232,11 @@ class FlipMotionSearch:
         q, usable = self._solve_poses(some, at, lift, elbow)
         rows = np.arange(len(hand))
         q, usable = q[rows, :, branch], usable[rows, :, branch]
-        steady = np.abs(np.diff(q, axis=1)).max(axis=(1, 2)) < _FLIP_LARGEST_STEP
+        # More change of a joint between points of the way is a jump.
+        steady = np.abs(np.diff(q, axis=1)).max(axis=(1, 2)) < 1.2
         good = np.flatnonzero(usable.all(axis=1) & steady)
         good = good[self._are_free(some[good], q[good])]
         return good, q[good], self._mount.arm.joint_room(q[good]).min(axis=1)
-
-    # -- what is in the way ---------------------------------------------------------------------
 
     def _are_free(self, hands: FlipPostureSet, q: Array) -> NDArray[np.bool_]:
         """Which arms keep clear of everything, and their hands on the way down, shape (n,)."""
@@ -301,37 +282,6 @@ class FlipMotionSearch:
         return free_path(self._mount.arm, self._mount.home, above, places, is_free)
 
 
-# --- grasp motion search --------------------------------------------------------------------------
-#
-# The search for a way of arm and hand through a whole handling plan.
-#
-# Model: the hand goes rigidly with what it holds, so every leg says where the palm is. The arm
-# keeps the redundancy angle and one of its solutions all along; they are tried together, the ones
-# with room to the joint limits first. Where something is held already, the elbow swings there
-# first while the hand stays. Hand and held object do not depend on the arm and are looked at once
-# for all arms; then comes the arm, and the way from home and back. What is held is its own
-# obstacle before it is touched and after it was let go.
-#
-# Frames: see `sim.motion.held_object_path`; P is the palm.
-
-
-_GRASP_LARGEST_STEP = 0.6  # more change of a joint between poses that are looked at is a jump [rad]
-_GRASP_HOMESICK = 0.1  # room to the limits that a joint's being one radian nearer to home is worth
-_MOST_ARMS, _MOST_TRANSITS = 40, 4
-_SAME = 0.15  # a joint's change up to which an arm is in the pose in which it was left [rad]
-_GRASP_BEGUN, _GRASP_SOLVED, _GRASP_FOLLOWED, _GRASP_ROAD = (
-    4,
-    5,
-    2,
-    1,
-)  # units of work of the parts of a search
-_SWING = 5.0  # between elbow angles while it swings [degrees]
-_OUT_OF_REACH = ReachAnswer(
-    False, "kinematics", "the arm does not reach along the whole way of the hand"
-)
-_GRASP_RAISED = (0.10, 0.20, 0.30)  # of places above the first pose of the hand [m]
-
-
 @dataclass(frozen=True, eq=False)
 class GraspMotion:
     """A way of arm and hand through a plan.
@@ -370,7 +320,16 @@ class GraspMotion:
 
 
 class GraspMotionSearch:
-    """The search for one plan; `spare` [m] as of `CollisionScene.from_state`.
+    """The search for a way through one plan; `spare` [m] as of `CollisionScene.from_state`.
+
+    Model: the hand goes rigidly with what it holds, so every leg says where the palm is. The arm
+    keeps the redundancy angle and one of its solutions all along; they are tried together, the ones
+    with room to the joint limits first. Where something is held already, the elbow swings there
+    first while the hand stays. Hand and held object do not depend on the arm and are looked at once
+    for all arms; then comes the arm, and the way from home and back. What is held is its own
+    obstacle before it is touched and after it was let go.
+
+    Frames: see `sim.motion.held_object_path`; P is the palm.
 
     Attributes:
         work: units of work done so far.
@@ -384,10 +343,8 @@ class GraspMotionSearch:
         self._bare_grip = grip
         self._handled = handled
         self._spare = spare
-        plan, state = handled.plan, handled.state
-        self._plan = plan
-        self._is_held = handled.grasp.held
-        already = state.held if self._is_held else None
+        self._plan = handled.plan
+        already = handled.state.held if handled.grasp.held else None
         self._at = np.array(already.arm) if already is not None and already.arm else None
         self._legs: tuple[tuple[HeldSegment, ...], ...] = ()
 
@@ -423,12 +380,12 @@ class GraspMotionSearch:
             self._carried.R_WB, self._carried.p_WB
         )
         if lacks > 0.0:
-            self.work += _GRASP_BEGUN
+            self.work += 4
             message = f"{_OUT_OF_REACH.message}: it lacks {1e3 * lacks:.0f} mm"
             return replace(_OUT_OF_REACH, message=message, numbers={"lacks": lacks})
         first: ReachAnswer | None = None
         for off in withdrawal_vectors(self._handled.grasp, self._handled.held):
-            self.work += _GRASP_BEGUN
+            self.work += 4
             if first is not None and self._hold.blocked_hold is not None:
                 continue  # however the hand gets off
             self._withdraw_by(off)
@@ -463,14 +420,14 @@ class GraspMotionSearch:
         blocked = self._hold.blocked_along(self._way, self._stood)
         if blocked is not None:
             return blocked
-        self.work += _GRASP_SOLVED
+        self.work += 5
         q, elbow, branch, room = self._arm_solutions()
         if not len(q):
             return _OUT_OF_REACH
         hindered: str | None = None
         tried = 0
-        for k in range(min(len(q), _MOST_ARMS)):
-            self.work += _GRASP_FOLLOWED
+        for k in range(min(len(q), 40)):
+            self.work += 2
             what = self._arm_blocked(q[k])
             if what is not None:
                 hindered = hindered or what
@@ -488,9 +445,9 @@ class GraspMotionSearch:
             found = self._from_home(way, q[k])
             if found is not None:
                 return found
-            tried += 1
             hindered = hindered or self._plan.object
-            if tried >= _MOST_TRANSITS:
+            tried += 1
+            if tried >= 4:
                 break
         own = hindered in {self._plan.object, "table"}
         return ReachAnswer(
@@ -500,22 +457,17 @@ class GraspMotionSearch:
             None if own else hindered,
         )
 
-    # -- arms -----------------------------------------------------------------------------------
-
     def _arm_solutions(self) -> tuple[Array, Array, NDArray[np.intp], Array]:
         """Arm angles along the whole way, elbow angles, branches and room; the best first."""
-        R_WP, p_WP = (
-            self._way.R_WB @ self._hold.R_BP,
-            self._way.p_WB + self._way.R_WB @ self._hold.p_BP,
-        )
+        R_WP, p_WP = self._hold.palm_poses(self._way)
         elbows = self._mount.arm.redundancy_samples
         # Few poses sort out most elbows.
         some = np.unique(np.linspace(0, len(p_WP) - 1, 6).astype(int))
         _, good, _ = self._follow_path(R_WP[some], p_WP[some], elbows, np.inf)
         elbows = elbows[good.any(axis=1)]
-        q, good, room = self._follow_path(R_WP, p_WP, elbows, _GRASP_LARGEST_STEP)
+        q, good, room = self._follow_path(R_WP, p_WP, elbows, _LARGEST_STEP)
         off = q[:, 0] - (self._mount.home if self._at is None else self._at)
-        row, branch = best_solutions(good, room, off, _GRASP_HOMESICK, good.size)
+        row, branch = best_solutions(good, room, off, homesick=0.1, most=good.size)
         return q[row, :, branch], elbows[row], branch, room[row, branch]
 
     def _follow_path(
@@ -538,11 +490,9 @@ class GraspMotionSearch:
     def _arm_blocked(self, q: Array) -> str | None:
         """Name of the object that the arm would hit on the way; None if there is none."""
         robot = self._mount.arm_spheres(q)
-        if (height_above_table(robot) < TABLE_CLEARANCE).any():
-            return "table"
-        for each in self._scenery.others_near(robot):
-            if not each.is_clear(robot).all():
-                return each.name
+        what = self._standing_hit_by(robot)
+        if what is not None:
+            return what
         held = in_itself(self._scenery.pushed)
         R_BW = np.swapaxes(self._way.R_WB, -1, -2)
         in_B = place_spheres(robot, R_BW, -(R_BW @ self._way.p_WB[..., None])[..., 0])
@@ -550,7 +500,11 @@ class GraspMotionSearch:
             return self._plan.object
         return None
 
-    # -- transits -------------------------------------------------------------------------------
+    def _standing_hit_by(self, robot: Array) -> str | None:
+        """Name of what is in the way of the robot's spheres, the table or another; else None."""
+        if (height_above_table(robot) < TABLE_CLEARANCE).any():
+            return "table"
+        return self._scenery.hit_by(robot)
 
     def _from_home(self, way: GraspMotion, q: Array) -> GraspMotion | None:
         """The same way with those from home and back; None if they are not free."""
@@ -558,7 +512,7 @@ class GraspMotionSearch:
         back: tuple[Array, ...] | None = ()
         if self._at is not None:
             there = self._swing_elbow(way)
-        elif not self._is_held:
+        elif not self._handled.grasp.held:
             there = self._transit_path(
                 way, q[0], self._way.p_WB[0], self._way.R_WB[0], self._scenery.pushed
             )
@@ -573,7 +527,7 @@ class GraspMotionSearch:
     def _swing_elbow(self, way: GraspMotion) -> tuple[Array, ...] | None:
         """Arm poses from where it was left to the way's elbow angle, the hand still."""
         assert self._at is not None, "something is held"
-        steps = np.radians(np.arange(0.0, 360.0, _SWING))
+        steps = np.radians(np.arange(0.0, 360.0, 5.0))
         here = [replace(way, elbow=float(e)) for e in way.elbow + steps]
         poses = [one.joint_angles(self._way.R_WB[:1], self._way.p_WB[:1]) for one in here]
         q = np.array([one[0] for one, _ in poses])
@@ -581,21 +535,15 @@ class GraspMotionSearch:
         good &= self._mount.arm.joint_room(q) > LIMIT_MARGIN
         near = np.where(good, np.abs(q - self._at).max(axis=1), np.inf)
         start = int(np.argmin(near))
-        if near[start] > _SAME:
+        if near[start] > 0.15:  # it is not the pose in which the arm was left
             return None
         for way_round in (np.arange(start, -1, -1), np.arange(start, len(q) + 1) % len(q)):
             swing = q[way_round]
-            steady = np.abs(np.diff(swing, axis=0)).max(initial=0.0) < _GRASP_LARGEST_STEP
-            if good[way_round].all() and steady and self._is_clear(swing):
+            steady = np.abs(np.diff(swing, axis=0)).max(initial=0.0) < _LARGEST_STEP
+            possible = good[way_round].all() and steady
+            if possible and self._standing_hit_by(self._mount.arm_spheres(swing)) is None:
                 return tuple(swing)
         return None
-
-    def _is_clear(self, q: Array) -> bool:
-        """True if the arm keeps clear of the table and of all others."""
-        robot = self._mount.arm_spheres(q)
-        high = height_above_table(robot).min() >= TABLE_CLEARANCE
-        near = self._scenery.others_near(robot)
-        return bool(high and all(each.is_clear(robot).all() for each in near))
 
     def _transit_path(
         self, way: GraspMotion, q: Array, p_WB: Array, R_WB: Array, stands: Obstacle
@@ -605,36 +553,23 @@ class GraspMotionSearch:
         clearance = TransitClearance(self._mount, open_hand, self._scenery, (stands,))
 
         def spend() -> None:
-            self.work += _GRASP_ROAD
+            self.work += 1
 
-        arm, home = self._mount.arm, self._mount.home
-        up = np.array([[0.0, 0.0, height] for height in _GRASP_RAISED])
+        home = self._mount.home
+        up = np.array([[0.0, 0.0, height] for height in (0.10, 0.20, 0.30)])
         raised, valid = way.joint_angles(np.broadcast_to(R_WB, (len(up), 3, 3)), p_WB + up)
         raised = raised[valid]
         places = np.vstack([raised, 0.5 * (home + q), 0.5 * (home + raised)])
         for some in (places, sample_configurations(home, q)):
-            found = free_path(arm, home, q, some, clearance.are_free, spend)
+            found = clearance.path_from_home(q, some, spend)
             if found is not None:
                 return found
         return None
 
 
-def best_grasp_motion(
-    mount: Mount, handled: HeldObject, grip: GraspPosture, spare: float = 0.0
-) -> GraspMotion | ReachAnswer:
-    """The best way through a plan with a grasp, or why there is none; see `GraspMotionSearch`."""
-    search = GraspMotionSearch(mount, handled, grip, spare)
-    return replace(search.best_motion(), work=search.work)
-
-
-# --- search effort --------------------------------------------------------------------------------
-#
-# How long the hand's motion is looked for, and how near it may come to things.
-
-
 @dataclass(frozen=True)
 class Effort:
-    """Length of a search, and how near the hand may come to things.
+    """Length of the search for a push, and how near the hand may come to things.
 
     Attributes:
         clearance: of hand and arm from what is neither pushed nor fragile [m].
@@ -655,25 +590,6 @@ USUAL = Effort(OBJECT_CLEARANCE, fine=False, most_hands=60, most_transits=2, las
 THOROUGH = Effort(LEAST_CLEARANCE, fine=True, most_hands=600, most_transits=10, last_resorts=10)
 
 
-# --- motion planner -------------------------------------------------------------------------------
-
-
-_OVER = 0.47  # height of T in places over the table [m]
-_PUSH_RAISED = (0.4, 0.8, 1.2)  # how far the arm swings up halfway [rad]
-
-_AT_ONCE, _ASKED = 48, 12  # hands of a unit of work, and the arm is asked for together
-_FEW = 6  # arm poses that are looked at together first
-_MOST_AT_ONCE = 768  # hands that are looked at together
-_PUSH_BEGUN, _LOOKED, _PUSH_ROAD = (
-    1,
-    2,
-    1,
-)  # units of work: to begin, of some hands, of some arm poses
-_BACK_POINTS = 4  # places on the way back from a turned face that are looked at
-_BACK_STEP = 0.015  # between those on the way straight back [m]
-_BRUSH = 0.03  # by which a hand may reach through what it pushed as it goes back [m]
-
-
 @dataclass(frozen=True, eq=False)
 class _Found:
     """A stance without the way from home: arm angles above the start, room, strength [N]."""
@@ -691,6 +607,14 @@ class _Found:
 class PushMotionSearch:
     """The search for one push among what stands on a table.
 
+    Model: the palm keeps its orientation to the push's frame, which turns where the object is to be
+    turned. Hands are taken best first, a few at a time. What costs least sorts out first: a hand
+    too low over the table or too far from the shoulder, then one whose spheres come too near an
+    object anywhere on the way, the pushed object moving along. For the rest the arm is asked
+    (`sim.motion.inverse_kinematics`). Where it is clear of everything as a whole, and a free way
+    leads there from home (`sim.motion.roadmap`), is a stance; the search ends with the first that
+    has room enough.
+
     Attributes:
         postures: of the hand that were looked at.
         stopped_by: names of the other objects that stopped a hand or an arm, or may have.
@@ -705,7 +629,7 @@ class PushMotionSearch:
         scenery: CollisionScene,
         effort: Effort,
     ) -> None:
-        self._work = _PUSH_BEGUN
+        self._work = 1  # units, here and wherever it grows
         self.postures = 0
         self.stopped_by: set[str] = set()
         self._effort = effort
@@ -787,15 +711,27 @@ class PushMotionSearch:
 
     def _reaches_bent(self, found: _Found) -> bool:
         """True if the arm reaches all of the way with a finger that is bent by pressing."""
+        if not self._push.press:
+            return True
         pressing = self._push.press * self._way.inward
         drawing = pressing + self._push.force_limit * np.array(self._push.direction_W)
-        bent = found.stance.reaches_bent
-        return not self._push.press or bent(self._points[1:], (pressing, drawing))
+        try:
+            for force in (pressing, drawing):
+                for point in self._points[1:] + found.stance.bend(force):
+                    found.stance.joint_angles(point)
+        except UnreachableError:
+            return False
+        return True
 
     def _failure_answer(self, asked: int, blocked: list[_Found]) -> ReachAnswer:
         """Why no stance was found."""
         if not asked and self._stopped:
-            return _blocked_answer(self._push, self._stopped)
+            others = sorted(self._stopped - {self._push.object})
+            if others:
+                message = f"the hand would hit the {others[0]}"
+                return ReachAnswer(False, "obstacle", message, others[0], crowded=True)
+            message = f"the hand would hit the {self._push.object} with more than its fingertips"
+            return ReachAnswer(False, "object", message)
         hindered = [
             f.stance.robot_spheres(interpolate_joints(self._mount.home, f.above))
             for f in blocked[:1]
@@ -814,15 +750,13 @@ class PushMotionSearch:
             False, "kinematics", "the arm does not reach along the whole way of the push"
         )
 
-    # -- hands ----------------------------------------------------------------------------------
-
     def _clear_hands(self, hands: PostureSet) -> Iterator[PostureSet]:
         """The hands that stay clear of everything during the push, a few at a time."""
         off = self._way_off.points if self._way.turn else self._points[:0]
         places = np.vstack([self._points, off])
-        near = self._scenery.obstacles_near(places, hands.horizontal_size)
+        near = self._scenery.obstacles_near(places, float(hands.extents.max(initial=0.0)))
         sweep = Sweep.along(self._points, self._R_WD)
-        first, together = 0, _AT_ONCE
+        first, together, asked = 0, _AT_ONCE, 12  # of these the arm is asked for so many together
         while first < len(hands):
             some = hands[first : first + together]
             self.postures += len(some)
@@ -838,31 +772,20 @@ class PushMotionSearch:
             for each in sorted(set(block[free].tolist())):
                 self._work = before + (each + 1) * _LOOKED
                 (chosen,) = np.nonzero(free & (block == each))
-                yield from (some[chosen[k : k + _ASKED]] for k in range(0, len(chosen), _ASKED))
-            self._work = before + (int(block[-1]) + 1) * _LOOKED
-            self._note_stopping(block, clear, free, stopped_by, near)
+                yield from (some[chosen[k : k + asked]] for k in range(0, len(chosen), asked))
+            blocks = int(block[-1]) + 1
+            self._work = before + blocks * _LOOKED
+            # What stops all hands of a block is told where none is found.
+            last = np.full(blocks, -1)
+            np.maximum.at(last, block, stopped_by)
+            last[block[free]] = len(near)
+            touched = np.logical_or.reduceat(clear, np.arange(0, len(block), _AT_ONCE))
+            last[~touched] = len(near) + 1
+            names = [*(each.name for each in near), None, self._push.object]
+            self._stopped |= {name for k in set(last.tolist()) if (name := names[k]) is not None}
             first += len(some)
             # Where the best hands will not do, many are looked at.
-            together = min(4 * together, _MOST_AT_ONCE)
-
-    def _note_stopping(
-        self,
-        block: NDArray[np.intp],
-        clear: NDArray[np.bool_],
-        free: NDArray[np.bool_],
-        stopped_by: NDArray[np.intp],
-        near: tuple[Obstacle, ...],
-    ) -> None:
-        """Takes note of what stops all hands of a block."""
-        last = np.full(int(block[-1]) + 1, -1)
-        np.maximum.at(last, block, stopped_by)
-        last[block[free]] = len(near)
-        names = [*(each.name for each in near), None, self._push.object]
-        touched = np.logical_or.reduceat(clear, np.arange(0, len(block), _AT_ONCE))
-        last[~touched] = len(near) + 1
-        self._stopped |= {name for k in set(last.tolist()) if (name := names[k]) is not None}
-
-    # -- arms -----------------------------------------------------------------------------------
+            together = min(4 * together, 768)
 
     def _configurations(self, hands: PostureSet, least: float) -> Iterator[_Found]:
         """Configurations that are reachable, strong enough and free at the object, the best first.
@@ -873,7 +796,7 @@ class PushMotionSearch:
         """
         for solved in self._arms.solutions_along(hands, least):
             # Mostly one of the first few will do.
-            for few in (slice(_FEW), slice(_FEW, None)):
+            for few in (slice(6), slice(6, None)):
                 if len(solved[few]):
                     yield from self._free_stances(hands, solved[few])
 
@@ -895,8 +818,6 @@ class PushMotionSearch:
             self._arms.work = int(free.work[k])
             yield _Found(stance, free.descent[k, 0], float(free.room[k]), strength)
 
-    # -- whole arms -----------------------------------------------------------------------------
-
     def _are_unhindered(self, hands: PostureSet, solved: IkSolutions) -> NDArray[np.bool_]:
         """Which arms stay clear of everything on the way down and while they push, shape (k,)."""
         arms = self._mount.arm_spheres(np.concatenate([solved.descent, solved.q], axis=1))
@@ -909,19 +830,16 @@ class PushMotionSearch:
             if free.any():
                 free[free] = each.is_clear(arms[free, k])
         if free.any():
-            free[free] = self._come_down(hands, solved[free])
+            # Hands come down from few heights, so that each way is looked at once.
+            ways, way = np.unique(
+                np.column_stack([solved.hand[free], solved.lift[free]]), axis=0, return_inverse=True
+            )
+            points = descent_points(self._points[0], ways[:, 1])
+            R_WD = np.broadcast_to(self._R_WD[0], (points.shape[1], 3, 3))
+            robot = hands[ways[:, 0].astype(int)].spheres_along(R_WD, points)
+            clear = np.asarray(self._scenery.is_free(robot).all(axis=1))
+            free[free] = clear[way.ravel()]
         return free
-
-    def _come_down(self, hands: PostureSet, solved: IkSolutions) -> NDArray[np.bool_]:
-        """Which hands are clear of everything on the way down, shape (k,)."""
-        ways, way = np.unique(
-            np.column_stack([solved.hand, solved.lift]), axis=0, return_inverse=True
-        )
-        down = descent_points(self._points[0], ways[:, 1])
-        R_WD = np.broadcast_to(self._R_WD[0], (down.shape[1], 3, 3))
-        robot = hands[ways[:, 0].astype(int)].spheres_along(R_WD, down)
-        free = np.asarray(self._scenery.is_free(robot).all(axis=1))
-        return np.asarray(free[way.ravel()])
 
     def _way_there(self, found: _Found, places: Array) -> tuple[Array, ...] | None:
         """Arm poses between home and above the start; None if no free way was found."""
@@ -932,10 +850,9 @@ class PushMotionSearch:
         clearance = TransitClearance(self._mount, hand, scenery, standing)
 
         def spend() -> None:
-            self._work += _PUSH_ROAD
+            self._work += 1
 
-        arm, home = self._mount.arm, self._mount.home
-        return free_path(arm, home, found.above, places, clearance.are_free, spend)
+        return clearance.path_from_home(found.above, places, spend)
 
     def _come_off(self, hands: PostureSet, solved: IkSolutions) -> NDArray[np.bool_]:
         """Which arms also get off the face at the end, and back to the start, shape (k,)."""
@@ -963,7 +880,7 @@ class PushMotionSearch:
         """The way from where the fingertips let go of a turned face back to the start."""
         end, turned = self._points[-1], self._way.turn
         off = end - BACK * rot_z(turned) @ self._way.inward
-        shares = np.linspace(0.0, 1.0, _BACK_POINTS)[:, None]
+        shares = np.linspace(0.0, 1.0, 4)[:, None]
         points = np.vstack([end, off + shares * (self._points[0] - off)])
         return Sweep(rot_z(turned * np.append(1.0, 1.0 - shares)) @ self._R_WD[0], points)
 
@@ -974,7 +891,7 @@ class PushMotionSearch:
         off = Sweep(self._way_off.R_WD[1:], self._way_off.points[1:])
         stopped_by = first_obstacles(hands, near, off)
         clear = stopped_by < 0
-        robot = hands[clear].spheres_along(np.eye(3)[None], np.zeros((1, 3)))[:, 0]
+        robot = hands[clear].spheres_in_D()
         clear[clear] = self._pushed[-1].is_clear_along(robot, *off, FACE_CLEARANCE)
         return clear, stopped_by
 
@@ -982,18 +899,18 @@ class PushMotionSearch:
         """Which hands leave what they have pushed where it is, going straight back, shape (k,).
 
         They came to it over a few centimetres alone: what reaches beyond it would take it along.
-        One that only brushes it is better than none.
+        One that only brushes it, reaching 3 cm through it, is better than none.
         """
         if self._push.ends_on != "stroke" or self._push.press > 0.0:
             return np.ones(len(solved), dtype=bool)
         off = self._points[-1] - BACK * self._way.inward
         far = float(np.linalg.norm(self._points[0] - off))
-        shares = np.linspace(0.0, 1.0, 2 + int(far / _BACK_STEP))[:, None]
+        shares = np.linspace(0.0, 1.0, 2 + int(far / 0.015))[:, None]
         points = off + shares * (self._points[0] - off)
         which, hand = np.unique(solved.hand, return_inverse=True)
-        robot = hands[which].spheres_along(np.eye(3)[None], np.zeros((1, 3)))[:, 0]
+        robot = hands[which].spheres_in_D()
         R_WD = np.broadcast_to(self._R_WD[0], (len(points), 3, 3))
-        for clearance in (FACE_CLEARANCE, -_BRUSH):
+        for clearance in (FACE_CLEARANCE, -0.03):
             clear = self._pushed[-1].is_clear_along(robot, R_WD, points, clearance)
             if clear.any():
                 break
@@ -1004,9 +921,9 @@ class PushMotionSearch:
         middle, nudge = 0.5 * (self._mount.home + found.above), 1e-4
         _, p_WP = self._mount.palm_poses(np.vstack([middle, middle + nudge * np.eye(len(middle))]))
         uphill = (p_WP[1:, 2] - p_WP[0, 2]) / nudge
-        swings = middle + np.outer(_PUSH_RAISED, uphill / np.linalg.norm(uphill))
+        swings = middle + np.outer([0.4, 0.8, 1.2], uphill / np.linalg.norm(uphill))
         start = self._points[0, :2]
-        over = [[*xy, _OVER] for xy in (start, 0.5 * (start + self._centre), self._centre)]
+        over = [[*xy, 0.47] for xy in (start, 0.5 * (start + self._centre), self._centre)]
         stance = found.stance
         p_WP = np.array(over) - stance.R_WP @ stance.posture.tip_midpoint
         R_WP = np.broadcast_to(stance.R_WP, (len(over), 3, 3))
@@ -1015,13 +932,3 @@ class PushMotionSearch:
             *self._mount.flange_poses(R_WP, p_WP), elbow, [stance.branch]
         )
         return np.vstack([swings, q[valid]])
-
-
-def _blocked_answer(push: Push, stopped: set[str]) -> ReachAnswer:
-    others = sorted(stopped - {push.object})
-    if others:
-        message = f"the hand would hit the {others[0]}"
-        return ReachAnswer(False, "obstacle", message, others[0], crowded=True)
-    return ReachAnswer(
-        False, "object", f"the hand would hit the {push.object} with more than its fingertips"
-    )

@@ -18,18 +18,10 @@ from numpy.typing import NDArray
 from objectmodels.geometry.rotations import Array
 from sim.robots.arm import ArmKinematics
 
-IsFree = Callable[[Array], NDArray[np.bool_]]
-"""Which arm poses, shape (n, joints), keep clear of everything."""
-
 LIMIT_MARGIN = 0.08
 """Least room to the joint limits on any way [rad]."""
 
-_STEP = 0.05  # largest change of a joint between two poses looked at [rad]
-_COARSE = 8  # of these, the first looked at
-_STOPPING = 0.5  # what coming to rest at a place costs, as an angle to go [rad]
-_DRAWN, _MOST_ROADS = 80, 60  # places drawn, and roads looked at in vain
-_SINGLY, _MANY = 4, 10  # roads that are looked at one by one where there are more nodes
-_BEYOND = 1.0  # how far places are drawn beyond start and goal [rad]
+_COARSE = 8  # of the poses along a road, the first looked at
 
 
 def free_path(
@@ -37,7 +29,7 @@ def free_path(
     start: Array,
     goal: Array,
     places: Array,
-    is_free: IsFree,
+    is_free: Callable[[Array], NDArray[np.bool_]],
     spend: Callable[[], None] = lambda: None,
 ) -> tuple[Array, ...] | None:
     """Arm poses between start and goal, joined by straight lines that are free.
@@ -47,7 +39,7 @@ def free_path(
         start: its angles, shape (joints,) [rad].
         goal: the same at its end.
         places: that the way may take where the joints have room, shape (n, joints) [rad].
-        is_free: what is in the way.
+        is_free: which arm poses, shape (n, joints), keep clear of everything, shape (n,).
         spend: called for the places, and whenever a road is looked at, coarsely or closely.
 
     Returns:
@@ -60,18 +52,30 @@ def free_path(
     free, straight = free[: len(nodes)], bool(free[len(nodes) :].all())
     if not free[:2].all():
         return None
-    return _shortest_free(_Roads(nodes[free], is_free, spend, straight=straight))
+    nodes = nodes[free]
+    roads = _Roads(nodes, is_free, spend, straight=straight)
+    # Coming to rest at a place costs as much as half a radian to go.
+    length = np.linalg.norm(nodes[:, None] - nodes, axis=-1) + 0.5
+    for _ in range(60):
+        way = _shortest_path(length)
+        if way is None:
+            return None
+        road = roads.first_blocked(way)
+        if road is None:
+            return tuple(nodes[way[1:-1]])
+        length[road] = length[road[::-1]] = np.inf
+    return None
 
 
 def sample_configurations(start: Array, goal: Array) -> Array:
     """Places about start and goal, always the same, shape (n, joints) [rad]."""
-    low, high = np.minimum(start, goal) - _BEYOND, np.maximum(start, goal) + _BEYOND
-    return np.random.default_rng(0).uniform(low, high, (_DRAWN, len(start)))
+    low, high = np.minimum(start, goal) - 1.0, np.maximum(start, goal) + 1.0
+    return np.random.default_rng(0).uniform(low, high, (80, len(start)))
 
 
 def interpolate_joints(start: Array, goal: Array) -> Array:
     """Arm poses on the straight line in joint space, close enough to be looked at one by one."""
-    n = int(np.ceil(np.abs(goal - start).max() / _STEP)) + 1
+    n = int(np.ceil(np.abs(goal - start).max() / 0.05)) + 1
     return np.asarray(start + np.linspace(0.0, 1.0, n)[:, None] * (goal - start))
 
 
@@ -82,11 +86,17 @@ class _Roads:
     """
 
     def __init__(
-        self, nodes: Array, is_free: IsFree, spend: Callable[[], None], *, straight: bool
+        self,
+        nodes: Array,
+        is_free: Callable[[Array], NDArray[np.bool_]],
+        spend: Callable[[], None],
+        *,
+        straight: bool,
     ) -> None:
         self.nodes, self._is_free, self._spend = nodes, is_free, spend
         self._coarsely, self._closely = {(0, 1): straight}, dict[tuple[int, int], bool]()
-        self._singly = _SINGLY if len(nodes) > _MANY else 1
+        # How many roads are looked at one by one.
+        self._singly = 4 if len(nodes) > 10 else 1
 
     def first_blocked(self, way: list[int]) -> tuple[int, int] | None:
         """The first road of a way that is not free; None if all are."""
@@ -101,7 +111,15 @@ class _Roads:
     def _is_free_coarsely(self, road: tuple[int, int]) -> bool:
         if road not in self._coarsely:
             self._spend()
-            self._look_coarsely(road)
+            roads = {road}
+            if len(self._coarsely) >= self._singly:
+                roads |= {(0, k) for k in range(1, len(self.nodes))}
+                roads |= {(k, 1) for k in range(2, len(self.nodes))}
+            new = sorted(roads - self._coarsely.keys())
+            poses = [self._poses(each)[::_COARSE] for each in new]
+            free = self._is_free(np.concatenate(poses))
+            first = np.cumsum([0, *map(len, poses[:-1])])
+            self._coarsely |= zip(new, np.logical_and.reduceat(free, first).tolist(), strict=True)
         return self._coarsely[road]
 
     def _is_free_closely(self, road: tuple[int, int]) -> bool:
@@ -112,32 +130,6 @@ class _Roads:
 
     def _poses(self, road: tuple[int, int]) -> Array:
         return interpolate_joints(self.nodes[road[0]], self.nodes[road[1]])
-
-    def _look_coarsely(self, road: tuple[int, int]) -> None:
-        roads = {road}
-        if len(self._coarsely) >= self._singly:
-            roads |= {(0, k) for k in range(1, len(self.nodes))}
-            roads |= {(k, 1) for k in range(2, len(self.nodes))}
-        new = sorted(roads - self._coarsely.keys())
-        poses = [self._poses(each)[::_COARSE] for each in new]
-        free = self._is_free(np.concatenate(poses))
-        first = np.cumsum([0, *map(len, poses[:-1])])
-        self._coarsely |= zip(new, np.logical_and.reduceat(free, first).tolist(), strict=True)
-
-
-def _shortest_free(roads: _Roads) -> tuple[Array, ...] | None:
-    """The shortest free way from the first node to the second."""
-    nodes = roads.nodes
-    length = np.linalg.norm(nodes[:, None] - nodes, axis=-1) + _STOPPING
-    for _ in range(_MOST_ROADS):
-        way = _shortest_path(length)
-        if way is None:
-            return None
-        road = roads.first_blocked(way)
-        if road is None:
-            return tuple(nodes[way[1:-1]])
-        length[road] = length[road[::-1]] = np.inf
-    return None
 
 
 def _shortest_path(length: Array) -> list[int] | None:

@@ -15,7 +15,6 @@ from __future__ import annotations
 import functools
 from collections import deque
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -35,8 +34,8 @@ from sim.motion.motion_planner import (
     FlipConfiguration,
     FlipMotionSearch,
     GraspMotion,
+    GraspMotionSearch,
     PushMotionSearch,
-    best_grasp_motion,
 )
 from sim.robots.arm import ArmKinematics
 from sim.robots.cell_description import CellDescription, RobotMount
@@ -52,14 +51,10 @@ TURNS = 24
 MOST_CELLS = 100_000
 """Cells of a map that are kept, about 25 MB."""
 
-_SAMPLED = 32  # hands
-_ANSWERS = 16  # that are kept
-_LOWEST_TIP = 0.015  # height of a pushing fingertip over the table [m]
-
 
 def lowest_contact(hand: Hand) -> float:
     """Least height above the table at which a hand may push [m]."""
-    return hand.tip_radius + _LOWEST_TIP
+    return hand.tip_radius + 0.015
 
 
 class ReachabilityMap:
@@ -103,7 +98,7 @@ class ReachabilityMap:
         if not near.any():
             return 0.0
         some = np.flatnonzero(near)
-        some = some[np.linspace(0, len(some) - 1, min(_SAMPLED, len(some))).astype(int)]
+        some = some[np.linspace(0, len(some) - 1, min(32, len(some))).astype(int)]
         elbows = arm.redundancy_samples[::2]
         sampled = every[np.repeat(some, len(elbows))]
         angles = np.tile(elbows, len(some))
@@ -116,15 +111,6 @@ class ReachabilityMap:
 def reachability_map(robot: RobotMount, arm: ArmKinematics, hand: Hand) -> ReachabilityMap:
     """The map of an arm with a hand that is mounted somewhere; always the same one."""
     return ReachabilityMap(Mount.from_cell(robot, arm, hand))
-
-
-class _Answered(NamedTuple):
-    """A question about a push that was answered, for who asks again about what was chosen."""
-
-    asked: list[object]
-    state: WorldState
-    spare: float
-    found: tuple[ArmConfiguration, ReachAnswer] | ReachAnswer
 
 
 class ArmHandReach:
@@ -150,7 +136,10 @@ class ArmHandReach:
             lowest_grasp=arm.link_radius + TABLE_CLEARANCE,
         )
         self._map = reachability_map(cell.robot, arm, hand)
-        self._answers: deque[_Answered] = deque(maxlen=_ANSWERS)
+        # For who asks again about a push that was chosen.
+        self._answers: deque[
+            tuple[tuple[object, ...], tuple[ArmConfiguration, ReachAnswer] | ReachAnswer]
+        ] = deque(maxlen=16)
         self._last_scenery: tuple[tuple[str, WorldState, float], CollisionScene] | None = None
 
     @property
@@ -238,7 +227,8 @@ class ArmHandReach:
                 numbers={"strength": grip.grip.strongest, "force": grasp.squeeze},
             )
         handled = HeldObject.from_plan(plan, state)
-        return best_grasp_motion(self.mount, handled, grip, spare)
+        search = GraspMotionSearch(self.mount, handled, grip, spare)
+        return replace(search.best_motion(), work=search.work)
 
     def push_configuration(
         self, push: Push, state: WorldState, spare: float = 0.0
@@ -249,10 +239,10 @@ class ArmHandReach:
             return ReachAnswer(
                 False, "table", f"the finger would touch the table {height:.0f} mm up"
             )
-        asked = [getattr(push, name) for name in Push.model_fields]
-        for known in self._answers:
-            if (known.asked, known.state, known.spare) == (asked, state, spare):
-                return known.found
+        asked = ([getattr(push, name) for name in Push.model_fields], state, spare)
+        for known, answered in self._answers:
+            if known == asked:
+                return answered
         way = self.fingertip_path(push, state)
         scenery = self._scenery(push.object, state, spare)
         search = PushMotionSearch(self.mount, push, way, state.table, scenery, self._effort)
@@ -267,7 +257,7 @@ class ArmHandReach:
         else:
             answer = replace(found[1], work=search.work, postures=search.postures)
             found = found[0], answer
-        self._answers.append(_Answered(asked, state, spare, found))
+        self._answers.append((asked, found))
         return found
 
     def _scenery(self, pushed: str, state: WorldState, spare: float) -> CollisionScene:

@@ -31,7 +31,7 @@ class ArmKinematics(Protocol):
     """Redundancy angles worth trying, in even steps, shape (m,) [rad]; one if there is none."""
 
     p_FW: Array
-    """Centre of the wrist in F, on which `is_in_range` decides, shape (3,) [m]."""
+    """Centre of the wrist in F, on which `range_excess` decides, shape (3,) [m]."""
 
     link_radius: float
     """Radius of the last links about their axis [m]."""
@@ -86,20 +86,14 @@ class ArmKinematics(Protocol):
     def is_regular(self, q: Array) -> NDArray[np.bool_]:
         """Joint angles (..., n) that are well away from singularities, shape (...)."""
 
-    def is_in_range(self, p_AW: Array, margin: float) -> NDArray[np.bool_]:
-        """Wrist centres (..., 3) that are neither too far from the arm nor too near to it.
+    def range_excess(self, p_AW: Array, margin: float) -> Array:
+        """How much wrist centres (..., 3) are too far from the arm, or too near to it, (...) [m].
 
-        A quick test before the inverse: what it denies has no solution.
+        A quick test before the inverse: where it is not 0, there is no solution.
 
         Args:
             p_AW: in A [m].
             margin: room that the joints are to keep to their limits [rad].
-        """
-
-    def range_excess(self, p_AW: Array, margin: float) -> Array:
-        """How far wrist centres (..., 3) are out of that range, 0 of those in it, shape (...) [m].
-
-        Margin as of `is_in_range`.
         """
 
     def spheres(self, q: Array) -> Array:

@@ -24,10 +24,8 @@ from objectmodels.files.yaml_documents import (
 from planner.types.defaults import DEFAULTS, Defaults
 from planner.types.world_state import TableState
 
-# --- strict model ---------------------------------------------------------------------------------
-#
-# Parts of a scene file: strict, frozen models and ranges of numbers.
-
+LOOK = 1.0
+"""Time over which camera frames are averaged before the hand moves [s]."""
 
 Fraction = Annotated[float, Field(ge=0, le=1)]
 Spread = Annotated[float, Field(ge=0, le=0.45)]
@@ -35,7 +33,6 @@ Spread = Annotated[float, Field(ge=0, le=0.45)]
 
 Point2 = tuple[Coordinate, Coordinate]
 Point3 = tuple[Coordinate, Coordinate, Coordinate]
-Angles3 = tuple[Angle, Angle, Angle]
 
 
 class AsItIs:
@@ -56,13 +53,6 @@ class Part(BaseModel):
     model_config = ConfigDict(
         defer_build=True, frozen=True, extra="forbid", strict=True, allow_inf_nan=False
     )
-
-
-# --- cell description -----------------------------------------------------------------------------
-
-
-LOOK = 1.0
-"""Time over which camera frames are averaged before the hand moves [s]."""
 
 
 class CellObject(Part):
@@ -108,7 +98,7 @@ class RobotMount(Part):
     """
 
     base_m: Point3 = (0.55, 0.0, 1.1)
-    base_rpy_deg: Angles3 = (180.0, 0.0, 0.0)
+    base_rpy_deg: tuple[Angle, Angle, Angle] = (180.0, 0.0, 0.0)
     home_deg: tuple[Angle, ...] = (41.0, -95.0, 75.0, -87.0, 110.0, -90.0, 42.0)
 
 
@@ -132,10 +122,6 @@ class Vision(Part):
     delay_s: Annotated[float, range_of("delay")] = 0.05
 
 
-TORQUE_BIAS = 0.02
-"""Standard deviation of the torque sensors' constant errors, if the scene does not say [N·m]."""
-
-
 class TorqueSensor(Part):
     """Data sheet of the finger joints' torque sensors.
 
@@ -150,7 +136,7 @@ class TorqueSensor(Part):
 
     noise_nm: Deviation = 0.005
     resolution_nm: Deviation = 0.002
-    bias_nm: Deviation = TORQUE_BIAS
+    bias_nm: Deviation = 0.02
     rate_hz: Annotated[float, range_of("samples")] = 1000.0
 
 

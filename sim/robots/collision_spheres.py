@@ -9,15 +9,11 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels.geometry.rotations import Array
-
-_SPACING, _RADIUS = 0.015, 0.004  # of the spheres that cover an object's surface [m]
-
 
 TABLE_CLEARANCE = 0.005
 """Least distance of hand and arm from the table [m]."""
@@ -46,11 +42,14 @@ def surface_spheres(outline: Array, height: float) -> Array:
         outline: convex, its corners counter-clockwise, shape (k, 2) [m].
         height: of the prism [m].
     """
-    r = _RADIUS
-    n = max(2, int(np.ceil(height / _SPACING)))
-    heights = np.linspace(r, height - r, n)
+    r, spacing = 0.004, 0.015
+    heights = np.linspace(r, height - r, max(2, int(np.ceil(height / spacing))))
     centre = outline.mean(axis=0)
-    rim = np.vstack([*_side_points(outline)])
+    sides = []
+    for a, b in zip(outline, np.roll(outline, -1, axis=0), strict=True):
+        n = max(1, int(np.ceil(np.linalg.norm(b - a) / spacing)))
+        sides.append(a + np.linspace(0.0, 1.0, n, endpoint=False)[:, None] * (b - a))
+    rim = np.vstack(sides)
     inner = centre + (1.0 - r / np.maximum(np.linalg.norm(rim - centre, axis=1), r))[:, None] * (
         rim - centre
     )
@@ -61,13 +60,6 @@ def surface_spheres(outline: Array, height: float) -> Array:
     ]
     centres = np.vstack([*rings, *ends])
     return np.column_stack([centres, np.full(len(centres), r)])
-
-
-def _side_points(outline: Array) -> Iterator[Array]:
-    """Points along each side of a polygon."""
-    for a, b in zip(outline, np.roll(outline, -1, axis=0), strict=True):
-        n = max(1, int(np.ceil(np.linalg.norm(b - a) / _SPACING)))
-        yield a + np.linspace(0.0, 1.0, n, endpoint=False)[:, None] * (b - a)
 
 
 def place_spheres(spheres: Array, R: Array, p: Array) -> Array:

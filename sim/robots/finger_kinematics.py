@@ -1,7 +1,8 @@
 """Kinematics and statics of the fingers of the four-finger hand.
 
 Frames: P is the palm (z along the straight fingers, x the palm's normal, towards which fingers
-flex). The figures are those of `four_finger_hand.urdf`; a test holds the two together.
+flex). The figures are those of `four_finger_hand.urdf`; spheres cover every link a bit beyond its
+collision shape there. Tests hold the two together.
 
 A finger has three independent angles: abduction, proximal and middle flexion; the distal joint
 follows the middle one.
@@ -44,7 +45,6 @@ FINGERS: tuple[str, ...] = ("index", "middle", "ring", "thumb")
 FINGER_JOINTS = ("abduction", "proximal", "middle", "distal")
 JOINT_NAMES = tuple(f"{finger}_{joint}" for finger in FINGERS for joint in FINGER_JOINTS[:3])
 
-_THUMB_LEAN = np.radians(27.0)
 BASES: Mapping[str, Array] = {
     "index": np.array([0.0, 0.0268, 0.114]),
     "middle": np.array([0.0, 0.0, 0.119]),
@@ -52,10 +52,19 @@ BASES: Mapping[str, Array] = {
     "thumb": np.array([0.08, 0.0, 0.08]),
 }
 _BASE_R = dict.fromkeys(FINGERS, np.eye(3)) | {
-    "thumb": rot_y(_THUMB_LEAN) @ axis_rotation([0.0, 0.0, 1.0], np.pi)
+    "thumb": rot_y(np.radians(27.0)) @ axis_rotation([0.0, 0.0, 1.0], np.pi)
 }
 
-_STOP = 0.005  # distance from a stop at which a joint counts as being there [rad]
+CURLED: Angles = (0.0, 1.40, 1.60)
+"""A finger that is out of the way [rad]."""
+
+RESTING = Posture(
+    "resting", dict.fromkeys(FINGERS, CURLED) | {"thumb": (0.0, -0.65, 0.0)}, (), np.zeros((0, 3))
+)
+"""The hand while it waits."""
+
+FLANGE_TO_PALM = 0.03
+"""Distance from the flange to the palm's origin, along z [m]."""
 
 
 def finger_points(finger: str, angles: Angles) -> Array:
@@ -184,38 +193,7 @@ def is_at_stop(angles: Angles) -> bool:
     """True if a joint of a finger is at its stop, which bears what no torque sensor shows."""
     low, high = FINGER_LIMITS.T
     room = np.minimum(angles - low, high - angles)
-    return bool(room.min() < _STOP)
-
-
-# --- hand posture ---------------------------------------------------------------------------------
-#
-# The hand in a posture: resting or with some fingers bent, and the spheres that cover it.
-#
-# Every link is covered a little beyond its collision shape in `four_finger_hand.urdf`; a test
-# holds the two together. Frame: P is the palm.
-
-
-CURLED: Angles = (0.0, 1.40, 1.60)
-"""A finger that is out of the way [rad]."""
-
-_THUMB_AWAY: Angles = (0.0, -0.65, 0.0)
-
-RESTING = Posture(
-    "resting", dict.fromkeys(FINGERS, CURLED) | {"thumb": _THUMB_AWAY}, (), np.zeros((0, 3))
-)
-"""The hand while it waits."""
-
-FLANGE_TO_PALM = 0.03
-"""Distance from the flange to the palm's origin, along z [m]."""
-
-_PALM_RADIUS = 0.022
-_WRIST_RADIUS = 0.05
-_SPACING = 0.010
-
-# A pushing finger may come near the face only at its tip: this much more room per metre from it,
-# up to a largest allowance, keeps a finger nearly parallel to the face from touching it twice.
-_OPENING, _OPENING_FROM, _OPENING_MOST = 0.2, 0.012, 0.012
-_TIP_ZONE = 0.006
+    return bool(room.min() < 0.005)
 
 
 def touching_posture(name: str, angles: Mapping[str, Angles], pushing: tuple[str, ...]) -> Posture:
@@ -239,13 +217,13 @@ def hand_spheres(posture: Posture, wrist: float) -> Array:
     parts = [_palm_spheres(wrist)]
     for finger in FINGERS:
         points = finger_points(finger, posture.angles[finger])
-        links = np.vstack(
-            [sphere_row(a, b, LINK_RADIUS, _SPACING) for a, b in itertools.pairwise(points)]
-        )
+        links = np.vstack(_link_spheres(points))
         if finger in posture.pushing:
+            # It may come near the face only at its tip: so much more room per metre from there, up
+            # to a largest allowance, keeps one nearly parallel to the face from touching it twice.
             from_tip = np.linalg.norm(links[:, :3] - points[-1], axis=1)
-            links[:, 3] += np.clip(_OPENING * (from_tip - _OPENING_FROM), 0.0, _OPENING_MOST)
-            links = links[from_tip > _TIP_ZONE]
+            links[:, 3] += np.clip(0.2 * (from_tip - 0.012), 0.0, 0.012)
+            links = links[from_tip > 0.006]
         else:
             links[:, 3] += 0.004
             links = np.vstack([links, [*points[-1], TIP_RADIUS]])
@@ -261,13 +239,17 @@ def whole_spheres(posture: Posture, wrist: float) -> Array:
 
 def thin_spheres(posture: Posture, wrist: float) -> Array:
     """Spheres of the whole hand in P, its fingers as thin as they are, shape (n, 4)."""
-    fingers = [finger_points(finger, posture.angles[finger]) for finger in FINGERS]
     links = [
-        sphere_row(a, b, LINK_RADIUS, _SPACING)
-        for each in fingers
-        for a, b in itertools.pairwise(each)
+        spheres
+        for finger in FINGERS
+        for spheres in _link_spheres(finger_points(finger, posture.angles[finger]))
     ]
     return np.vstack([_palm_spheres(wrist), *links])
+
+
+def _link_spheres(points: Array) -> list[Array]:
+    """Spheres along the links between the joints and the tip of a finger."""
+    return [sphere_row(a, b, LINK_RADIUS, 0.010) for a, b in itertools.pairwise(points)]
 
 
 @functools.cache
@@ -278,7 +260,7 @@ def _palm_spheres(wrist: float) -> Array:
     behind = sphere_row(
         np.array([0.0, 0.0, -FLANGE_TO_PALM - wrist]),
         np.array([0.0, 0.0, -0.005]),
-        _WRIST_RADIUS,
+        0.05,
         0.025,
     )
-    return np.vstack([np.column_stack([palm, np.full(len(palm), _PALM_RADIUS)]), block, behind])
+    return np.vstack([np.column_stack([palm, np.full(len(palm), 0.022)]), block, behind])

@@ -1,15 +1,8 @@
 """The hand with four fingers: its postures for pushing, grasping, pressing and flipping.
 
-Grasps of something of a width: four fingertips on two parallel sides.
-
-Model: no finger is spread, so that each moves in its own plane across the palm. The fingertips
-touch at one height along the straight fingers, thumb against the other three, and close along a
-line: a posture is a width. Of all places where they meet, the one that bears the largest squeeze is
-taken, with a fingertip leading each finger and room for something deep before the palm. About a
-round side index and ring finger go on as far as that lies back beside the middle finger, and press
-a little towards each other.
-
-Frames: P is the palm; x is the closing direction, from the fingers' side to the thumb's.
+Frames: P is the palm; x is the closing direction, from the fingers' side to the thumb's. D is the
+frame of a push (x into the touched face, z up) or a drag (x along it, z up), T the midpoint of the
+touching fingertips' centres; E and L as in `sim.robots.lid_path`.
 """
 
 from __future__ import annotations
@@ -54,42 +47,46 @@ from sim.robots.finger_kinematics import (
 from sim.robots.hand import Angles, FlipPostureSet, GraspPosture, Posture, PostureSet
 from sim.robots.lid_path import LidPath, LidShape
 
-# --- flip postures --------------------------------------------------------------------------------
-#
-# In which hands a fingertip flips a lid: postures, orientations of the palm, and how it turns.
-#
-# Model: one finger is bent, the others are curled up. The palm leans back from the way in which
-# the lid is pushed at first, is turned a little aside, and turns with the lid by some angle while
-# that is flipped. Kept are hands whose spheres stay clear of the table, the object and its lid
-# all along the way, and whose finger feels and bears the push. None of that depends on where the
-# object stands.
-#
-# Frames: E and L as in `sim.robots.lid_path`, P the palm.
+HOLDING: tuple[str, ...] = ("thumb", "index", "middle", "ring")
+"""The fingers that hold, in the order of `Grip.contacts`."""
 
+SHARES = np.array([1.0, 1 / 3, 1 / 3, 1 / 3])
+"""Of the squeeze that each of them bears: the fingers stand side by side about the thumb."""
 
-_CLEARANCE = 0.003  # of all but the fingertip from the object and its lid [m]
-_FLIP_FLEXIONS = ((-0.2, 0.9), (0.2, 0.6), (-0.57, 1.1), (0.0, 0.5), (-0.4, 0.7), (0.2, 0.25))
-_FLIP_LEANS = {
-    True: np.radians(np.arange(0.0, 91.0, 15.0)),
-    False: np.radians(np.arange(-15.0, 91.0, 15.0)),
-}
-_FLIP_SIDES = np.radians([0.0, -25.0, 25.0, -50.0, 50.0])
-_TURNS = np.radians([0.0, 35.0, 70.0])
+FINGER_SPREADS: tuple[float, ...] = (0.04, 0.032, 0.024)
+"""Distances between the fingertips of a two-finger push, the largest first [m]."""
+
+NARROWEST, WIDEST = 0.008, 0.100
+"""Widths that the hand closes about [m]."""
+
+LARGEST_SKEW = 0.35
+"""Largest vertical force per force along the push of a hand that is used.
+
+Loaded along the push, a slanted finger also presses up or down. Pressing down makes the object
+heavier on the table, which makes it move in jerks."""
+
+# 1 / lever with which the sensors feel a push or the pressing: 60 makes 1.6 mN·m a noise of 0.1 N.
+_COARSEST_FEELING = 60.0
 
 # Fingers straight down, palm towards where they push.
 _UPRIGHT = np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]])
 
-_FLIP_COARSEST_FEELING = 40.0  # 1 / lever with which the sensors feel the push [1/m]
-_BEARS = 3.0  # force that the finger bears, more than any lid needs [N]
-
 
 @functools.lru_cache(maxsize=16)
 def flip_postures(lid: LidShape, wrist: float) -> FlipPostureSet:
-    """All postures that flip a lid; `wrist` as of `FourFingerHand`."""
+    """All postures that flip a lid; `wrist` as of `FourFingerHand`.
+
+    Model: one finger is bent, the others are curled up. The palm leans back from the way in which
+    the lid is pushed at first, is turned a little aside, and turns with the lid by some angle while
+    that is flipped. Kept are hands whose spheres stay clear of the table, the object and its lid
+    all along the way, and whose finger feels and bears the push. None of that depends on where the
+    object stands.
+    """
+    flexions = ((-0.2, 0.9), (0.2, 0.6), (-0.57, 1.1), (0.0, 0.5), (-0.4, 0.7), (0.2, 0.25))
     way = LidPath.from_lid(lid)
     R_EP = _palm_orientations(lid, way)
     postures, spheres, orientations, tips, coarse = [], [], [], [], []
-    for finger, flexion in itertools.product(("index", "middle", "ring"), _FLIP_FLEXIONS):
+    for finger, flexion in itertools.product(("index", "middle", "ring"), flexions):
         name = f"{finger} bent by {flexion[0]:.2f} and {flexion[1]:.2f}"
         posture = bent_posture(name, {finger: (0.0, *flexion)})
         good, felt = _felt_pushes(posture, lid, way, R_EP)
@@ -108,15 +105,23 @@ def flip_postures(lid: LidShape, wrist: float) -> FlipPostureSet:
 
 def _palm_orientations(lid: LidShape, way: LidPath) -> Array:
     """Orientations of the palm along the way, shape (n, w, 3, 3)."""
-    lean, side, turn = (
-        a.ravel()
-        for a in np.meshgrid(_FLIP_LEANS[lid.is_opening], _FLIP_SIDES, _TURNS, indexing="ij")
+    lean, side, turn = np.radians(
+        _combinations(
+            np.arange(0.0 if lid.is_opening else -15.0, 91.0, 15.0),
+            np.array([0.0, -25.0, 25.0, -50.0, 50.0]),
+            np.array([0.0, 35.0, 70.0]),
+        )
     )
     # The tab is drawn towards the hinge in the end; a lid is pushed shut away from it.
     facing = rot_z(np.pi if lid.is_opening else 0.0)
     first = facing @ rot_z(side) @ rot_y(-lean) @ _UPRIGHT
     with_lid = (-1.0 if lid.is_opening else 1.0) * turn[:, None] * way.shares
     return np.asarray(rot_y(with_lid) @ first[:, None])
+
+
+def _combinations(*values: Array) -> Array:
+    """All combinations of values, one row for each kind of them, the last one changing fastest."""
+    return np.array([each.ravel() for each in np.meshgrid(*values, indexing="ij")])
 
 
 def _felt_pushes(
@@ -129,7 +134,8 @@ def _felt_pushes(
     p_PC = posture.tips[0] + TIP_RADIUS * into_P
     coarse = force_noise_gain(finger, posture.angles[finger], p_PC, into_P).max(axis=1)
     bears = max_tip_force(finger, posture.angles[finger], p_PC, into_P).min(axis=1)
-    return np.asarray((coarse < _FLIP_COARSEST_FEELING) & (bears > _BEARS)), coarse
+    # The finger bears more than any lid needs, and feels it better than most pushes.
+    return np.asarray((coarse < 40.0) & (bears > 3.0)), coarse
 
 
 def _is_clear(
@@ -145,48 +151,20 @@ def _is_clear(
         upright = np.stack([x - lid.length / 2.0, y, z + lid.height, r], axis=-1)
         body = distance_to_cylinder(upright, lid.half_width, lid.height)
         plate = lid.distance_to_lid(robot, np.full(len(left), angle))
-        left = left[~(on_table | (np.minimum(body, plate) < _CLEARANCE)).any(axis=1)]
+        left = left[~(on_table | (np.minimum(body, plate) < 0.003)).any(axis=1)]
     clear = np.zeros(len(R_EP), dtype=bool)
     clear[left] = True
     return clear
 
 
-# --- grasp postures -------------------------------------------------------------------------------
-
-
-HOLDING: tuple[str, ...] = ("thumb", "index", "middle", "ring")
-"""The fingers that hold, in the order of `Grip.contacts`."""
-
-SHARES = np.array([1.0, 1 / 3, 1 / 3, 1 / 3])
-"""Of the squeeze that each of them bears: the fingers stand side by side about the thumb."""
-
-PINCH = np.array([1.0, 0.0, 1.0, 0.0])
-"""The same where thumb and middle finger alone close about a knob, past which the others go."""
-
-_OUTER = ("index", "ring")  # beside the middle finger, which is opposite the thumb
-
-NARROWEST, WIDEST = 0.008, 0.100
-"""Widths that the hand closes about [m]."""
-
-OPENING = 0.020
-"""How far the fingertips stand off each side before they close; less of what is wide [m]."""
-
-_LEAST_OPENING = 0.003  # less does not get around what is seen a little wrongly [m]
-_DEEP_OPENING = 0.006  # the least about something deep, which the palm is close to [m]
-_FACE_ROOM = 0.003  # between the hand and a side that it does not touch [m]
-_ACROSS = np.arange(0.030, 0.0901, 0.005)  # middle of the grasp along the closing direction [m]
-_ALONG = np.arange(0.165, 0.2051, 0.005)  # along the straight fingers [m]
-_DEPTH_WORTH = 100.0  # squeeze that room before the palm is worth [N/m]
-_OPENING_WORTH = 200.0  # the same of room beside what it closes about
-_HANGING_WORTH = 1000.0  # the same of joints that do not hang below the fingertips of a pinch
-_LEAN = np.radians([20.0, 125.0])  # of a distal link that leads with its tip [rad]
-_LOADS = ((0.0, 0.0), (1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))  # tangential, per squeeze
-_UNKNOWN = Grip(np.zeros((4, 2)), SHARES, 0.0, (0.0, 0.0))
-
-
 @dataclass(frozen=True, eq=False)
 class FourFingerGrasp(GraspPosture):
-    """A grasp of this hand.
+    """A grasp of this hand: four fingertips on two parallel sides.
+
+    Model: no finger is spread, so that each moves in its own plane across the palm. The fingertips
+    touch at one height along the straight fingers, thumb against the other three, and close along a
+    line: a posture is a width. About a round side index and ring finger go on as far as that lies
+    back beside the middle finger, and press a little towards each other.
 
     Attributes:
         shares: of the squeeze that each of `HOLDING` bears, shape (4,).
@@ -240,7 +218,7 @@ class FourFingerGrasp(GraspPosture):
         """Room between its middle and what of the hand is beside or before the width [m]."""
         spheres = hand_spheres(self.posture_at(opening), wrist)
         beside = np.abs(spheres[:, 0] - self.middle[0]) - spheres[:, 3]
-        inside = spheres[beside < self.width / 2.0 + _FACE_ROOM]
+        inside = spheres[beside < self.width / 2.0 + 0.003]
         return float(self.middle[2] - (inside[:, 2] + inside[:, 3]).max())
 
     @functools.cached_property
@@ -260,7 +238,8 @@ class FourFingerGrasp(GraspPosture):
     @functools.cached_property
     def largest_squeeze(self) -> float:
         """Largest squeeze, with a tangential load as large beside it [N]."""
-        each = [self._finger_torques(f, *load) for f, load in itertools.product(FINGERS, _LOADS)]
+        loads = ((0.0, 0.0), (1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
+        each = [self._finger_torques(f, *load) for f, load in itertools.product(FINGERS, loads)]
         return float(EFFORT_SHARE * EFFORT / np.abs(each).max())
 
 
@@ -273,9 +252,14 @@ def closing_direction(finger: str) -> Array:
 def best_grasp(
     width: float, *, pinch: bool, wrist: float, depth: float = 0.0
 ) -> FourFingerGrasp | None:
-    """See `Hand.grasp_posture`; thumb and middle finger pinch a knob or a cap."""
-    shares = PINCH if pinch else SHARES
-    found = [_grasp_at(width, x, z, shares) for x, z in itertools.product(_ACROSS, _ALONG)]
+    """See `Hand.grasp_posture`; thumb and middle finger pinch a knob, past which others go.
+
+    Of all places where the fingertips meet, the one that bears the largest squeeze is taken, with a
+    fingertip leading each finger and room for something deep before the palm.
+    """
+    shares = np.array([1.0, 0.0, 1.0, 0.0]) if pinch else SHARES
+    across, along = np.arange(0.030, 0.0901, 0.005), np.arange(0.165, 0.2051, 0.005)
+    found = [_grasp_at(width, x, z, shares) for x, z in itertools.product(across, along)]
     worth = _pinch_worth if pinch else _grasp_worth
     closing = [each for each in found if each is not None]
     if depth > 0.0:
@@ -285,9 +269,8 @@ def best_grasp(
 
 
 def _grasp_worth(grip: FourFingerGrasp) -> float:
-    return float(
-        grip.largest_squeeze + _DEPTH_WORTH * grip.middle[2] + _OPENING_WORTH * grip.opening
-    )
+    """The squeeze [N], with what room before the palm and beside the sides is worth of it."""
+    return float(grip.largest_squeeze + 100.0 * grip.middle[2] + 200.0 * grip.opening)
 
 
 def _pinch_worth(grip: FourFingerGrasp) -> float:
@@ -297,7 +280,7 @@ def _pinch_worth(grip: FourFingerGrasp) -> float:
         for finger in grip.touching_fingers
         for opening in (0.0, grip.opening)
     ]
-    return _grasp_worth(grip) - _HANGING_WORTH * float(max(hanging))
+    return _grasp_worth(grip) - 1000.0 * float(max(hanging))
 
 
 def _touching_fingers(shares: Array) -> tuple[str, ...]:
@@ -308,20 +291,26 @@ def _grasp_at(width: float, x: float, z: float, shares: Array) -> FourFingerGras
     """The grip about a width in one place; None if the fingers do not get there."""
     holding = _touching_fingers(shares)
     closed = _finger_angles(width, x, z, holding)
-    if closed is None or not all(_LEAN[0] < a[1] + 2.0 * a[2] < _LEAN[1] for a in closed.values()):
+    low, high = np.radians([20.0, 125.0])  # lean of a distal link that leads with its tip
+    if closed is None or not all(low < a[1] + 2.0 * a[2] < high for a in closed.values()):
         return None
-    # All of the closing is possible where both its ends are.
-    openings = np.arange(OPENING, _LEAST_OPENING - 1e-9, -0.001)
+    # All of the closing is possible where both its ends are. Less than 3 mm off each side does not
+    # get around what is seen a little wrongly.
+    openings = np.arange(0.020, 0.003 - 1e-9, -0.001)
     opening = next((o for o in openings if _finger_angles(width + 2.0 * o, x, z, holding)), None)
     if opening is None:
         return None
-    return FourFingerGrasp(width, np.array([x, 0.0, z]), float(opening), _UNKNOWN, shares=shares)
+    unknown = Grip(np.zeros((4, 2)), SHARES, 0.0, (0.0, 0.0))
+    return FourFingerGrasp(width, np.array([x, 0.0, z]), float(opening), unknown, shares=shares)
 
 
 def _opened_about(grip: FourFingerGrasp, depth: float, wrist: float) -> Iterator[FourFingerGrasp]:
-    """The same, as wide open as leaves room before the palm; none if it never does."""
+    """The same, as wide open as leaves room before the palm; none if it never does.
+
+    About something deep, which the palm is close to, it is 6 mm off each side at least.
+    """
     if grip.depth_at(0.0, wrist) >= depth:
-        openings = np.arange(grip.opening, _DEEP_OPENING - 1e-9, -0.002).tolist()
+        openings = np.arange(grip.opening, 0.006 - 1e-9, -0.002).tolist()
         deep = (each for each in openings if grip.depth_at(each, wrist) >= depth)
         yield from (replace(grip, opening=each) for each in itertools.islice(deep, 1))
 
@@ -369,45 +358,11 @@ def _closed_posture(
     """The hand about a width, wherever its fingers get; those that do not hold are curled up."""
     angles = dict.fromkeys(FINGERS, CURLED)
     for finger in holding:
-        bent = _bent_finger(finger, width - 2.0 * behind * (finger in _OUTER), x, z)
+        bent = _bent_finger(finger, width - 2.0 * behind * (finger in ("index", "ring")), x, z)
         assert bent is not None, "a grip is about a width that the fingers reach"
         angles[finger] = bent
     return touching_posture(name, angles, holding)
 
-
-# --- pushing postures -----------------------------------------------------------------------------
-#
-# In which hands the robot pushes: postures of the fingers and orientations of the palm.
-#
-# Model: all postures, tilts along the push, sides and rolls are looked at once. Kept are those
-# whose torque sensors feel the push and whose fingers press straight when loaded. For each it is
-# known how much force it bears, and where its spheres are about the fingertips: a push turns and
-# shifts them, no more.
-#
-# A fingertip that sticks to the face drags along it as the fingers' own stiffness has it; one
-# that slips does not. A hand must bear both.
-#
-# Frames: D is the frame of a push (x into the touched face, z up), P the palm, T the midpoint of
-# the pushing fingertips' centres.
-
-
-LARGEST_SKEW = 0.35
-"""Largest vertical force per force along the push of a hand that is used.
-
-Loaded along the push, a slanted finger also presses up or down. Pressing down makes the object
-heavier on the table, which makes it move in jerks."""
-
-FINGER_SPREADS: tuple[float, ...] = (0.04, 0.032, 0.024)
-"""Distances between the fingertips of a two-finger push, the largest first [m]."""
-
-_TILTS = np.radians(np.arange(-60.0, 83.0, 7.5))
-_PUSHING_SIDES = np.radians([0.0, -30.0, 30.0])
-_FINE_SIDES = np.radians([0.0, -15.0, 15.0, -30.0, 30.0, -45.0, 45.0, -60.0, 60.0])
-
-# 1 / lever with which the sensors feel the push [1/m]: 60 makes 1.6 mN·m a noise of 0.1 N.
-_PUSHING_COARSEST_FEELING = 60.0
-_CLOSED = 1.2  # flexion of the middle joint from which a finger counts as closed [rad]
-_BLURRED = 0.2  # what a closed finger counts less, as a skew
 
 # Proximal and middle flexion [rad]: fingers stretched back at the base and bent towards the tip
 # press clear of the palm, and hooked ones are about as stiff across as along. Those stretched back
@@ -454,23 +409,30 @@ def two_finger_postures(spread: float) -> tuple[Posture, ...]:
 def pushing_postures(
     fingers: int, spread: float, *, fine: bool = False, wrist: float
 ) -> PostureSet:
-    """See `Hand.pushing_postures`; one finger lets the palm lean to its sides, two do not."""
-    sides = np.zeros(1) if fingers == 2 else _FINE_SIDES if fine else _PUSHING_SIDES
-    tilt, side, roll = (
-        a.ravel() for a in np.meshgrid(_TILTS, sides, np.array([0.0, np.pi]), indexing="ij")
-    )
+    """See `Hand.pushing_postures`; one finger lets the palm lean to its sides, two do not.
+
+    Model: all postures, tilts along the push, sides and rolls are looked at once. Kept are those
+    whose torque sensors feel the push and whose fingers press straight when loaded. For each it is
+    known how much force it bears, and where its spheres are about the fingertips: a push turns and
+    shifts them, no more.
+    """
+    sides = np.array([0.0])
+    if fingers == 1:
+        fine_sides = [0.0, -15.0, 15.0, -30.0, 30.0, -45.0, 45.0, -60.0, 60.0]
+        sides = np.radians(fine_sides if fine else [0.0, -30.0, 30.0])
+    tilts, rolls = np.radians(np.arange(-60.0, 83.0, 7.5)), np.array([0.0, np.pi])
+    tilt, side, roll = _combinations(tilts, sides, rolls)
     # At zero tilt the fingers point down; a positive tilt leans the hand back, behind the push.
-    upright = np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]])
-    turned = rot_x(side) @ rot_y(-tilt) @ upright @ rot_z(roll)
+    turned = rot_x(side) @ rot_y(-tilt) @ _UPRIGHT @ rot_z(roll)
     postures = one_finger_postures() if fingers == 1 else two_finger_postures(spread)
     which = np.repeat(np.arange(len(postures)), len(turned))
     R_DP = np.tile(turned, (len(postures), 1, 1))
     coarse, skew, bears = np.hstack([pushing_quality(posture, turned) for posture in postures])
-    good = np.flatnonzero((coarse < _PUSHING_COARSEST_FEELING) & (skew < LARGEST_SKEW))
+    good = np.flatnonzero((coarse < _COARSEST_FEELING) & (skew < LARGEST_SKEW))
     # A finger that is closed gives way across as it presses, which blurs what it feels.
-    closed = [any(each.angles[f][2] >= _CLOSED for f in each.pushing) for each in postures]
+    closed = [any(each.angles[f][2] >= 1.2 for f in each.pushing) for each in postures]
     blurred = np.repeat(closed, len(turned))
-    order = good[np.argsort((skew + coarse / 200.0 + _BLURRED * blurred)[good], kind="stable")]
+    order = good[np.argsort((skew + coarse / 200.0 + 0.2 * blurred)[good], kind="stable")]
     which, R_DP = which[order], R_DP[order]
     spheres = tuple(whole_spheres(posture, wrist) for posture in postures)
     return PostureSet.from_postures(postures, spheres, which, R_DP, bears[order])
@@ -478,6 +440,9 @@ def pushing_postures(
 
 def pushing_quality(posture: Posture, R_DP: Array) -> tuple[Array, Array, Array]:
     """Quality of a push along D's x axis in each orientation, by the hand's worst finger.
+
+    A fingertip that sticks to the face drags along it as the fingers' own stiffness has it; one
+    that slips does not. A hand must bear both.
 
     Args:
         posture: of its fingers.
@@ -502,40 +467,20 @@ def pushing_quality(posture: Posture, R_DP: Array) -> tuple[Array, Array, Array]
     return coarse, skew, bears
 
 
-# --- pressing postures ----------------------------------------------------------------------------
-#
-# In which hands a fingertip presses down on something level, to draw it along.
-#
-# Model: one finger pokes down, more or less slanted, the palm turned anywhere about the vertical.
-# Kept are hands that are clear of the plane on which they press, whose torque sensors feel the
-# pressing, and whose finger bears it, with the friction along the plane and without.
-#
-# Frames: D has its x axis along the drag, z up; P is the palm, T the fingertip's centre.
-
-
-_PRESSING_LEANS = np.radians(
-    np.arange(-45.0, 46.0, 15.0)
-)  # of the palm, along the finger's flexion
-_PRESSING_SIDES = np.radians([0.0, -30.0, 30.0])
-_HEADINGS = np.radians(np.arange(0.0, 360.0, 30.0))
-_DOWN, _AHEAD = np.array([0.0, 0.0, -1.0]), np.array([1.0, 0.0, 0.0])
-
-_ASIDE = 0.5
-"""Force along the drag per pressing force that a finger bears; more than most things take."""
-
-_PRESSING_COARSEST_FEELING = 60.0  # 1 / lever with which the sensors feel the pressing [1/m]
-_CLEAR = 0.004  # of all but the fingertip from the plane on which it presses [m]
-
-
 @functools.cache
 def pressing_postures(wrist: float) -> PostureSet:
-    """See `Hand.pressing_postures`; `wrist` as of `FourFingerHand`."""
-    heading, lean, side = (
-        a.ravel() for a in np.meshgrid(_HEADINGS, _PRESSING_LEANS, _PRESSING_SIDES, indexing="ij")
+    """See `Hand.pressing_postures`; `wrist` as of `FourFingerHand`.
+
+    Model: one finger pokes down, more or less slanted, the palm turned anywhere about the vertical.
+    Kept are hands that are clear of the plane on which they press, whose torque sensors feel the
+    pressing, and whose finger bears it, with the friction along the plane and without.
+    """
+    heading, lean, side = np.radians(
+        _combinations(
+            np.arange(0.0, 360.0, 30.0), np.arange(-45.0, 46.0, 15.0), np.array([0.0, -30.0, 30.0])
+        )
     )
-    # Fingers straight down.
-    upright = np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]])
-    R_DP = rot_z(heading) @ rot_x(side) @ rot_y(-lean) @ upright
+    R_DP = rot_z(heading) @ rot_x(side) @ rot_y(-lean) @ _UPRIGHT
     postures = one_finger_postures()
     spheres = tuple(whole_spheres(posture, wrist) for posture in postures)
     every = PostureSet.from_postures(
@@ -545,7 +490,7 @@ def pressing_postures(wrist: float) -> PostureSet:
         np.tile(R_DP, (len(postures), 1, 1)),
         np.concatenate([_strength(posture, R_DP) for posture in postures]),
     )
-    clear = every.lowest_points > _CLEAR - TIP_RADIUS
+    clear = every.lowest_points > 0.004 - TIP_RADIUS
     good = every[np.flatnonzero(clear & (every.strength > 0.0))]
     best = good[np.argsort(-good.strength.round(1), kind="stable")]
     return replace(best, number=np.arange(len(best)))
@@ -554,19 +499,16 @@ def pressing_postures(wrist: float) -> PostureSet:
 def _strength(posture: Posture, R_DP: Array) -> Array:
     """Pressing force that the finger bears in each orientation [N]; 0 where it feels it badly."""
     (finger,), (tip,) = posture.pushing, posture.tips
-    angles, down = posture.angles[finger], _DOWN @ R_DP
+    angles, down_D = posture.angles[finger], np.array([0.0, 0.0, -1.0])
+    down = down_D @ R_DP
     p_PC = tip + TIP_RADIUS * down
     bears = np.full(len(R_DP), np.inf)
-    for along in (0.0, _ASIDE):
-        load = (_DOWN + along * _AHEAD) @ R_DP
+    # Of what it presses a finger bears half along the drag, more than most things take.
+    for along in (0.0, 0.5):
+        load = (down_D + along * np.array([1.0, 0.0, 0.0])) @ R_DP
         bears = np.minimum(bears, max_tip_force(finger, angles, p_PC, load))
     coarse = force_noise_gain(finger, angles, p_PC, down)
-    return np.where(coarse < _PRESSING_COARSEST_FEELING, bears, 0.0)
-
-
-# --- four finger hand -----------------------------------------------------------------------------
-#
-# The four-finger hand behind the protocol of `sim.robots.hand`.
+    return np.where(coarse < _COARSEST_FEELING, bears, 0.0)
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from __future__ import annotations
 import functools
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields
 from importlib.resources.abc import Traversable
 from typing import Protocol
 
@@ -30,8 +30,6 @@ from sim.robots.lid_path import LidPath, LidShape
 
 Angles = tuple[float, ...]
 """Angles of a finger's independent joints [rad]."""
-
-_BLOCK = 1024  # hands whose spheres are computed at once
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,28 +106,29 @@ class PostureSet:
         palm = -(R_DP @ tips[which][..., None])[..., 0]
         about = np.array(padded_spheres(spheres))
         about[..., :3] -= tips[:, None]
-        unknown = np.zeros(len(which))
-        number = np.arange(len(which))
-        circles = np.zeros((len(which), 3))
-        made = cls(
-            postures, about, which, R_DP, strength, palm, unknown, unknown, circles, unknown, number
-        )
         touching = len(postures[0].pushing)
-        blocks = [
-            made[k : k + _BLOCK].spheres_along(np.eye(3)[None], np.zeros((1, 3)))[:, 0]
-            for k in range(0, len(made), _BLOCK)
-        ]
-        # numpy is much faster on arrays that lie in a row.
-        rows = [np.ascontiguousarray(np.moveaxis(each, -1, 0)) for each in blocks]
+        rows = []
+        for k in range(0, len(which), 1024):
+            some = slice(k, k + 1024)
+            placed = place_spheres(about[which[some]], R_DP[some], np.zeros(3))
+            # numpy is much faster on arrays that lie in a row.
+            rows.append(np.ascontiguousarray(np.moveaxis(placed, -1, 0)))
         lowest = [(z - r)[:, :-touching].min(axis=1, initial=np.inf) for _, _, z, r in rows]
         extents = [(np.sqrt(x * x + y * y) + r).max(axis=1) for x, y, _, r in rows]
         fronts = [(x + r)[:, :-touching].max(axis=1, initial=-np.inf) for x, _, _, r in rows]
-        return replace(
-            made,
-            lowest_points=np.concatenate([unknown[:0], *lowest]),
-            extents=np.concatenate([unknown[:0], *extents]),
-            circles=np.concatenate([circles[:0], *map(_circles_around, rows)]),
-            fronts=np.concatenate([unknown[:0], *fronts]),
+        none = np.zeros(0)
+        return cls(
+            postures,
+            about,
+            which,
+            R_DP,
+            strength,
+            palm,
+            lowest_points=np.concatenate([none, *lowest]),
+            extents=np.concatenate([none, *extents]),
+            circles=np.concatenate([np.zeros((0, 3)), *map(_circles_around, rows)]),
+            fronts=np.concatenate([none, *fronts]),
+            number=np.arange(len(which)),
         )
 
     def __len__(self) -> int:
@@ -137,33 +136,21 @@ class PostureSet:
 
     def __getitem__(self, chosen: NDArray[np.bool_] | NDArray[np.intp] | slice) -> PostureSet:
         k = np.arange(len(self))[chosen]  # numpy takes rows faster than it sorts them out
-        return PostureSet(
-            self.postures,
-            self.spheres,
-            self.which.take(k),
-            self.R_DP.take(k, axis=0),
-            self.strength.take(k),
-            self.palm.take(k, axis=0),
-            self.lowest_points.take(k),
-            self.extents.take(k),
-            self.circles.take(k, axis=0),
-            self.fronts.take(k),
-            self.number.take(k),
-        )
+        rows = (getattr(self, field.name).take(k, axis=0) for field in fields(self)[2:])
+        return PostureSet(self.postures, self.spheres, *rows)
 
     def posture_at(self, index: int) -> Posture:
         """Posture of one of them."""
         return self.postures[int(self.which[index])]
 
-    @property
-    def horizontal_size(self) -> float:
-        """Largest horizontal distance of any point from T [m]."""
-        return float(self.extents.max(initial=0.0))
-
     def palms_along(self, R_WD: Array, points: Array) -> tuple[Array, Array]:
         """Palm poses in W with T at points, shapes (n, w, 3, 3) and (n, w, 3); see below."""
         p_WP = points + (R_WD @ self.palm[:, None, :, None])[..., 0]
         return R_WD @ self.R_DP[:, None], p_WP
+
+    def spheres_in_D(self, part: NDArray[np.intp] | slice = slice(None)) -> Array:
+        """The spheres from T, in D, shape (n, k, 4), or a part of them."""
+        return self.spheres_along(np.eye(3)[None], np.zeros((1, 3)), part)[:, 0]
 
     def spheres_along(
         self, R_WD: Array, points: Array, part: NDArray[np.intp] | slice = slice(None)
@@ -391,16 +378,11 @@ class Hand(Protocol):
         """Spheres of the whole hand in P, its fingers as thin as they are, shape (n, 4)."""
 
 
-# --- mount ----------------------------------------------------------------------------------------
-#
-# The mounted robot: an arm on its base with a hand on its flange, and where it waits.
-#
-# Frames: W is the world, A the arm's base, F its flange, P the palm.
-
-
 @dataclass(frozen=True, eq=False)
 class Mount:
-    """An arm with n joints and a hand, and where its base stands.
+    """An arm with n joints and a hand on its flange, and where its base stands.
+
+    Frames: W is the world, A the arm's base.
 
     Attributes:
         arm: on the base.

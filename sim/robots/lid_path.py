@@ -23,13 +23,6 @@ from planner.types.actions import FlipOver
 from planner.types.world_state import SeenObject
 from sim.robots.collision_spheres import distance_to_box, place_spheres
 
-STANDOFF = 0.045
-"""How far from the lid the fingertip begins [m]."""
-
-_GAP = 0.004  # between fingertip and lid before it touches [m]
-_OFF = 0.025  # how far it goes off the lid at the end [m]
-_POINTS = 8  # of the arc
-
 
 @dataclass(frozen=True)
 class LidShape:
@@ -129,17 +122,19 @@ class LidPath:
     @classmethod
     def from_lid(cls, lid: LidShape) -> LidPath:
         """The way on which a lid is opened or closed."""
-        arc = np.linspace(lid.start, lid.end, _POINTS)
+        points = 8  # of the arc
+        standoff = 0.045  # how far from the lid the fingertip begins [m]
+        arc = np.linspace(lid.start, lid.end, points)
         first, last = arc[:1], arc[-1:]
-        near, ahead = lid.tip_centres(first, _GAP), np.array([STANDOFF, 0.0, 0.0])
-        before = near + ahead if lid.is_opening else lid.tip_centres(first, STANDOFF)
-        off = lid.tip_centres(last, _OFF)
+        near, ahead = lid.tip_centres(first, 0.004), np.array([standoff, 0.0, 0.0])
+        before = near + ahead if lid.is_opening else lid.tip_centres(first, standoff)
+        off = lid.tip_centres(last, 0.025)
         back = np.array([0.5, 1.0])[:, None] * (before - off) + off
         return cls(
             np.vstack([before, near, lid.tip_centres(arc), off, back]),
-            np.concatenate([[0.0, 0.0], np.linspace(0.0, 1.0, _POINTS), [1.0, 0.5, 0.0]]),
+            np.concatenate([[0.0, 0.0], np.linspace(0.0, 1.0, points), [1.0, 0.5, 0.0]]),
             np.concatenate([[lid.start] * 2, arc, [lid.end] * 3]),
-            slice(2, 2 + _POINTS),
+            slice(2, 2 + points),
         )
 
 

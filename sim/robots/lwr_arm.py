@@ -23,28 +23,20 @@ from objectmodels.geometry.rotations import Array, rot_x, rot_y
 SHOULDER, UPPER_ARM, FOREARM, FLANGE = 0.31, 0.40, 0.39, 0.078
 """Heights of the shoulder above the base and lengths of the links [m]."""
 
-JOINT_OFFSETS = (0.11, 0.20, 0.20, 0.20, 0.20, 0.19, 0.078)
-"""Distance of each joint's frame from the one before, along z [m]."""
-
 LIMITS = np.radians([170.0, 120.0, 170.0, 120.0, 170.0, 120.0, 170.0])
 """Largest magnitude of each joint angle [rad]."""
 
 LINK_RADIUS = 0.065
 """Radius of the links, a little more than that of their capsules [m]."""
 
-# Below these |q2| and |q6| the axes of joints 1 and 3, or 5 and 7, nearly coincide [rad].
-_SHOULDER_SINGULARITY, _WRIST_SINGULARITY = 0.01, 0.05
-_WRIST_BEND = 0.15  # |q6| stays above this where the arm is to move on [rad]
 _SHARES = np.linspace(0.0, 1.0, 8)[:, None]  # of a link, where its spheres are
-_ELBOW_STEP = 15.0  # between elbow angles worth trying [degrees]
 
 _SIGNS = np.array([1.0, 1.0, 1.0, -1.0, 1.0, 1.0, 1.0])  # joint 4 turns about −y
-_TURNED_ABOUT = 2, 1, 2, 1, 2, 1, 2  # axis of each joint's frame
 
-BRANCHES = tuple(itertools.product((1.0, -1.0), repeat=3))
+_BRANCHES = tuple(itertools.product((1.0, -1.0), repeat=3))
 """Signs of joints 4, 2 and 6 of the eight solutions."""
 
-_DIFFERS = np.array([(s, s, e * s, e, e * w, w, w) for e, s, w in BRANCHES]) < 0.0
+_DIFFERS = np.array([(s, s, e * s, e, e * w, w, w) for e, s, w in _BRANCHES]) < 0.0
 """Joints whose angle in a branch is another than in the first, shape (8, 7)."""
 
 
@@ -54,8 +46,8 @@ class LwrKinematics:
 
     joint_names = tuple(f"arm_joint_{i}" for i in range(1, 8))
     efforts = np.array([176.0, 176.0, 100.0, 100.0, 100.0, 38.0, 38.0])
-    branches = len(BRANCHES)
-    redundancy_samples = np.radians(np.arange(-180.0, 180.0, _ELBOW_STEP))
+    branches = len(_BRANCHES)
+    redundancy_samples = np.radians(np.arange(-180.0, 180.0, 15.0))
     p_FW = np.array([0.0, 0.0, -FLANGE])
     link_radius = LINK_RADIUS
     base_link, flange_link = "arm_base", "arm_link_7"
@@ -74,7 +66,8 @@ class LwrKinematics:
         """Torques with which the joints exert a force at a point, Jᵀf [N·m]."""
         (c_x, c_y, c_z), (f_x, f_y, f_z) = np.moveaxis(p_AC, -1, 0), np.moveaxis(f_A, -1, 0)
         each = []
-        for (R, p), sign, axis in zip(_link_frames(q), _SIGNS, _TURNED_ABOUT, strict=False):
+        turned_about = 2, 1, 2, 1, 2, 1, 2  # axis of each joint's frame
+        for (R, p), sign, axis in zip(_link_frames(q), _SIGNS, turned_about, strict=False):
             n_x, n_y, n_z = sign * np.moveaxis(R[..., axis], -1, 0)
             x, y, z = c_x - p[..., 0], c_y - p[..., 1], c_z - p[..., 2]
             turning = n_x * (y * f_z - z * f_y) + n_y * (z * f_x - x * f_z)
@@ -106,11 +99,12 @@ class LwrKinematics:
         other[::2] = one[::2] - np.copysign(np.pi, one[::2])
         differs = _DIFFERS[np.atleast_2d(range(8) if branches is None else branches)]
         q = np.moveaxis(np.where(np.moveaxis(differs, -1, 0), other, one), 0, -1)
+        # Below these |q2| and |q6| the axes of joints 1 and 3, or 5 and 7, nearly coincide.
         valid = (
             reachable[:, None]
             & (np.abs(q) < LIMITS).all(axis=-1)
-            & (np.abs(q[..., 1]) > _SHOULDER_SINGULARITY)
-            & (np.abs(q[..., 5]) > _WRIST_SINGULARITY)
+            & (np.abs(q[..., 1]) > 0.01)
+            & (np.abs(q[..., 5]) > 0.05)
         )
         return q, valid
 
@@ -120,16 +114,10 @@ class LwrKinematics:
 
     def is_regular(self, q: Array) -> NDArray[np.bool_]:
         """Joint angles with the wrist bent enough to move on."""
-        return np.asarray(np.abs(q[..., 5]) > _WRIST_BEND)
-
-    def is_in_range(self, p_AW: Array, margin: float) -> NDArray[np.bool_]:
-        """Wrist centres within the reach of the elbow; the room is that of joint 4."""
-        distance = np.linalg.norm(p_AW - np.array([0.0, 0.0, SHOULDER]), axis=-1)
-        nearest = shoulder_to_wrist(LIMITS[3] - margin)
-        return np.asarray((distance > nearest) & (distance < shoulder_to_wrist(0.0)))
+        return np.asarray(np.abs(q[..., 5]) > 0.15)
 
     def range_excess(self, p_AW: Array, margin: float) -> Array:
-        """How far wrist centres are out of the reach of the elbow [m]."""
+        """How far wrist centres are out of the reach of the elbow; the room is joint 4's [m]."""
         distance = np.linalg.norm(p_AW - np.array([0.0, 0.0, SHOULDER]), axis=-1)
         nearest, farthest = shoulder_to_wrist(LIMITS[3] - margin), shoulder_to_wrist(0.0)
         return np.asarray(np.maximum(0.0, np.maximum(nearest - distance, distance - farthest)))
@@ -161,7 +149,8 @@ def _link_frames(q: Array) -> Iterator[tuple[Array, Array]]:
     R = np.broadcast_to(np.eye(3), (*q.shape[:-1], 3, 3))
     p = np.zeros((*q.shape[:-1], 3))
     turns = _joint_rotations(q)
-    for joint, offset in enumerate(JOINT_OFFSETS):
+    # Distance of each joint's frame from the one before, along z.
+    for joint, offset in enumerate((0.11, 0.20, 0.20, 0.20, 0.20, 0.19, FLANGE)):
         p = p + R[..., :, 2] * offset
         yield R, p
         R = R @ turns[joint] if joint else turns[0]

@@ -28,33 +28,12 @@ from objectmodels.errors import ModelError
 from objectmodels.files.yaml_documents import LIMITS, read_bytes, replace_file
 from objectmodels.geometry.rotations import Array, from_quaternion, yaw_of
 
-# --- array file -----------------------------------------------------------------------------------
-#
-# Arrays by name in one npz file: written whole or not at all, and read with mistrust.
-#
-# The file is what `numpy.savez_compressed` writes, so `numpy.load` reads it. Here it is read with
-# limits of size, without pickle, and without trust in the sizes that it states.
 
+def _read_arrays(path: Path) -> dict[str, NDArray[Any]]:
+    """Arrays by name, in the order of an npz file; numbers and texts alone.
 
-Arrays = Mapping[str, NDArray[Any]]
-
-_SUFFIX = ".npy"
-_PLAIN = "fiU"  # kinds of numbers and texts
-_BROKEN = (zipfile.BadZipFile, zlib.error, ValueError, EOFError, OSError, RuntimeError)
-
-
-def write_arrays(arrays: Arrays, path: Path) -> None:
-    """Writes arrays by name.
-
-    Raises:
-        ModelError: `cannot_write`.
-    """
-    with replace_file(path) as temporary, temporary.open("wb") as file:
-        np.savez_compressed(file, allow_pickle=False, **arrays)
-
-
-def read_arrays(path: Path) -> dict[str, NDArray[Any]]:
-    """Arrays by name, in the order of the file; numbers and texts alone.
+    What `numpy.savez_compressed` has written is read with limits of size, without pickle, and
+    without trust in the sizes that it states.
 
     Raises:
         ModelError: `unreadable_file`, or `bad_trace` if it is no such file.
@@ -66,11 +45,18 @@ def read_arrays(path: Path) -> dict[str, NDArray[Any]]:
             if sum(each.file_size for each in members.infolist()) > most:
                 raise ValueError(f"it unpacks to more than {most:.0f} bytes")
             return {
-                each.filename.removesuffix(_SUFFIX): _array(members.read(each))
+                each.filename.removesuffix(".npy"): _array(members.read(each))
                 for each in members.infolist()
             }
-    except (*_BROKEN, NotImplementedError) as error:
-        refuse_trace(path, f"no npz file of numbers and texts: {error}", error)
+    except (
+        zipfile.BadZipFile,
+        zlib.error,
+        ValueError,
+        EOFError,
+        OSError,
+        RuntimeError,
+    ) as error:
+        _refuse_trace(path, f"no npz file of numbers and texts: {error}", error)
 
 
 def _array(content: bytes) -> NDArray[Any]:
@@ -79,13 +65,13 @@ def _array(content: bytes) -> NDArray[Any]:
     if np.lib.format.read_magic(file) != (1, 0):
         raise ValueError("another version of npy")
     shape, by_columns, kind = np.lib.format.read_array_header_1_0(file)
-    if kind.kind not in _PLAIN:
+    if kind.kind not in "fiU":  # numbers and texts
         raise ValueError(f"an array of {kind}")
     flat = np.frombuffer(content[file.tell() :], kind)
     return flat.reshape(shape, order="F" if by_columns else "C")
 
 
-def refuse_trace(path: Path, message: str, cause: Exception | None = None) -> NoReturn:
+def _refuse_trace(path: Path, message: str, cause: Exception) -> NoReturn:
     """Raises `bad_trace` for a file."""
     raise ModelError(
         "bad_trace",
@@ -93,9 +79,6 @@ def refuse_trace(path: Path, message: str, cause: Exception | None = None) -> No
         path=str(path),
         suggestions=("give a file that `Trace.save` or `say --trace` has written",),
     ) from cause
-
-
-# --- trace ----------------------------------------------------------------------------------------
 
 
 EndReason = Literal[
@@ -146,11 +129,7 @@ UNITS = {
 }
 """Units of what a trace holds; the rest has none."""
 
-_SAMPLED: Mapping[str, tuple[int, ...]] = {
-    "time": (),
-    "phase": (),
-    "force_limit": (),
-}
+_SAMPLED = ("time", "phase", "force_limit")
 _BY_NAME: Mapping[str, tuple[int, ...]] = {
     "poses": (7,),
     "seen": (7,),
@@ -247,7 +226,10 @@ class Trace:
             ModelError: `cannot_write`.
         """
         units = np.array(json.dumps(UNITS))
-        write_arrays({"format": np.array(FORMAT), "units": units, **self.arrays()}, Path(path))
+        with replace_file(Path(path)) as temporary, temporary.open("wb") as file:
+            np.savez_compressed(
+                file, allow_pickle=False, format=np.array(FORMAT), units=units, **self.arrays()
+            )
 
     @classmethod
     def load(cls, path: Path | str) -> Trace:
@@ -256,13 +238,13 @@ class Trace:
         Raises:
             ModelError: `unreadable_file`, or `bad_trace` if it holds something else.
         """
-        arrays = read_arrays(Path(path))
+        arrays = _read_arrays(Path(path))
         try:
             return _trace_of(arrays)
         except KeyError as error:
-            refuse_trace(Path(path), f"{error.args[0]} is missing", error)
+            _refuse_trace(Path(path), f"{error.args[0]} is missing", error)
         except ValueError as error:
-            refuse_trace(Path(path), str(error), error)
+            _refuse_trace(Path(path), str(error), error)
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Everything in it as arrays by name."""
@@ -371,24 +353,17 @@ def _trace_of(arrays: Mapping[str, NDArray[Any]]) -> Trace:
     if texts["end"] not in get_args(EndReason):
         raise ValueError(f"it ends with {texts['end']!r:.40}, which is no reason to end")
     sampled: dict[str, Any] = {
-        key: _of_shape(arrays, key, (n, *shape), "U" if key == "phase" else "f")
-        for key, shape in _SAMPLED.items()
+        key: _of_shape(arrays, key, (n,), "U" if key == "phase" else "f") for key in _SAMPLED
     }
+    shapes = {field: (n, *shape) for field, shape in _BY_NAME.items()}
+    shapes |= {field: (-1, columns) for field, columns in _FRAMES.items()}
     by_name: dict[str, Any] = {
         field: {
-            key.partition("/")[2]: _of_shape(arrays, key, (n, *shape))
+            key.partition("/")[2]: _of_shape(arrays, key, shape)
             for key in arrays
             if key.startswith(f"{field}/")
         }
-        for field, shape in _BY_NAME.items()
-    }
-    by_name |= {
-        field: {
-            key.partition("/")[2]: _of_shape(arrays, key, (-1, columns))
-            for key in arrays
-            if key.startswith(f"{field}/")
-        }
-        for field, columns in _FRAMES.items()
+        for field, shape in shapes.items()
     }
     return Trace(
         joints=_of_shape(arrays, "joints", (n, len(names))),
@@ -425,29 +400,22 @@ def join_traces(traces: Sequence[Trace]) -> Trace:
     if len(traces) == 1:
         return traces[0]
     last = traces[-1]
-    names = last.poses.keys()
     # One that ended before the hand got there has none.
     fingers = tuple(next((trace.tips for trace in reversed(traces) if trace.tips), ()))
     tips, felt = zip(*(_by_slots(trace, len(fingers)) for trace in traces), strict=True)
+    joined: dict[str, Any] = {}
+    for key in (*_SAMPLED, "joints", "spilled"):
+        joined[key] = np.concatenate([getattr(trace, key) for trace in traces])
+    for key in (key for key in _BY_NAME if key not in {"tips", "felt"}):
+        joined[key] = _one_after_another([getattr(trace, key) for trace in traces])
+    for key in _FRAMES:
+        joined[key] = _frame_after_frame([getattr(trace, key) for trace in traces])
     return replace(
         last,
-        time=np.concatenate([trace.time for trace in traces]),
-        phase=np.concatenate([trace.phase for trace in traces]),
-        poses={name: np.concatenate([trace.poses[name] for trace in traces]) for name in names},
-        seen={name: np.concatenate([trace.seen[name] for trace in traces]) for name in names},
-        joints=np.concatenate([trace.joints for trace in traces]),
         tips=dict(zip(fingers, np.concatenate(tips, axis=1), strict=True)),
         felt=dict(zip(fingers, np.concatenate(felt, axis=1), strict=True)),
-        force_limit=np.concatenate([trace.force_limit for trace in traces]),
         contacts=tuple(event for trace in traces for event in trace.contacts),
-        contents=_one_after_another([trace.contents for trace in traces]),
-        lids=_one_after_another([trace.lids for trace in traces]),
-        seen_lids=_one_after_another([trace.seen_lids for trace in traces]),
-        lid_poses=_one_after_another([trace.lid_poses for trace in traces]),
-        sightings=_frame_after_frame([trace.sightings for trace in traces]),
-        sighted_lids=_frame_after_frame([trace.sighted_lids for trace in traces]),
-        sighted_levels=_frame_after_frame([trace.sighted_levels for trace in traces]),
-        spilled=np.concatenate([trace.spilled for trace in traces]),
+        **joined,
     )
 
 

@@ -26,7 +26,10 @@ from objectmodels.models.object_parts import (
     open_box_parts,
     require_open_box,
 )
+from planner.types.world_state import Colour
 from sim.robots.cell_description import Fraction, Part, Point2, Point3
+
+GREY: Colour = (0.6, 0.6, 0.6)
 
 _RIM_POINTS = 16
 _FLAT = 1e-4  # heights of a hull that differ by less are one [m]
@@ -248,16 +251,6 @@ def _circle(radius: float) -> tuple[Point2, ...]:
     """Points of a rim on which a round object stands."""
     turns = (2.0 * math.pi * k / _RIM_POINTS for k in range(_RIM_POINTS))
     return tuple((radius * math.cos(phi), radius * math.sin(phi)) for phi in turns)
-
-
-# --- truth from model -----------------------------------------------------------------------------
-#
-# The truth of an object that really is as its model says.
-
-
-Colour = tuple[float, float, float]
-
-GREY: Colour = (0.6, 0.6, 0.6)
 
 
 def truth_as_believed(model: ObjectModel, colour: Colour = GREY) -> Truth:

@@ -1,7 +1,7 @@
 """The observer of the simulated world, who alone may ask the truth.
 
 In the paper a person watched what an object did; here it is this. It judges from true poses what
-moved first, and tells the true parameters to reports. Nothing that plans, controls, senses or fits
+moved first. Nothing that plans, controls, senses or fits
 may ask it, and a contract of the project's checks sees to that.
 
 Model: an object slides when a corner of its base has moved sideways by more than a bound, and
@@ -22,7 +22,6 @@ import numpy as np
 
 from objectmodels.geometry.rotations import Array, from_quaternion
 from sim.truth.object_truth import Truth
-from sim.truth.scene_file import Scene
 
 Moved = Literal["none", "slide", "topple"]
 """What moved first."""
@@ -48,45 +47,23 @@ class Verdict:
     lift: Array
 
 
-class Observer:
-    """Watches the objects of a scene as it is; motion is what exceeds a bound [m]."""
+def first_motion(truth: Truth, poses: Array, *, bound: float = BOUND) -> Verdict:
+    """The first motion of an object, compared with where it was at the first sample.
 
-    def __init__(self, scene: Scene, *, bound: float = BOUND) -> None:
-        self._scene = scene
-        self._bound = bound
-
-    def truth(self, name: str) -> Truth:
-        """The truth of an object, for reports.
-
-        Raises:
-            KeyError: there is no object of that name.
-        """
-        return self._scene.object(name).truth
-
-    def judge(self, name: str, poses: Array) -> Verdict:
-        """The first motion of an object, compared with where it was at the first sample.
-
-        Args:
-            name: of the object.
-            poses: quaternions (w, x, y, z) and positions p_WB [m], shape (n, 7), as worlds and
-                traces keep them.
-
-        Raises:
-            KeyError: there is no object of that name.
-        """
-        corners = _corners(self.truth(name).outline, np.asarray(poses, dtype=float))
-        moved = corners - corners[0]
-        slip = np.hypot(moved[..., 0], moved[..., 1]).max(axis=1)
-        lift = moved[..., 2].max(axis=1)
-        (beyond,) = np.nonzero(np.maximum(slip, lift) > self._bound)
-        if not beyond.size:
-            return Verdict("none", len(slip) - 1, slip, lift)
-        first = int(beyond[0])
-        return Verdict("slide" if slip[first] > lift[first] else "topple", first, slip, lift)
-
-
-def _corners(outline: tuple[tuple[float, float], ...], poses: Array) -> Array:
-    """Places of the base's corners in W, shape (n, k, 3)."""
-    p_BC = np.pad(np.array(outline), ((0, 0), (0, 1)))
+    Args:
+        truth: of the object.
+        poses: quaternions (w, x, y, z) and positions p_WB [m], shape (n, 7), as worlds and traces
+            keep them.
+        bound: displacement that counts as motion [m].
+    """
+    p_BC = np.pad(np.array(truth.outline), ((0, 0), (0, 1)))
     R_WB = from_quaternion(poses[:, :4])
-    return np.asarray(poses[:, None, 4:] + p_BC @ np.swapaxes(R_WB, -1, -2))
+    corners = poses[:, None, 4:] + p_BC @ np.swapaxes(R_WB, -1, -2)
+    moved = corners - corners[0]
+    slip = np.hypot(moved[..., 0], moved[..., 1]).max(axis=1)
+    lift = moved[..., 2].max(axis=1)
+    (beyond,) = np.nonzero(np.maximum(slip, lift) > bound)
+    if not beyond.size:
+        return Verdict("none", len(slip) - 1, slip, lift)
+    first = int(beyond[0])
+    return Verdict("slide" if slip[first] > lift[first] else "topple", first, slip, lift)

@@ -55,24 +55,13 @@ if TYPE_CHECKING:
     from objectmodels import Registry
 
 
-# --- scene completion -----------------------------------------------------------------------------
-#
-# Scene documents completed: by the scene that they extend, and by models where no truth is said.
-#
-# A document is what stands in a scene file, before it is a `Scene`. What is not of the right form
-# is left as it is: it is refused when the scene is made.
-
+TOUCHING = 0.001
+"""Depth up to which two things that are in each other only touch: files are rounded [m]."""
 
 Document = dict[str, Any]
+"""What stands in a scene file, before it is a `Scene`.
 
-_OF_ITSELF = ("version", "name", "extends")  # what no scene takes from another
-
-
-def document_beside(document: Document, folder: Path) -> Document:
-    """The document with the paths of its model files, which in the file are relative to it."""
-    if not _are_texts(document.get("models")):
-        return document
-    return document | {"models": [str(folder / path) for path in document["models"]]}
+What is not of the right form is left as it is: it is refused when the scene is made."""
 
 
 def extended_document(base: Document, own: Document) -> Document:
@@ -82,11 +71,16 @@ def extended_document(base: Document, own: Document) -> Document:
     is added; one of a name that is there takes its place if it names its model, else it changes
     what is there key by key.
     """
-    merged = {key: value for key, value in base.items() if key not in _OF_ITSELF}
+    of_itself = ("version", "name", "extends")  # what no scene takes from another
+    merged = {key: value for key, value in base.items() if key not in of_itself}
     for key, value in own.items():
         old = merged.get(key)
         if key == "objects" and _are_objects(old) and _are_objects(value):
-            merged[key] = _merged_objects(old, value)
+            found = {item["name"]: item for item in old}
+            for item in value:
+                kept = {} if "model" in item else found.get(item["name"], {})
+                found[item["name"]] = kept | item
+            merged[key] = list(found.values())
         elif isinstance(old, list) and isinstance(value, list):
             merged[key] = [*old, *value]
         elif isinstance(old, dict) and isinstance(value, dict):
@@ -94,14 +88,6 @@ def extended_document(base: Document, own: Document) -> Document:
         elif key != "extends":
             merged[key] = value
     return merged
-
-
-def _merged_objects(standing: list[Document], added: list[Document]) -> list[Document]:
-    found = {item["name"]: item for item in standing}
-    for item in added:
-        kept = {} if "model" in item else found.get(item["name"], {})
-        found[item["name"]] = kept | item
-    return list(found.values())
 
 
 def completed_document(document: Document) -> Document:
@@ -146,13 +132,6 @@ def _are_objects(value: object) -> TypeGuard[list[Document]]:
     return isinstance(value, list) and all(
         isinstance(each, dict) and isinstance(each.get("name"), str) for each in value
     )
-
-
-# --- scene file -----------------------------------------------------------------------------------
-
-
-TOUCHING = 0.001
-"""Depth up to which two things that are in each other only touch: files are rounded [m]."""
 
 
 class Pose(Part):
@@ -209,17 +188,11 @@ class SceneObject(CellObject):
 
     def depth_in(self, other: SceneObject) -> float:
         """How far it is in another one, as upright as their hulls are [m]; 0 if it is not."""
-        (low, top), (other_low, other_top) = self._heights, other._heights
-        over = min(top, other_top) - max(low, other_low)
+        z, other_z = self.corners_W[:, 2], other.corners_W[:, 2]
+        over = float(min(z.max(), other_z.max()) - max(z.min(), other_z.min()))
         if over <= TOUCHING or self._stands_inside(other) or other._stands_inside(self):
             return 0.0
         return min(over, max(0.0, -gap(self.covered, other.covered)))
-
-    @property
-    def _heights(self) -> tuple[float, float]:
-        """Least and greatest height over the table [m]."""
-        z = self.corners_W[:, 2]
-        return float(z.min()), float(z.max())
 
     def _stands_inside(self, box: SceneObject) -> bool:
         """Return True if it stands between the walls of an open box, over its floor."""
@@ -334,8 +307,7 @@ class Scene(CellParts):
         Raises:
             KeyError: there is none.
         """
-        by_name = {o.name: o for o in self.objects}
-        return by_name[name]
+        return {each.name: each for each in self.objects}[name]
 
     def level(self, item: SceneObject) -> int:
         """Number of objects that stand on each other below an object, at most."""
@@ -411,7 +383,9 @@ def parse_scene(text: str, *, source: str = "scene", folder: Path | None = None)
         SceneError: the text is not YAML or not a valid scene; names the key at fault.
     """
     try:
-        document = _whole_document(text, folder or Path(), (source,))
+        document = _extended(text, folder or Path(), (source,))
+        if isinstance(document, dict):
+            document = completed_document(document)
         return Scene.model_validate(_tuples(document))
     except ModelError as error:
         where = f"{error.path}: " if error.path else ""
@@ -421,31 +395,26 @@ def parse_scene(text: str, *, source: str = "scene", folder: Path | None = None)
         raise _scene_error(source, f"{fault.key}: {fault.message}", fault.suggestions) from error
 
 
-def _whole_document(text: str, folder: Path, sources: tuple[str, ...]) -> object:
-    """What stands in a scene file and in all that it extends, nothing of it left open."""
-    document = _extended(text, folder, sources)
-    return completed_document(document) if isinstance(document, dict) else document
-
-
 def _extended(text: str, folder: Path, sources: tuple[str, ...]) -> object:
+    """What stands in a scene file and in all that it extends; paths in it are relative to it."""
     document = parse_yaml(text)
     if not isinstance(document, dict):
         return document
-    document = document_beside(document, folder)
+    if _are_texts(models := document.get("models")):
+        document = document | {"models": [str(folder / path) for path in models]}
     base = document.get("extends")
     if base is None:
         return document
+    hint = "name another one; nlcontrol scenes list shows those that are built in"
     if not isinstance(base, str):
-        raise _scene_error(sources[0], "extends: needs the name or the path of a scene", _SCENES)
+        message = "extends: needs the name or the path of a scene"
+        raise _scene_error(sources[0], message, (hint,))
     if base not in built_in_scenes():
         base = str(folder / base)
     if base in sources:
-        raise _scene_error(sources[0], f"extends: {base} extends itself", _SCENES)
+        raise _scene_error(sources[0], f"extends: {base} extends itself", (hint,))
     below = _extended(*_text_and_folder(base), (*sources, base))
     return extended_document(below, document) if isinstance(below, dict) else below
-
-
-_SCENES = ("name another one; nlcontrol scenes list shows those that are built in",)
 
 
 def _scene_error(source: str, message: str, suggestions: tuple[str, ...]) -> SceneError:
@@ -491,18 +460,6 @@ def sample_world(scene: Scene, seed: int) -> Scene:
     return scene.model_copy(update={"objects": tuple(objects), "hidden": Hidden()})
 
 
-# --- object placing -------------------------------------------------------------------------------
-#
-# Objects put on the table of a scene, which really are as their models say.
-#
-# Frames: W is the world, z up, table plane z = 0; B is an object's frame at the centre of its
-# base.
-
-
-PLACES = ((0.45, 0.18), (0.45, -0.18), (0.4, 0.25), (0.4, -0.3), (0.5, 0.5))
-"""Places within reach, from which a push away stays so, x and y in W [m]."""
-
-
 def scene_with_object(scene: Scene, model: ObjectModel, pose: Pose) -> Scene:
     """The scene with one more object, which is as its model says.
 
@@ -530,7 +487,8 @@ def scene_with_object(scene: Scene, model: ObjectModel, pose: Pose) -> Scene:
 
 def free_place(scene: Scene, model: ObjectModel) -> Pose | None:
     """A place near the robot where there is room for an object; None if there is none."""
-    for x, y in PLACES:
+    # Places within reach, from which a push away stays so.
+    for x, y in ((0.45, 0.18), (0.45, -0.18), (0.4, 0.25), (0.4, -0.3), (0.5, 0.5)):
         place = Pose(x_m=x, y_m=y)
         with suppress(SceneError):
             scene_with_object(scene, model, place)

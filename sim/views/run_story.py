@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
-from typing import Any
-
-Span = tuple[int, int]
+from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
@@ -61,7 +58,7 @@ class StoryClause:
 
     verdict: str
     said: str
-    spans: tuple[Span, ...]
+    spans: tuple[tuple[int, int], ...]
     quantity: str
     measured: str
     asked: str
@@ -127,7 +124,3 @@ class RunStory:
     ghosts: tuple[Ghost, ...] = ()
     contacts: tuple[ContactMark, ...] = ()
     notes: tuple[str, ...] = ()
-
-    def document(self) -> dict[str, Any]:
-        """The same as a JSON object."""
-        return asdict(self)

@@ -19,16 +19,8 @@ if TYPE_CHECKING:
 
     from sim.worlds.drake.drake_plant import Plant
 
-FRAME_RATE = 10.0
-"""Frames per second of a moving picture."""
-
-_SIZE = (640, 480)
 _LETTERS = 20  # height of those below a frame [pixels]
-_LOOK_AT, _FROM = np.array([0.45, 0.0, 0.20]), np.array([-0.80, -1.15, 0.42])
-_CHARACTER = ("pour", "lid", "carry", "lift", "push")  # of phases, the most telling first
-_WELL_INTO = 0.55  # share of it that has gone by
 _LIBRARIES = ("libEGL.so.1", "libGL.so.1")
-_PACKAGES = "libegl1 libegl-mesa0 libgl1-mesa-dri"
 
 
 def missing_libraries() -> tuple[str, ...]:
@@ -68,9 +60,13 @@ def save_picture(trace: Trace, scene: Scene, path: Path | str, *, title: str = "
         raise PictureError(
             "no_pictures",
             f"pictures of a run need {', '.join(missing)}, which this machine lacks",
-            (f"on Debian or Ubuntu: apt-get install {_PACKAGES}", "--replay needs none of it"),
+            (
+                "on Debian or Ubuntu: apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri",
+                "--replay needs none of it",
+            ),
         )
-    camera = _Camera(scene, *view(trace, _LOOK_AT, _FROM))
+    at, off = np.array([0.45, 0.0, 0.20]), np.array([-0.80, -1.15, 0.42])
+    camera = _Camera(scene, *view(trace, at, off))
     if kind == ".png":
         frames = [
             _captioned(camera.frame(trace, sample), f"{_told(trace, sample)}: {words}")
@@ -80,22 +76,22 @@ def save_picture(trace: Trace, scene: Scene, path: Path | str, *, title: str = "
         return
     first, *rest = [
         _captioned(camera.frame(trace, sample), _told(trace, sample))
-        for sample in samples(trace, FRAME_RATE)
+        for sample in samples(trace, rate=10.0)
     ]
-    duration = round(1e3 / FRAME_RATE)
-    first.save(path, format="GIF", save_all=True, append_images=rest, duration=duration, loop=0)
+    first.save(path, format="GIF", save_all=True, append_images=rest, duration=100, loop=0)
 
 
 def _moments(trace: Trace) -> dict[str, int]:
     """Samples before, at the start of what it is about, well into that, and at the end."""
-    about = next((phase for phase in _CHARACTER if phase in trace.phase), None)
+    telling = ("pour", "lid", "carry", "lift", "push")  # the most telling phase first
+    about = next((phase for phase in telling if phase in trace.phase), None)
     during = np.flatnonzero(trace.phase == about)
     if not len(during):
         during = np.arange(len(trace.time))
     return {
         "before": 0,
         "it begins": int(during[0]),
-        "in the midst of it": int(during[round(_WELL_INTO * (len(during) - 1))]),
+        "in the midst of it": int(during[round(0.55 * (len(during) - 1))]),
         "at the end": len(trace.time) - 1,
     }
 
@@ -179,21 +175,18 @@ class _Camera:
             LightParameter(
                 type="directional",
                 frame="world",
-                direction=[0.4, 0.6, -1.0],
-                intensity=1.0,
+                direction=direction,
+                intensity=intensity,
                 color=Rgba(1.0, 1.0, 1.0),
-            ),
-            LightParameter(
-                type="directional",
-                frame="world",
-                direction=[0.6, -0.5, -0.4],
-                intensity=0.5,
-                color=Rgba(1.0, 1.0, 1.0),
-            ),
+            )
+            for direction, intensity in (([0.4, 0.6, -1.0], 1.0), ([0.6, -0.5, -0.4], 0.5))
         ]
         model.scene_graph.AddRenderer("vtk", MakeRenderEngineVtk(params))
         core = RenderCameraCore(
-            "vtk", CameraInfo(*_SIZE, np.radians(42.0)), ClippingRange(0.05, 10.0), RigidTransform()
+            "vtk",
+            CameraInfo(640, 480, np.radians(42.0)),
+            ClippingRange(0.05, 10.0),
+            RigidTransform(),
         )
         self._sensor = builder.AddSystem(
             RgbdSensor(

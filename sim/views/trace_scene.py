@@ -1,9 +1,13 @@
-"""A scene that is only looked at: robot and objects are put where a trace says they were."""
+"""A scene that is only looked at: robot and objects are put where a trace says they were.
+
+The liquid's form, a mug's handle, labels and the stand of the arm are for the eye alone: nothing of
+them exists for the physics, the planner or the camera.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -14,7 +18,7 @@ from objectmodels.containers.pour_dynamics import exit_velocity, fall_time
 from objectmodels.geometry.rotations import Array, from_quaternion, quaternion, rot_z
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.models.object_model import ObjectModel
-from objectmodels.models.object_parts import Cavity, Vessel, open_box_parts
+from objectmodels.models.object_parts import Vessel, open_box_parts
 from objectmodels.models.shapes import BoxModel, CylinderModel, HullModel
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Scene, SceneObject
@@ -29,25 +33,33 @@ if TYPE_CHECKING:
     from sim.traces.trace import Trace
 
 
-# --- liquid view ----------------------------------------------------------------------------------
-#
-# Liquid as a replay or a picture shows it: what stands in containers, and streams that fall.
-#
-# Everything is drawn as convex pieces. What stands in a container is its cavity below the level;
-# a stream is a chain of thin cylinders along its parabola, down to what catches it.
-
-
 COLOUR = (0.62, 0.33, 0.10, 1.0)
 """Of tea: red, green, blue and opacity."""
 
-_LEAST = 1e-7  # volumes that are not worth drawing [m³]
-_PIECES, _SIDES = 8, 8
-_THIN, _THICK = 0.0015, 0.006  # radii of streams [m]
+FLOOR = -0.74
+"""Height of the ground below the table top [m]."""
+
+Shape = dict[str, Any]
+"""A shape as plain data, see `sim.views.viewer_recording`.
+
+Kinds besides those of the plant are `lathe` (a profile of radius and height, turned about z),
+`tube` (through points) and `label` (a sheet with a text, facing z)."""
+
+_UPRIGHT = (1.0, 0.0, 0.0, 0.0)
+_HERE = (*_UPRIGHT, 0.0, 0.0, 0.0)  # where its body is
+_STEEL, _WHITE = (0.46, 0.48, 0.51, 1.0), (0.96, 0.95, 0.91, 1.0)
+_WITH_HANDLE = frozenset({"mug"})  # models of the registry
+_WIDE = 0.7  # share of the radius from which an opening shows what is inside
+_SHELL = 0.42  # opacity of what it must be looked through
+_LIFTED = 4e-4  # of a label above its side [m]
 
 
 @dataclass(frozen=True)
 class Part:
-    """A body of liquid.
+    """A body of liquid, drawn as convex pieces.
+
+    What stands in a container is its cavity below the level; a stream is a chain of thin cylinders
+    along its parabola, down to what catches it.
 
     Attributes:
         name: the container that it is in or comes from.
@@ -66,7 +78,7 @@ def parts(trace: Trace, scene: Scene, sample: int) -> Iterator[Part]:
         vessel = scene.object(name).truth.vessel
         assert vessel is not None
         R_WB, p_WB = _pose(trace, name, sample)
-        if volumes[sample] > _LEAST:
+        if volumes[sample] > 1e-7:
             yield Part(name, "level", (_standing(vessel, volumes[sample], R_WB),))
         lost = volumes[max(sample - 1, 0)] - volumes[sample]
         if lost > 0.0:
@@ -133,14 +145,14 @@ def _stream(
     p_WL = p_WB + R_WB @ vessel.lip_point(heading)
     head = max(float(vessel.liquid_head(volume, tilt, heading)), 1e-4)
     ahead, down = (float(v) for v in exit_velocity(head, tilt))
-    t = np.linspace(0.0, float(fall_time(down, p_WL[2] - below)), _PIECES + 1)
+    t = np.linspace(0.0, float(fall_time(down, p_WL[2] - below)), 9)
     out = R_WB[:2, 2] / max(float(np.hypot(*R_WB[:2, 2])), 1e-9)
     middles = p_WL + np.column_stack(
         [np.outer(ahead * t, out), -(down * t + 0.5 * GRAVITY * t * t)]
     )
     speeds = np.hypot(ahead, down + GRAVITY * t)
-    radii = np.clip(np.sqrt(rate / (np.pi * speeds)), _THIN, _THICK)
-    phi = 2.0 * np.pi * np.arange(_SIDES) / _SIDES
+    radii = np.clip(np.sqrt(rate / (np.pi * speeds)), 0.0015, 0.006)
+    phi = 2.0 * np.pi * np.arange(8) / 8
     # Rings across the way: one side horizontal, the other square to both.
     along = np.column_stack([np.outer(np.full_like(t, ahead), out), -(down + GRAVITY * t)])
     along /= np.linalg.norm(along, axis=1, keepdims=True)
@@ -152,13 +164,6 @@ def _stream(
     if t[-1] <= 0.0:
         return ()
     return tuple(np.concatenate(pair) for pair in pairwise(rings))
-
-
-# --- trace scene ----------------------------------------------------------------------------------
-
-
-_BY_HAND = ("lift", "carry", "pour", "lid")
-_NEARER = 0.7  # share of the distance from which the work of a hand is looked at
 
 
 class TraceScene:
@@ -268,48 +273,16 @@ def view(trace: Trace, at: Array, off: Array) -> tuple[Array, Array]:
         at: what it looks at by default, in W, shape (3,) [m].
         off: the eye from there, shape (3,) [m].
     """
-    if "push" in trace.phase or not np.isin(trace.phase, _BY_HAND).any():
+    if "push" in trace.phase or not np.isin(trace.phase, ("lift", "carry", "pour", "lid")).any():
         return at + off, at
     changed = [name for name, volume in trace.contents.items() if volume[0] != volume[-1]]
     places = np.array([trace.poses[n][[0, -1], 4:6] for n in {trace.pushed, *changed}])
     near = np.array([*places.mean(axis=(0, 1)), at[2]])
-    return near + _NEARER * off, near
-
-
-# --- visual additions -----------------------------------------------------------------------------
-#
-# Additions to a scene for the eye alone: a mug's handle, labels, the stand of the arm.
-#
-# Nothing of this exists for the physics, the planner or the camera. Every shape is plain data as
-# in `sim.views.viewer_recording`; kinds besides those of the plant are `lathe` (a profile of radius
-# and height, turned about z), `tube` (through points) and `label` (a sheet with a text, facing
-# z).
-
-
-Shape = dict[str, Any]
-
-FLOOR = -0.74
-"""Height of the ground below the table top [m]."""
-
-_UPRIGHT = (1.0, 0.0, 0.0, 0.0)
-_HERE = (*_UPRIGHT, 0.0, 0.0, 0.0)  # where its body is
-_TABLE, _WOOD = (0.79, 0.73, 0.65, 1.0), (0.60, 0.54, 0.46, 1.0)
-_CARDBOARD = (0.72, 0.62, 0.48, 1.0)
-_STEEL, _WHITE = (0.46, 0.48, 0.51, 1.0), (0.96, 0.95, 0.91, 1.0)
-_WITH_HANDLE = frozenset({"mug"})  # models of the registry
-_WIDE = 0.7  # share of the radius from which an opening shows what is inside
-_SHELL = 0.42  # opacity of what it must be looked through
-_SHOULDER, _NECK = 0.78, 0.88  # heights in shares of a bottle's
-_LABEL, _NARROW = (0.78, 0.42), 0.03  # label in shares of a side; sides too narrow for one [m]
-_LABEL_HEIGHT = 0.58  # of its middle, as a share of the box's
-_LIFTED = 4e-4  # of a label above its side [m]
-_OFF_TABLE = 2e-4  # of the lower side of a shell [m]
-_NECK_WALL = 0.0015  # of a bottle [m]
-_FACES_X = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])  # a sheet upright
+    return near + 0.7 * off, near
 
 
 def object_shapes(item: SceneObject, shapes: list[Shape]) -> list[Shape]:
-    """The shapes of an object, with what makes it recognisable."""
+    """The shapes of an object, with what makes it recognisable to the eye alone."""
     truth, vessel = item.truth, item.truth.vessel
     drawn = []
     for shape in shapes:
@@ -331,9 +304,16 @@ def object_shapes(item: SceneObject, shapes: list[Shape]) -> list[Shape]:
 def believed_shapes(name: str, model: ObjectModel) -> list[Shape]:
     """The shapes of an object as it is believed to be, with its name on the sides of a box."""
     if isinstance(model, BoxModel):
+        x, y, z = model.extents
+        cuboids: Iterable[tuple[Sequence[float], Sequence[float]]] = [
+            ((x, y, z), (0.0, 0.0, z / 2))
+        ]
         if model.inside is not None:
-            return _open_box(name, model.extents, model.inside)
-        return box_shapes(name, model.extents)
+            parts = open_box_parts((x, y, z), model.inside)
+            cuboids = [((b - a).tolist(), ((a + b) / 2.0).tolist()) for a, b in parts]
+        cardboard = (0.72, 0.62, 0.48, 1.0)
+        boxes = [_box("solid", size, middle, cardboard) for size, middle in cuboids]
+        return [*boxes, *_labels(name, (x, y, z))]
     if isinstance(model, CylinderModel):
         round_shapes = [_turned(model)]
         if model.name in _WITH_HANDLE:
@@ -366,28 +346,10 @@ def _turned(model: CylinderModel) -> Shape:
     }
 
 
-def box_shapes(name: str, size: Sequence[float]) -> list[Shape]:
-    """A box that stands on the table, with its name on it; its edges are along x, y and z [m]."""
-    x, y, z = size
-    return [_box("solid", (x, y, z), (0.0, 0.0, z / 2), _CARDBOARD), *_labels(name, (x, y, z))]
-
-
-def _open_box(name: str, size: tuple[float, float, float], inside: Cavity) -> list[Shape]:
-    """The floor and the walls of an open box, with its name on them."""
-    parts = [
-        _box("solid", (high - low).tolist(), ((low + high) / 2.0).tolist(), _CARDBOARD)
-        for low, high in open_box_parts(size, inside)
-    ]
-    return [*parts, *_labels(name, size)]
-
-
 def furniture(scene: Scene, shapes: list[Shape]) -> list[Shape]:
     """The shapes of the world in light wood, with lines, legs and the stand of the arm."""
-    table = [shape | {"colour": _TABLE} for shape in shapes]
+    table = [shape | {"colour": (0.79, 0.73, 0.65, 1.0)} for shape in shapes]
     return [*table, _grid(scene), *_legs(scene), *_stand(scene)]
-
-
-# -- objects --------------------------------------------------------------------------------------
 
 
 def _hollow(shape: Shape, truth: Truth, vessel: Vessel) -> Shape:
@@ -399,15 +361,16 @@ def _hollow(shape: Shape, truth: Truth, vessel: Vessel) -> Shape:
     base = truth.base_radius_m or radius
     wide = opening > _WIDE * radius
     seen_into = wide and truth.lid is None
-    outside = [(0.0, _OFF_TABLE), (base, _OFF_TABLE), (radius, floor)]
+    off_table = 2e-4  # of the lower side [m]
+    outside = [(0.0, off_table), (base, off_table), (radius, floor)]
     if seen_into:
         inner = radius - wall
         profile = [*outside, (radius, height), (inner, height), (inner, floor), (0.0, floor)]
     elif wide:  # an inner side would stripe with the liquid that is seen through the outer one
         profile = [*outside, (radius, height), (opening, height)]
     else:
-        neck = opening + _NECK_WALL
-        shoulder = [(radius, _SHOULDER * height), (neck, _NECK * height)]
+        neck = opening + 0.0015
+        shoulder = [(radius, 0.78 * height), (neck, 0.88 * height)]
         profile = [*outside, *shoulder, (neck, height), (opening, height)]
     return shape | {
         "kind": "lathe",
@@ -451,28 +414,26 @@ def _labels(name: str, size: tuple[float, float, float]) -> Iterator[Shape]:
     length, width, height = size
     for turn in range(4):
         depth, wide = (length, width) if turn % 2 == 0 else (width, length)
-        if wide < _NARROW:
+        if wide < 0.03:
             continue
         R = rot_z(turn * math.pi / 2.0)
-        place = R @ [depth / 2.0 + _LIFTED, 0.0, _LABEL_HEIGHT * height]
-        pose = np.concatenate([quaternion(R @ _FACES_X), place])
+        upright = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+        place = R @ [depth / 2.0 + _LIFTED, 0.0, 0.58 * height]
+        pose = np.concatenate([quaternion(R @ upright), place])
         yield {
             "name": "label",
             "kind": "label",
             "text": name,
-            "size": [round(_LABEL[0] * wide, 5), round(_LABEL[1] * height, 5)],
+            "size": [round(0.78 * wide, 5), round(0.42 * height, 5)],
             "pose": pose.round(6).tolist(),
             "colour": _WHITE,
         }
 
 
-# -- furniture ------------------------------------------------------------------------------------
-
-
 def _box(
     name: str,
-    size: tuple[float, float, float],
-    middle: tuple[float, float, float],
+    size: Sequence[float],
+    middle: Sequence[float],
     colour: tuple[float, ...],
 ) -> Shape:
     return {
@@ -507,7 +468,7 @@ def _legs(scene: Scene) -> Iterator[Shape]:
                 y + sy * (width / 2 - inset),
                 (top + FLOOR) / 2,
             )
-            yield _box("leg", (thick, thick, top - FLOOR), middle, _WOOD)
+            yield _box("leg", (thick, thick, top - FLOOR), middle, (0.60, 0.54, 0.46, 1.0))
 
 
 def _stand(scene: Scene) -> Iterator[Shape]:

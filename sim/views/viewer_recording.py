@@ -10,7 +10,8 @@ import base64
 import gzip
 import hashlib
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from html import escape
 from importlib import resources
 from itertools import groupby
@@ -36,11 +37,10 @@ from sim.views.trace_scene import (
     samples,
     triangles,
 )
-from sim.worlds.drake.drake_plant import Plant
+from sim.worlds.drake.drake_plant import Plant, pose_row
 
 if TYPE_CHECKING:
     from pydrake.geometry import GeometryId, SceneGraphInspector, Shape
-    from pydrake.math import RigidTransform
     from pydrake.multibody.tree import RigidBody
     from pydrake.systems.framework import Context
 
@@ -48,31 +48,47 @@ if TYPE_CHECKING:
     from sim.worlds.ports import Sample
 
 
-# --- viewer scene ---------------------------------------------------------------------------------
-#
-# A scene as a viewer draws it: its bodies with their shapes and colours, as plain data.
-#
-# A body is named by its model and by its own name there, as `mug/mug` or `lwr_arm/arm_link_1`.
-# The table belongs to `WorldModelInstance/world`, which does not move. The shapes are those that
-# the plant has for pictures, and what `sim.views.trace_scene` adds. A pose is a row of
-# quaternion (w, x, y, z) and position [m]: of a shape in its body, of a body in W.
+MODULES = (
+    "vendor/three.core.min.js",
+    "vendor/three.module.min.js",
+    "frame_track.js",
+    "body_shapes.js",
+    "force_markers.js",
+    "orbit_camera.js",
+    "render_quality.js",
+    "viewer.js",
+    "player.js",
+    "force_chart.js",
+    "timeline.js",
+    "play_controls.js",
+    "replay.js",
+)
+"""Modules of the page; each stands after those that it imports."""
 
-
-FORMAT = "nlcontrol-viewer-scene/1"
-"""Form of the document, and its version."""
+_LENGTH, _FORCE = 1e-4, 1e-2  # of one step [m], [N]
+_PUSHES = ("touch", "push")
+_GRIPS = ("grasp", "lift", "carry", "pour", "set_down", "lid")
 
 
 def viewer_scene(scene: Scene, model: Plant) -> dict[str, Any]:
-    """The bodies of a scene and of its plant, in the order of `body_poses`, as a JSON object."""
-    bodies = [
-        {
-            "name": body_name(body),
-            "kind": _kind(model, body),
-            "object": _object(model, body),
-            "shapes": shapes,
-        }
-        for body, shapes in _bodies_with_shapes(scene, model)
-    ]
+    """The bodies of a scene and of its plant, in the order of `body_poses`, as a JSON object.
+
+    A body is named by its model and by its own name there, as `mug/mug` or `lwr_arm/arm_link_1`.
+    The table belongs to `WorldModelInstance/world`, which does not move. The shapes are those that
+    the plant has for pictures, and what `sim.views.trace_scene` adds. A pose is a row of
+    quaternion (w, x, y, z) and position [m]: of a shape in its body, of a body in W.
+    """
+    inspector = model.scene_graph.model_inspector()
+    bodies = []
+    for body in drawn_bodies(model):
+        kind, owner = _kind_and_object(model, body)
+        shapes = [_drawn(inspector, each) for each in _seen_geometries(model, body)]
+        if kind == "object":
+            shapes = object_shapes(scene.object(body.name()), shapes)
+        elif kind == "world":
+            shapes = furniture(scene, shapes)
+        name = body_name(body)
+        bodies.append({"name": name, "kind": kind, "object": owner, "shapes": shapes})
     return _document(scene.name, bodies)
 
 
@@ -92,7 +108,7 @@ def believed_scene(name: str, models: Mapping[str, ObjectModel]) -> dict[str, An
 
 def _document(name: str, bodies: list[dict[str, Any]]) -> dict[str, Any]:
     return {
-        "format": FORMAT,
+        "format": "nlcontrol-viewer-scene/1",
         "name": name,
         "floor": FLOOR,
         "liquid": list(COLOUR),
@@ -153,36 +169,17 @@ def body_poses(model: Plant, bodies: list[RigidBody], context: Context) -> Array
     return np.array([pose_row(model.plant.EvalBodyPoseInWorld(context, body)) for body in bodies])
 
 
-def pose_row(X: RigidTransform) -> Array:
-    """A pose as a row of a trace: quaternion (w, x, y, z) and position."""
-    return np.append(X.rotation().ToQuaternion().wxyz(), X.translation())
-
-
-def _kind(model: Plant, body: RigidBody) -> str:
+def _kind_and_object(model: Plant, body: RigidBody) -> tuple[str, str | None]:
+    """The kind of a body, and the name of the object that it is, or whose lid it is."""
     if body.index() == model.plant.world_body().index():
-        return "world"
+        return "world", None
     if body.model_instance() in (model.arm, model.hand):
-        return "robot"
-    is_lid = any(lid.body.index() == body.index() for lid in model.lids.values())
-    return "lid" if is_lid else "object"
-
-
-def _object(model: Plant, body: RigidBody) -> str | None:
-    """Name of the object that a body is, or whose lid it is; None for others."""
+        return "robot", None
     lids = {lid.body.index(): name for name, lid in model.lids.items()}
+    if body.index() in lids:
+        return "lid", lids[body.index()]
     bodies = {each.index(): name for name, each in model.bodies.items()}
-    return (lids | bodies).get(body.index())
-
-
-def _bodies_with_shapes(scene: Scene, model: Plant) -> Iterator[tuple[RigidBody, list[Any]]]:
-    inspector = model.scene_graph.model_inspector()
-    for body in drawn_bodies(model):
-        shapes = [_drawn(inspector, each) for each in _seen_geometries(model, body)]
-        if _kind(model, body) == "object":
-            shapes = object_shapes(scene.object(body.name()), shapes)
-        elif _kind(model, body) == "world":
-            shapes = furniture(scene, shapes)
-        yield body, shapes
+    return "object", bodies.get(body.index())
 
 
 def _seen_geometries(model: Plant, body: RigidBody) -> list[GeometryId]:
@@ -237,28 +234,12 @@ def rounded_values(values: Array) -> list[float]:
     return listed
 
 
-# --- viewer recording -----------------------------------------------------------------------------
-
-
-FRAME_RATE = 30.0
-"""Frames per second of a recording."""
-
-_LENGTH, _PART, _FORCE = 1e-4, 1.0 / 32767.0, 1e-2  # of one step [m], of a quaternion, [N]
-_SAME = 2e-4  # liquid that differs by less keeps its form [m]
-_FELT = 0.25  # force from which a finger is shown to press [N]
-_MEAN_OVER = 0.1  # time over which a force is averaged [s]
-_PUSHES = ("touch", "push")
-_GRIPS = ("grasp", "lift", "carry", "pour", "set_down", "lid")
-_TABLE = (0.45, 0.0, 0.1)  # what is looked at before anything happens [m]
-_OPEN_SIDE, _FROM_BEHIND = -2.3, 0.45  # direction in which no stand is; of a view of a push [rad]
-
-
 def scene_and_recording(trace: Trace, scene: Scene) -> tuple[dict[str, Any], dict[str, Any]]:
     """A scene as `viewer_scene` has it, and a trace of it as a JSON object."""
     trace = trace.shown
     stage = TraceScene(scene, lambda builder, model: None)
     bodies = drawn_bodies(stage.model)
-    at = samples(trace, FRAME_RATE)
+    at = samples(trace, rate=30.0)
     rows = []
     for sample in at:
         stage.show(trace, sample)
@@ -269,7 +250,7 @@ def scene_and_recording(trace: Trace, scene: Scene) -> tuple[dict[str, Any], dic
     }  # of objects among the bodies
     recording = {
         "times": [_since(trace, float(time)) for time in trace.time[at]],
-        "turns": packed_series(poses[:, :, :4], _PART),
+        "turns": packed_series(poses[:, :, :4], 1.0 / 32767.0),
         "places": packed_series(poses[:, :, 4:], _LENGTH),
         "liquid": _liquid(trace, scene, at, places),
         "phases": _phases(trace),
@@ -321,7 +302,12 @@ def _liquid(
                 continue
             last = before.get(key)
             corners, faces = triangles(part.pieces)
-            if last is not None and _alike(corners_of[last], corners):
+            # What differs by less keeps its form.
+            if (
+                last is not None
+                and corners_of[last].shape == corners.shape
+                and np.abs(corners_of[last] - corners).max() < 2e-4
+            ):
                 now[key] = last
                 forms[last]["to"] = frame
                 continue
@@ -338,10 +324,6 @@ def _liquid(
                 }
             )
     return forms
-
-
-def _alike(before: Array, now: Array) -> bool:
-    return before.shape == now.shape and bool(np.abs(before - now).max() < _SAME)
 
 
 def _phases(trace: Trace) -> list[dict[str, Any]]:
@@ -367,9 +349,9 @@ def _since(trace: Trace, time: float) -> float:
 
 
 def _averaged(trace: Trace, values: Array) -> Array:
-    """Values over time, shape (n, …), each the mean over a short while."""
+    """Values over time, shape (n, …), each the mean over a tenth of a second."""
     step = float(np.median(np.diff(trace.time))) if len(trace.time) > 1 else 1.0
-    width = min(max(1, round(_MEAN_OVER / step)), len(values))
+    width = min(max(1, round(0.1 / step)), len(values))
     weights = np.full(width, 1.0 / width)
     return np.apply_along_axis(np.convolve, 0, values, weights, "same")
 
@@ -380,7 +362,9 @@ def _force(trace: Trace, at: list[int]) -> dict[str, Any]:
     A trace of several pushes has the direction of the last one alone, so the size is told.
     """
     pushed, held = np.isin(trace.phase, _PUSHES), np.isin(trace.phase, _GRIPS)
-    forces = [_averaged(trace, force) for force in trace.felt.values()] or [_nothing(trace)]
+    forces = [_averaged(trace, force) for force in trace.felt.values()] or [
+        np.zeros((len(trace.time), 3))
+    ]
     if pushed.any():
         label, felt = "force of the push", np.where(pushed, _sizes(np.sum(forces, axis=0)), 0.0)
     elif held.any():
@@ -394,10 +378,6 @@ def _force(trace: Trace, at: list[int]) -> dict[str, Any]:
     }
 
 
-def _nothing(trace: Trace) -> Array:
-    return np.zeros((len(trace.time), 3))
-
-
 def _sizes(forces: ArrayLike) -> Array:
     return np.asarray(np.linalg.norm(forces, axis=-1))
 
@@ -408,7 +388,7 @@ def _fingers(trace: Trace, at: list[int]) -> list[dict[str, Any]]:
     touching = np.isin(trace.phase, _PUSHES + _GRIPS)
     for name in trace.tips:
         force = np.where(touching[:, None], _averaged(trace, trace.felt[name]), 0.0)[at]
-        pressing = _sizes(force) > _FELT
+        pressing = _sizes(force) > 0.25
         told.append(
             {
                 "name": name,
@@ -421,40 +401,15 @@ def _fingers(trace: Trace, at: list[int]) -> list[dict[str, Any]]:
 
 def _view(trace: Trace) -> dict[str, Any]:
     """The eye from which a run is looked at: from beside a single push, a little from behind it."""
+    table = (0.45, 0.0, 0.1)  # what is looked at before anything happens [m]
     pushes = sum(phase == "push" for phase, _ in groupby(trace.phase.tolist()))
     if pushes != 1:
-        return {"azimuth": -2.2, "elevation": 0.42, "distance": 1.75, "at": _TABLE}
+        return {"azimuth": -2.2, "elevation": 0.42, "distance": 1.75, "at": table}
     along = np.arctan2(trace.direction[1], trace.direction[0])
-    sides = along + np.array([-1.0, 1.0]) * (0.5 * np.pi + _FROM_BEHIND)
-    azimuth = float(max(sides, key=lambda side: np.cos(side - _OPEN_SIDE)))
-    return {"azimuth": azimuth, "elevation": 0.36, "distance": 2.0, "at": _TABLE}
-
-
-# --- html replay ----------------------------------------------------------------------------------
-#
-# A trace as one self-contained HTML file that replays in a browser, without a network.
-#
-# The page is `page/replay.html` with its style and one small script in it. That script unpacks
-# the modules of the viewer and the data, which stand in the page compressed. A content-security
-# policy admits this script and what it unpacks, and no address at all.
-
-
-MODULES = (
-    "vendor/three.core.min.js",
-    "vendor/three.module.min.js",
-    "frame_track.js",
-    "body_shapes.js",
-    "force_markers.js",
-    "orbit_camera.js",
-    "render_quality.js",
-    "viewer.js",
-    "player.js",
-    "force_chart.js",
-    "timeline.js",
-    "play_controls.js",
-    "replay.js",
-)
-"""Modules of the page; each stands after those that it imports."""
+    sides = along + np.array([-1.0, 1.0]) * (0.5 * np.pi + 0.45)
+    # No stand is in the direction of -2.3 rad.
+    azimuth = float(max(sides, key=lambda side: np.cos(side + 2.3)))
+    return {"azimuth": azimuth, "elevation": 0.36, "distance": 2.0, "at": table}
 
 
 def save_replay(
@@ -472,7 +427,12 @@ def save_replay(
 
 
 def replay_page(trace: Trace, scene: Scene, story: RunStory | None = None) -> str:
-    """The replay as the text of an HTML document."""
+    """The replay as the text of an HTML document, which needs no network.
+
+    The page is `page/replay.html` with its style and one small script in it. That script unpacks
+    the modules of the viewer and the data, which stand in the page compressed. A content-security
+    policy admits this script and what it unpacks, and no address at all.
+    """
     told = story or _bare_story(trace)
     packed = _packed(
         {
@@ -505,7 +465,7 @@ def save_recording(
 
 def _replay_content(trace: Trace, scene: Scene, story: RunStory) -> dict[str, Any]:
     drawn, recording = scene_and_recording(trace, scene)
-    return {"scene": drawn, "recording": recording, "story": story.document()}
+    return {"scene": drawn, "recording": recording, "story": asdict(story)}
 
 
 def _packed(content: Mapping[str, Any]) -> bytes:

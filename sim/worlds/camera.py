@@ -98,19 +98,14 @@ class CameraPort:
             }
             for name, pose in (loose or {}).items():
                 seen[lid_name(name)] = self._seen_pose(name, *pose, self._lid_rng)
-            shown = {name: self._seen_level(name, level) for name, level in (levels or {}).items()}
+            shown = {}
+            for name, level in (levels or {}).items():
+                if name not in self._level_bias:
+                    self._level_bias[name] = self.vision.position_bias_m * self._level_rng.normal()
+                noise = self._level_rng.normal(0.0, self.vision.position_noise_m)
+                shown[name] = level + self._level_bias[name] + noise
             arrival = time + self.vision.delay_s
             self._frames.append(Frame(time, arrival, seen, opened, self._colours, shown))
-
-    def _seen_level(self, name: str, level: float) -> float:
-        """A level with its bias and with noise."""
-        if name not in self._level_bias:
-            self._level_bias[name] = self.vision.position_bias_m * self._level_rng.normal()
-        return (
-            level
-            + self._level_bias[name]
-            + self._level_rng.normal(0.0, self.vision.position_noise_m)
-        )
 
     def take_arrived_frames(self, time: float) -> list[Frame]:
         """Frames that can be read by `time` and were not read before."""

@@ -168,16 +168,8 @@ class ObserverPort(Protocol):
         """The truth of an object at this time."""
 
 
-# --- wall clock -----------------------------------------------------------------------------------
-#
-# The clock on the wall, to which a simulated world is held back while somebody looks.
-
-
-_CATCH_UP = 0.1  # of a delay that is made up for; what came before that is let go [s]
-
-
 class WallClock:
-    """A clock that lets steps take no less than real time, or does nothing.
+    """The clock on the wall, to which a simulated world is held back while somebody looks.
 
     What happens in a world does not depend on it, but when it happens does.
 
@@ -203,6 +195,7 @@ class WallClock:
         if not self.runs:
             return
         now = self._now()
-        self._due = max(self._due + period, now - _CATCH_UP)
+        # Of a delay so much is made up for; what came before that is let go.
+        self._due = max(self._due + period, now - 0.1)
         if self._due > now:
             self._sleep(self._due - now)

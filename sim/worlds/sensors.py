@@ -1,6 +1,4 @@
-"""Noise of the sensors: of the camera's poses and of the joints.
-
-Noise of the joints' sensors: what they show of what is true, by steps, bias and gain.
+"""Noise of the sensors: what those of the joints show of what is true, by steps, bias and gain.
 
 Model: a sensor shows round(((1 + gain error) x + bias + noise) / resolution) · resolution. The
 noise is white and drawn for every sample, the bias is constant for each joint of a world. The true
@@ -21,17 +19,10 @@ from objectmodels.geometry.rotations import Array
 from sim.random_streams import RandomStream, source
 from sim.robots.cell_description import JointSensor, TorqueSensor
 
-# --- camera noise ---------------------------------------------------------------------------------
-#
-# Noise of the camera in what an even filter makes of its frames.
-
 
 def noise_left(share: float) -> float:
-    """Share of a frame's standard deviation that is left where each new frame has a weight."""
+    """Share of a camera frame's deviation that is left where each new frame has a weight."""
     return math.sqrt(share / (2.0 - share))
-
-
-# --- sensors --------------------------------------------------------------------------------------
 
 
 class TorqueReadings:
@@ -61,13 +52,12 @@ class TorqueReadings:
         self._bias = {
             finger: sensor.bias_nm * bias.standard_normal(count) for finger, count in joints.items()
         }
-        self._rounded = _Rounding(np.array(sensor.resolution_nm))
 
     def read(self, finger: str, torques: Array) -> Array:
         """Mean of a finger's samples of a control step for true torques, shape (n,) [N·m]."""
         noise = self._noise.standard_normal((self._samples, len(torques)))
         true = self._gain * torques + self._bias[finger]
-        samples = self._rounded(true + self._sensor.noise_nm * noise)
+        samples = _rounded(true + self._sensor.noise_nm * noise, self._sensor.resolution_nm)
         return np.asarray(samples.sum(axis=0) / self._samples)
 
 
@@ -80,24 +70,17 @@ class JointReadings:
 
         self._rng = source(seed, RandomStream.JOINT_NOISE)
         self._noise = each(sensor.arm_noise_rad, sensor.finger_noise_rad)
-        self._rounded = _Rounding(each(sensor.arm_resolution_rad, sensor.finger_resolution_rad))
+        self._resolution = each(sensor.arm_resolution_rad, sensor.finger_resolution_rad)
         self._offset = each(sensor.arm_offset_rad, sensor.finger_offset_rad)
         self._offset *= source(seed, RandomStream.JOINT_OFFSET).standard_normal(joints)
 
     def read(self, angles: Array) -> Array:
         """The angles that are shown for true ones, shape (n,) [rad]."""
         noise = self._noise * self._rng.standard_normal(len(self._noise))
-        return self._rounded(angles + self._offset + noise)
+        return _rounded(angles + self._offset + noise, self._resolution)
 
 
-class _Rounding:
-    """Rounds n values to whole steps, and leaves them as they are where the step is zero."""
-
-    def __init__(self, step: Array) -> None:
-        self._stepped = step > 0.0
-        self._step = np.where(self._stepped, step, 1.0)
-
-    def __call__(self, values: Array) -> Array:
-        """Rounded, shape (..., n)."""
-        rounded = np.rint(values / self._step) * self._step
-        return rounded if self._stepped.all() else np.where(self._stepped, rounded, values)
+def _rounded(values: Array, step: Array | float) -> Array:
+    """Values in whole steps, as they are where the step is zero."""
+    whole = np.where(np.greater(step, 0.0), step, 1.0)
+    return np.where(np.greater(step, 0.0), np.rint(values / whole) * whole, values)

@@ -113,7 +113,7 @@ class CountedExecutor:
     def touch(self, experiment: Experiment, state: WorldState, progress: Any = None) -> Recording:
         self.note_motion(f"touch {experiment.push.object}")
         pose = state.objects[experiment.push.object].pose
-        return Recording.nothing(experiment, "unreachable", "the arm does not reach", pose)
+        return Recording(experiment, "unreachable", "the arm does not reach", pose)
 
 
 def _pushed(plan: Any, poses: Poses, travel: Any, begin: float) -> Trace:

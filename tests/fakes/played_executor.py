@@ -90,7 +90,7 @@ class PlayedExecutor:
         """No touch gets there."""
         self.touched.append(experiment)
         pose = state.objects[experiment.push.object].pose
-        return Recording.nothing(experiment, "unreachable", "the arm does not reach", pose)
+        return Recording(experiment, "unreachable", "the arm does not reach", pose)
 
     def _now(self, trace: Trace) -> Trace:
         """The trace on the robot's clock, which goes on, as the camera saw it."""

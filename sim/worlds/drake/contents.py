@@ -1,16 +1,5 @@
 """Contents in the simulated world: lids on their hinges and threads, liquids.
 
-Liquid in the containers of a scene: it moves their masses, runs out, is caught or is spilled.
-
-Model: at rest at every instant (`objectmodels.models.object_parts`), with the flow and the stream
-of `objectmodels.containers.pour_dynamics`; between control steps both stay as they are. A stream is
-caught by the highest open container whose opening it passes through, and arrives at once; what is
-too much for that one runs over. All else is spilled and gone. A lid that is not open keeps
-everything in, and out. Each container's liquid has the density of its own.
-
-A body's mass and centre of mass follow its contents; what it is made of besides stays. Its radii of
-gyration about the centre of mass stay too.
-
 Frames: W is the world, B a container.
 """
 
@@ -25,11 +14,11 @@ import numpy as np
 
 from objectmodels.containers.pour_dynamics import landing_distance, outflow_rate
 from objectmodels.geometry.rotations import Array
-from objectmodels.models.object_parts import FlipLid, Lid, LiftOffLid, section_area
+from objectmodels.models.object_parts import FlipLid, LiftOffLid, section_area
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Scene
 from sim.worlds.drake.drake_bodies import LidBody, shared_inertia
-from sim.worlds.drake.drake_plant import Standing
+from sim.worlds.drake.drake_plant import Standing, pose_row
 
 if TYPE_CHECKING:
     from pydrake.math import RigidTransform
@@ -38,28 +27,14 @@ if TYPE_CHECKING:
     from objectmodels.models.object_parts import Container, Vessel
 
 
-# --- lid mechanics --------------------------------------------------------------------------------
-#
-# Lids that open, come off and are put on again, in a world that moves on.
-#
-# Model: a flip lid's catch pulls it shut by a torque that fades linearly over its snap angle. A
-# lift-off lid is off once it has been pulled over its travel, a screw cap once it has turned by
-# all of its turns; then it is a free body. It is on again once it lies on its rim upright, within
-# `SEATED` of its middle, and no finger touches it any more.
-#
-# All of this happens between control steps.
-
-
-SEATED = 0.004
-"""How far from its middle a lid may be put on [m]."""
-
-_ON_TOP = 0.002  # height up to which it lies on its rim [m]
-_FREE = np.radians(30.0)  # opening from which a flip lid lets the contents out
-_LID_UPRIGHT = np.cos(np.radians(6.0))
-
-
 class Lids:
-    """Keeps the lids of a world as they are, in the root context of its diagram."""
+    """Keeps the lids of a world as they are, in the root context of its diagram.
+
+    Model: a flip lid's catch pulls it shut by a torque that fades linearly over its snap angle. A
+    lift-off lid is off once it has been pulled over its travel, a screw cap once it has turned by
+    all of its turns; then it is a free body. It is on again once it lies on its rim upright, near
+    its middle, and no finger touches it any more. All of this happens between control steps.
+    """
 
     def __init__(self, model: Standing, root: Context) -> None:
         self._plant, self._scene_graph = model.plant, model.scene_graph
@@ -88,10 +63,17 @@ class Lids:
             if each.seat is None:
                 continue
             if name not in self._off:
-                if self._joint_position(each) > _comes_off(each.lid):
+                lid = each.lid
+                assert not isinstance(lid, FlipLid)
+                most = lid.travel if isinstance(lid, LiftOffLid) else 2.0 * np.pi * lid.turns
+                if self._joint_position(each) > most:
                     self._take_off(name, each)
             elif self._is_seated(each) and not self._is_touched(each):
-                self._put_on(name, each)
+                self._seat(each)
+                self._share(each, on=True)
+                self._plant.SetConstraintActiveStatus(self._context, each.weld, True)
+                self._touch_own(each, touches=False)
+                self._off.remove(name)
 
     def present(self, name: str, truth: Truth) -> Truth:
         """The truth of an object does not change with its lid."""
@@ -111,25 +93,24 @@ class Lids:
         """True if the opening of an object with a lid is free."""
         each = self._lids[name]
         if isinstance(each.lid, FlipLid):
-            return bool(self._joint_position(each) > _FREE)
+            return bool(self._joint_position(each) > np.radians(30.0))
         return name in self._off
 
     def loose(self) -> dict[str, tuple[Array, Array]]:
         """R_WL and p_WL of the lids that are off, by the names of their objects."""
-        off = {name: each for name, each in self._lids.items() if name in self._off}
-        poses = {n: self._plant.EvalBodyPoseInWorld(self._context, e.body) for n, e in off.items()}
+        poses = {name: self._pose(each) for name, each in self._lids.items() if name in self._off}
         return {n: (X_WL.rotation().matrix(), X_WL.translation()) for n, X_WL in poses.items()}
 
     def poses(self) -> dict[str, Array]:
         """Poses X_WL of the lids that come off, quaternion (w, x, y, z) and p_WL, shape (7,)."""
-        poses = {}
-        for name, each in self._lids.items():
-            if each.seat is not None:
-                X_WL = self._plant.EvalBodyPoseInWorld(self._context, each.body)
-                poses[name] = np.concatenate(
-                    [X_WL.rotation().ToQuaternion().wxyz(), X_WL.translation()]
-                )
-        return poses
+        return {
+            name: pose_row(self._pose(each))
+            for name, each in self._lids.items()
+            if each.seat is not None
+        }
+
+    def _pose(self, each: LidBody) -> RigidTransform:
+        return self._plant.EvalBodyPoseInWorld(self._context, each.body)
 
     def _snap(self) -> None:
         tau = np.zeros(self._plant.num_velocities())
@@ -146,16 +127,14 @@ class Lids:
     def _from_seat(self, each: LidBody) -> RigidTransform:
         """Pose of a lid in its seat."""
         assert each.seat is not None
-        X_WS, X_WL = (
-            self._plant.EvalBodyPoseInWorld(self._context, body) for body in (each.seat, each.body)
-        )
-        return X_WS.InvertAndCompose(X_WL)
+        X_WS = self._plant.EvalBodyPoseInWorld(self._context, each.seat)
+        return X_WS.InvertAndCompose(self._pose(each))
 
     def _is_seated(self, each: LidBody) -> bool:
         X_SL = self._from_seat(each)
         x, y, z = X_SL.translation()
-        upright = X_SL.rotation().matrix()[2, 2] > _LID_UPRIGHT
-        return bool(np.hypot(x, y) < SEATED and z < _ON_TOP and upright)
+        upright = X_SL.rotation().matrix()[2, 2] > np.cos(np.radians(6.0))
+        return bool(np.hypot(x, y) < 0.004 and z < 0.002 and upright)
 
     def _is_touched(self, each: LidBody) -> bool:
         """True if anything but objects touches a lid."""
@@ -173,13 +152,6 @@ class Lids:
             each.joint.set_translation_rate(self._context, 0.0)
         self._touch_own(each, touches=True)
         self._off.add(name)
-
-    def _put_on(self, name: str, each: LidBody) -> None:
-        self._seat(each)
-        self._share(each, on=True)
-        self._plant.SetConstraintActiveStatus(self._context, each.weld, True)
-        self._touch_own(each, touches=False)
-        self._off.remove(name)
 
     def _seat(self, each: LidBody) -> None:
         """Moves a lid to where its seat is."""
@@ -202,23 +174,6 @@ class Lids:
         filters = CollisionFilterDeclaration()
         changed = filters.AllowBetween(*pair) if touches else filters.ExcludeBetween(*pair)
         self._scene_graph.collision_filter_manager(self._scene_context).Apply(changed)
-
-
-def _comes_off(lid: Lid) -> float:
-    """Position of its joint at which a lid is off."""
-    if isinstance(lid, LiftOffLid):
-        return lid.travel
-    assert not isinstance(lid, FlipLid)
-    return 2.0 * np.pi * lid.turns
-
-
-# --- contents -------------------------------------------------------------------------------------
-
-
-_TURNED = 1e-3  # what turned less has its contents where they were [1]
-_LEVEL = 0.02  # what leans less runs over all round, down its own sides [rad]
-_LIQUID_UPRIGHT = math.cos(math.radians(5.0))  # what stands so shows its level
-_OPEN_ABOVE = 0.5  # cosine of the largest tilt at which an opening catches anything
 
 
 @dataclass
@@ -246,7 +201,16 @@ class _Filled:
 
 
 class Liquid:
-    """Keeps the contents of all containers.
+    """Keeps the contents of all containers: liquid that runs out, is caught or is spilled.
+
+    Model: at rest at every instant (`objectmodels.models.object_parts`), with the flow and the
+    stream of `objectmodels.containers.pour_dynamics`; between control steps both stay as they are.
+    A stream is caught by the highest open container whose opening it passes through, and arrives at
+    once; what is too much for that one runs over. All else is spilled and gone. A lid that is not
+    open keeps everything in, and out. Each container's liquid has the density of its own.
+
+    A body's mass and centre of mass follow its contents; what it is made of besides stays. Its
+    radii of gyration about the centre of mass stay too.
 
     Attributes:
         contents: per container, volume in it [m³].
@@ -292,7 +256,7 @@ class Liquid:
             name: filled.volume / section_area(filled.vessel.section)
             for name, filled in self._filled.items()
             if name in poses
-            and poses[name][0][2, 2] > _LIQUID_UPRIGHT
+            and poses[name][0][2, 2] > math.cos(math.radians(5.0))
             and not self._is_closed(name)
         }
 
@@ -326,9 +290,11 @@ class Liquid:
         volume = min(flow * self._period, above)
         filled.volume -= volume
         into = None
-        if tilt > _LEVEL:
+        # What leans less runs over all round, down its own sides.
+        if tilt > 0.02:
             p_WL = p_WB + R_WB @ vessel.lip_point(heading)
-            into = self._catching(name, p_WL, _level(R_WB[:, 2]), head, tilt, poses)
+            ahead = R_WB[:2, 2] / max(math.hypot(*R_WB[:2, 2]), 1e-12)
+            into = self._catching(name, p_WL, ahead, head, tilt, poses)
         if into is None:
             self.spilled += volume
         else:
@@ -353,7 +319,7 @@ class Liquid:
             opening = filled.vessel.opening
             p_WO = p_WB + R_WB @ np.array([*opening.centre, filled.vessel.top])
             fall = p_WL[2] - p_WO[2]
-            if fall <= 0.0 or R_WB[2, 2] < _OPEN_ABOVE:
+            if fall <= 0.0 or R_WB[2, 2] < 0.5:  # it leans by more than 60°
                 continue
             lands = p_WL[:2] + ahead * float(landing_distance(head, tilt, fall))
             if math.dist(lands, p_WO[:2]) < opening.radius:
@@ -362,17 +328,14 @@ class Liquid:
 
     def _settle(self, name: str, filled: _Filled, up: Array) -> None:
         """Lets a body's inertia follow its contents, if anything changed."""
+        from pydrake.multibody.tree import SpatialInertia
+
         if filled.volume == self.contents[name] and _near(filled.up, up):
             return
         self.contents[name] = filled.volume
         filled.up = up.copy()
         if filled.volume > 0.0:
             filled.middle = filled.vessel.centroid(filled.volume, *lean_of(up))
-        self._weigh(name, filled)
-
-    def _weigh(self, name: str, filled: _Filled) -> None:
-        from pydrake.multibody.tree import SpatialInertia
-
         bare = self._bare[name]
         com = bare.get_com()
         mass, middle = _with_contents(bare.get_mass(), com, filled)
@@ -404,10 +367,6 @@ def _with_contents(mass: float, middle: Array, filled: _Filled) -> tuple[float, 
     return now, moment / now
 
 
-def _level(v: Array) -> Array:
-    """The horizontal direction of a vector, shape (2,)."""
-    return np.asarray(v[:2] / max(math.hypot(v[0], v[1]), 1e-12))
-
-
 def _near(before: Array, now: Array) -> bool:
-    return bool(np.abs(now - before).max() < _TURNED)
+    """True if the vertical in B is so much the same that the contents are where they were."""
+    return bool(np.abs(now - before).max() < 1e-3)

@@ -46,14 +46,6 @@ if TYPE_CHECKING:
     from pydrake.multibody.tree import ModelInstanceIndex, RigidBody, SpatialInertia
     from pydrake.systems.framework import DiagramBuilder
 
-_STICTION = 1e-4  # slip speed up to which friction counts as sticking [m/s]
-_CORNER_RADIUS = 1e-4
-_HOLDER = (0.008, 0.03)  # thickness and height of what is drawn of a holder [m]
-_HOLDER_COLOUR = np.array([0.35, 0.37, 0.40, 1.0])
-_SHELL = 0.35  # opacity of a container, so that one sees what is inside
-_SOLIDS = ("solid", *(f"wall_{k}" for k in range(4)))
-_OFF_TABLE = 5e-4  # of the lower side of a shell as it is drawn [m]
-
 
 @dataclass(frozen=True)
 class Feet:
@@ -108,7 +100,7 @@ def add_plant(
     builder: DiagramBuilder, scene: Scene, arm: ArmKinematics = ARM, hand: Hand = HAND
 ) -> Plant:
     """Adds robot, table and objects of a scene to a diagram."""
-    plant, scene_graph = add_empty_plant(builder, scene.time_step_s, _STICTION)
+    plant, scene_graph = add_empty_plant(builder, scene.time_step_s, stiction=1e-4)
     robot_models = _add_robot(plant, scene, arm, hand)
     table = add_table(plant, scene)
     solids: list[GeometryId] = []
@@ -194,16 +186,18 @@ def add_object(
 
     truth = item.truth
     body = plant.AddRigidBody(item.name, plant.AddModelInstance(item.name), inertia(truth))
-    opacity = 1.0 if truth.container is None else _SHELL
-    # The floor that is seen through a shell must not lie in the plane of the table top.
-    X_BV = RigidTransform(np.array([0.0, 0.0, 0.0 if truth.container is None else _OFF_TABLE]))
+    # A container is a shell through which one sees what is inside. Its floor, seen so, must
+    # not lie in the plane of the table top.
+    opacity, off_table = (1.0, 0.0) if truth.container is None else (0.35, 5e-4)
+    X_BV = RigidTransform(np.array([0.0, 0.0, off_table]))
     colour = np.array([*truth.colour, opacity])
     skin = surface(truth.friction_finger / 2)
     solids = []
-    for name, (shape, X_BG) in zip(_SOLIDS, _shapes(truth), strict=False):
+    for k, (shape, X_BG) in enumerate(_shapes(truth)):
+        name = f"wall_{k - 1}" if k else "solid"
         plant.RegisterVisualGeometry(body, X_BV @ X_BG, shape, name, colour)
         solids.append(plant.RegisterCollisionGeometry(body, X_BG, shape, name, skin))
-    r = _CORNER_RADIUS
+    r = 1e-4  # of the spheres
     base = [(*_drawn_in(point, r), r) for point in truth.support]
     top = [(*_drawn_in(point, r), truth.height - r) for point in truth.upper_points]
     feet = [
@@ -225,13 +219,13 @@ def _hold(plant: MultibodyPlant, item: SceneObject, body: RigidBody) -> None:
     from pydrake.math import RigidTransform
 
     plant.WeldFrames(plant.world_frame(), body.body_frame(), initial_pose(item))
-    thickness, height = _HOLDER
+    thickness, height, colour = 0.008, 0.03, np.array([0.35, 0.37, 0.40, 1.0])
     outline = np.array(item.truth.outline)
     x, y = np.ptp(outline, axis=0) + 2.0 * thickness
     radius = item.truth.radius_m
     shape = Box(x, y, height) if radius is None else Cylinder(radius + thickness, height)
     X_BH = RigidTransform(np.array([*outline.mean(axis=0), height / 2]))
-    plant.RegisterVisualGeometry(body, X_BH, shape, "holder", _HOLDER_COLOUR)
+    plant.RegisterVisualGeometry(body, X_BH, shape, "holder", colour)
 
 
 def _drawn_in(point: tuple[float, float], r: float) -> tuple[float, float]:
@@ -290,6 +284,11 @@ def filter_collisions(
     pairs.ExcludeWithin(GeometrySet(feet))
     pairs.ExcludeWithin(GeometrySet(robot))
     scene_graph.collision_filter_manager().Apply(pairs)
+
+
+def pose_row(X: RigidTransform) -> Array:
+    """A pose as a row of a trace: quaternion (w, x, y, z) and position, shape (7,)."""
+    return np.append(X.rotation().ToQuaternion().wxyz(), X.translation())
 
 
 def initial_pose(item: SceneObject, level: int = 0) -> RigidTransform:

@@ -28,7 +28,7 @@ from sim.truth.scene_file import TOUCHING, Scene, sample_world
 from sim.worlds.camera import camera_port
 from sim.worlds.drake.contents import Lids, Liquid
 from sim.worlds.drake.drake_bodies import ContactWatch
-from sim.worlds.drake.drake_plant import Standing, add_plant
+from sim.worlds.drake.drake_plant import Standing, add_plant, pose_row
 from sim.worlds.drake.world_variation import ShiftingContents, VaryingFriction
 from sim.worlds.ports import Frame, Sample, WallClock, WorldRecord
 from sim.worlds.sensors import JointReadings, TorqueReadings
@@ -39,16 +39,11 @@ if TYPE_CHECKING:
     from pydrake.systems.framework import Context, DiagramBuilder, OutputPort
 
 
-# --- drake ports ----------------------------------------------------------------------------------
-#
-# The robot's port of a world in Drake.
-#
-# The world hands over what the sensors measure after each step. The port keeps that and nothing
-# else of the world, so that what holds the port gets at no truth.
-
-
 class DrakeRobotPort:
     """Commands and readings of the robot in a simulated world; a `RobotPort`.
+
+    The world hands over what the sensors measure after each step. The port keeps that and nothing
+    else of the world, so that what holds the port gets at no truth.
 
     Args:
         cell: what the robot is told.
@@ -79,8 +74,14 @@ class DrakeRobotPort:
         self.commanded = commanded
         self._move = move
         self._arm_joints = len(commanded[0])
-        self._angle_places, self._torque_places = _finger_places(hand, self._arm_joints)
+        # Places of each finger's independent joints among all angles and among the torques.
+        self._angle_places, self._torque_places = dict[str, slice](), dict[str, slice]()
         joints = {finger: len(angles) for finger, angles in hand.resting.angles.items()}
+        angle, torque = self._arm_joints, 0
+        for finger, count in joints.items():
+            self._angle_places[finger] = slice(angle, angle + count)
+            self._torque_places[finger] = slice(torque, torque + count)
+            angle, torque = angle + len(hand.model_joints(finger)), torque + count
         self._torque_sensor = TorqueReadings(
             cell.torque_sensor, joints, self.period, seed, gain_error=gain_error
         )
@@ -134,23 +135,6 @@ class DrakeRobotPort:
         """Camera frames that arrived since the last call."""
         frames, self._frames = self._frames, []
         return frames
-
-
-def _finger_places(hand: Hand, arm_joints: int) -> tuple[dict[str, slice], dict[str, slice]]:
-    """Places of each finger's independent joints among all angles and among the torques."""
-    angles, torques = {}, {}
-    angle, torque = arm_joints, 0
-    for finger, resting in hand.resting.angles.items():
-        angles[finger] = slice(angle, angle + len(resting))
-        torques[finger] = slice(torque, torque + len(resting))
-        angle, torque = angle + len(hand.model_joints(finger)), torque + len(resting)
-    return angles, torques
-
-
-# --- drake world ----------------------------------------------------------------------------------
-
-
-_SUNK = 0.005  # depth in the table that no standing object has, however it is pressed [m]
 
 
 class Change(Protocol):
@@ -245,19 +229,12 @@ class DrakeWorld:
                 joint.set_angle(self._context, angle)
         self._command(self._q_arm, self._q_hand)
         self.simulator.Initialize()
-        self._require_free_robot()
-        self._observe()
-        self._prepare()
-
-    def _require_free_robot(self) -> None:
-        """Refuses a scene in which something stands in the robot: it would be pressed away.
-
-        Raises:
-            SimError: `simulation_broke`.
-        """
+        # What stands in the robot would be pressed away.
         for name, depth in self._watch.in_robot(self._context):
             if depth > TOUCHING:
                 raise _broken(f"the {name} stands {1e3 * depth:.0f} mm in the robot as that waits")
+        self._observe()
+        self._prepare()
 
     def record(self) -> WorldRecord:
         """Begins a record of what happens from now on; see `ObserverPort`."""
@@ -280,13 +257,10 @@ class DrakeWorld:
         except RuntimeError as raised:
             raise _broken("the engine found no motion that obeys its laws") from raised
         self.clock.wait(self._period)
-        impulse = self._efforts()
+        # Time integrals of the hand's drive torques, shape (12,) [N·m·s].
+        impulse = np.array(self._effort.Eval(self._effort_context))
         self._mean_torques, self._impulse = (impulse - self._impulse) / self._period, impulse
         self._observe()
-
-    def _efforts(self) -> Array:
-        """Time integrals of the hand's drive torques, shape (12,) [N·m·s]."""
-        return np.array(self._effort.Eval(self._effort_context))
 
     def _prepare(self) -> None:
         for change in self._changes:
@@ -302,11 +276,6 @@ class DrakeWorld:
             port.FixValue(self._context, np.concatenate([q, (q - before) / self._period]))
         self._q_arm, self._q_hand = q_arm, q_hand
 
-    @property
-    def lids(self) -> dict[str, float]:
-        """True opening of each lid now, as in `Trace.lids`; for an observer."""
-        return self._lids.lid_openings()
-
     def truth_now(self, name: str) -> Truth:
         """The truth of an object at this time; for an observer, never for the robot.
 
@@ -318,13 +287,17 @@ class DrakeWorld:
         return truth
 
     def _observe(self) -> None:
-        poses = {}
+        poses, top = {}, self.scene.table.extent
         for name, body in self._model.bodies.items():
             X_WB = self._plant.EvalBodyPoseInWorld(self._context, body)
             p_WB = X_WB.translation()
-            poses[name] = np.concatenate([X_WB.rotation().ToQuaternion().wxyz(), p_WB])
-            # However it lies, the middle of its base is on the table or over it.
-            if p_WB[2] < -_SUNK and self._is_over_table(p_WB):
+            poses[name] = pose_row(X_WB)
+            # However it lies or is pressed, the middle of its base is on the table or over it.
+            if (
+                p_WB[2] < -0.005
+                and top.x_min <= p_WB[0] <= top.x_max
+                and top.y_min <= p_WB[1] <= top.y_max
+            ):
                 raise _broken(f"the {name} is {-1e3 * p_WB[2]:.0f} mm deep in the table")
             self._poses[name] = (X_WB.rotation().matrix(), p_WB)
         joints = self._plant.GetPositions(self._context)[self._places]
@@ -346,12 +319,6 @@ class DrakeWorld:
         for record in self._records:
             record.samples.append(self.sample)
             record.contacts += self._watch.begun
-
-    def _is_over_table(self, p_WB: Array) -> bool:
-        """Return True if a point, shape (3,) [m], is over the table top, or under it."""
-        top = self.scene.table.extent
-        inside = top.x_min <= p_WB[0] <= top.x_max and top.y_min <= p_WB[1] <= top.y_max
-        return bool(inside)
 
 
 def _broken(what: str) -> SimError:

@@ -24,9 +24,6 @@ from sim.worlds.drake.drake_plant import (
 )
 from sim.worlds.drake.drake_world import world_changes
 
-_STICTION = 1e-6  # slip speed up to which friction counts as sticking [m/s]
-_SETTLING = 0.1  # in which the feet sink in until they carry the weight [s]
-
 
 class SingleObjectWorld:
     """An object of a scene alone on the table, in Drake.
@@ -45,7 +42,7 @@ class SingleObjectWorld:
         self.scene = scene = sample_world(scene, seed)
         self.step_time = scene.time_step_s
         builder = DiagramBuilder()
-        self._plant, scene_graph = add_empty_plant(builder, self.step_time, _STICTION)
+        self._plant, scene_graph = add_empty_plant(builder, self.step_time, stiction=1e-6)
         table = add_table(self._plant, scene)
         item = scene.object(name)
         self._body, solids, feet = add_object(self._plant, item)
@@ -64,7 +61,8 @@ class SingleObjectWorld:
         for change in world_changes(model, self._root, scene, seed):
             change.prepare([name], {name: (self.R_WB, X_WB.translation())})
         self._steps = 0
-        self._rested = math.ceil(_SETTLING / self.step_time)
+        # The feet sink in until they carry the weight.
+        self._rested = math.ceil(0.1 / self.step_time)
         for _ in range(self._rested):
             self.step(np.zeros(3), np.zeros(3))
         self._settled = self._root.Clone()

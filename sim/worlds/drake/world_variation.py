@@ -28,17 +28,9 @@ from sim.worlds.drake.drake_bodies import surface
 from sim.worlds.drake.drake_plant import Standing, inertia
 
 if TYPE_CHECKING:
-    from pydrake.geometry import GeometryId
     from pydrake.systems.framework import Context
 
-Poses = Mapping[str, tuple[Array, Array]]
-"""R_WB, shape (3, 3), and p_WB, shape (3,) [m], by the object's name."""
-
-_WAVES = 64
-_GRID = 60  # points along each side of the table over which the field is scaled
 _LOW = 0.01  # feet higher than this stand on nothing [m]
-_NOTICED = 1e-3  # relative changes of a friction coefficient that are carried out
-_MOVED, _TURNED = 1e-4, 1e-3  # an object that moved less has its feet where they were [m], [1]
 
 
 class FrictionField:
@@ -47,11 +39,12 @@ class FrictionField:
     def __init__(self, table: VaryingTable, seed: int) -> None:
         rng = source(seed, RandomStream.TABLE_FRICTION)
         variation = table.friction_variation
-        self._waves = rng.standard_normal((2, _WAVES)) / variation.length_m
-        self._phases = rng.uniform(0.0, 2.0 * np.pi, _WAVES)
+        waves, points = 64, 60  # points along each side of the table, over which it is scaled
+        self._waves = rng.standard_normal((2, waves)) / variation.length_m
+        self._phases = rng.uniform(0.0, 2.0 * np.pi, waves)
         self._log_sd = _log_deviation(variation.over_table)
         grid = [
-            centre + size * (np.arange(_GRID) / (_GRID - 1) - 0.5)
+            centre + size * (np.arange(points) / (points - 1) - 0.5)
             for centre, size in zip(table.centre_m, table.size_m, strict=True)
         ]
         over_table = self._sum(np.stack(np.meshgrid(*grid), axis=-1))
@@ -85,15 +78,20 @@ class VaryingFriction:
             for name, feet in model.feet.items()
         }
 
-    def prepare(self, touched: Sequence[str], poses: Poses) -> None:
+    def prepare(self, touched: Sequence[str], poses: Mapping[str, tuple[Array, Array]]) -> None:
         """Before a step: draws for what is touched anew, follows what moved."""
         for name in touched:
             drawn = self._log_sd * self._rng.standard_normal()
             self._factors[name] = float(np.exp(drawn - self._log_sd**2 / 2.0))
             self._before.pop(name, None)
         for name, (R_WB, p_WB) in poses.items():
-            if name in self._before and not _has_moved(self._before[name], (R_WB, p_WB)):
-                continue
+            if name in self._before:
+                turned, shifted = (
+                    np.abs(now - before).max()
+                    for before, now in zip(self._before[name], (R_WB, p_WB), strict=True)
+                )
+                if turned <= 1e-3 and shifted <= 1e-4:
+                    continue  # its feet are where they were
             self._before[name] = (R_WB, p_WB)
             self._follow(name, R_WB, p_WB)
 
@@ -105,35 +103,27 @@ class VaryingFriction:
         return truth.model_copy(update={"friction_table": mean})
 
     def _follow(self, name: str, R_WB: Array, p_WB: Array) -> None:
+        from pydrake.geometry import RoleAssign
+
         feet = self._model.feet[name]
         p_WF = feet.p_B @ R_WB.T + p_WB
         wanted = self._own[name] * self._factors[name] * self._field.at(p_WF[:, :2])
         known = self._present[name]
-        changed = (np.abs(wanted / known - 1.0) > _NOTICED) & (p_WF[:, 2] < _LOW)
+        changed = (np.abs(wanted / known - 1.0) > 1e-3) & (p_WF[:, 2] < _LOW)
         for i in np.flatnonzero(changed):
-            self._set(feet.geometries[i], float(wanted[i]))
+            self._model.scene_graph.AssignRole(
+                self._context,
+                self._model.plant.get_source_id(),
+                feet.geometries[i],
+                surface(float(wanted[i]) / 2),
+                RoleAssign.kReplace,
+            )
             known[i] = wanted[i]
-
-    def _set(self, geometry: GeometryId, friction: float) -> None:
-        from pydrake.geometry import RoleAssign
-
-        self._model.scene_graph.AssignRole(
-            self._context,
-            self._model.plant.get_source_id(),
-            geometry,
-            surface(friction / 2),
-            RoleAssign.kReplace,
-        )
 
 
 def _log_deviation(relative: float) -> float:
     """Deviation of the logarithm of a log-normal number with this relative deviation."""
     return float(np.sqrt(np.log1p(relative**2)))
-
-
-def _has_moved(before: tuple[Array, Array], now: tuple[Array, Array]) -> bool:
-    turned, shifted = (np.abs(b - a).max() for a, b in zip(before, now, strict=True))
-    return bool(turned > _TURNED or shifted > _MOVED)
 
 
 class ShiftingContents:
@@ -159,6 +149,4 @@ class ShiftingContents:
 
     def present(self, name: str, truth: Truth) -> Truth:
         """The truth of an object with its centre of mass where it is now."""
-        return truth.model_copy(
-            update={"centre_of_mass_m": self._present[name].centre_of_mass},
-        )
+        return truth.model_copy(update={"centre_of_mass_m": self._present[name].centre_of_mass})

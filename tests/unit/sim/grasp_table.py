@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from objectmodels.geometry.rotations import Array
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.object_parts import Container, Opening
 from objectmodels.models.shapes import BoxModel, CylinderModel
 from planner.types.actions import Action, Grasp
 from planner.types.plan import Plan
 from planner.types.world_state import Held, PlanarPose, SeenObject, WorldState
+from sim.motion.held_object_path import HeldObject, HeldSegment, free_segments, step_segments
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Pose, Scene, SceneObject, load_scene
 from tests.plans import hand_plan
@@ -88,3 +90,10 @@ def grasp(*, height: float = 0.08, squeeze: float = 8.0, width: float = 0.06) ->
 def plan(*steps: Action, held: bool = False, of: Grasp | None = None) -> Plan:
     """Some steps with the carton."""
     return hand_plan("carton", of or grasp(), *steps, held=held, speed=0.2)
+
+
+def held_segments(handled: HeldObject, off: Array) -> tuple[tuple[HeldSegment, ...], ...]:
+    """The legs of a plan, of the approach first and of the way back last."""
+    steps = step_segments(handled)
+    before, after = free_segments(handled, off, steps)
+    return (before, *steps, after)

@@ -49,11 +49,7 @@ class Hand:
     def touch(self, experiment: Experiment, *_: object, **__: object) -> Recording:
         self.tried.append(experiment)
         end = self.fails.get((experiment.kind, experiment.push.face), "stroke")
-        empty = np.empty((0, 3))
-        return Recording(
-            experiment, end, f"ended with {end}", None, np.empty(0), empty, empty,
-            PlanarPose(0.45, 0.0), None, None, 0.0, 0.0, 0.0, (0.0, 0.0),
-        )  # fmt: skip
+        return Recording(experiment, end, f"ended with {end}", PlanarPose(0.45, 0.0))
 
     def trials(self, recording: Recording, *, repetition: int) -> tuple[Trial, ...]:
         return (

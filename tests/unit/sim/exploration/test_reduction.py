@@ -44,7 +44,6 @@ def recording(
         forces=forces,
         before=SEEN.pose,
         after=PlanarPose(0.51, 0.1, YAW + turned),
-        seen_tilt=0.0,
         tip_radius=TIP_RADIUS,
         force_sd=0.03,
         zero_sd=0.003,

@@ -12,13 +12,12 @@ from sim.motion.held_object_path import (
     HeldObject,
     HeldSegment,
     grasp_frame,
-    held_segments,
     lip_point,
     upright_again,
     withdrawal_vectors,
 )
 from tests.plans import NOTHING_POURED
-from tests.unit.sim.grasp_table import grasp, plan, state
+from tests.unit.sim.grasp_table import grasp, held_segments, plan, state
 
 LIFT, DOWN = LiftUp(height=0.12), SetDown()
 POUR = PourOut(

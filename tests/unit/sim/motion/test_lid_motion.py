@@ -12,12 +12,13 @@ from objectmodels.models.object_parts import LiftOffLid, ScrewCap
 from planner.types.actions import Action, Aim, Carry, Grasp, LiftUp, PutOn, SetDown, TurnCap
 from planner.types.plan import Plan
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
-from sim.motion.held_object_path import HeldObject, held_segments
+from sim.motion.held_object_path import HeldObject
 from sim.motion.robot_reach import ArmHandReach
 from sim.robots.finger_kinematics import finger_points
 from sim.robots.robots import ARM, HAND
 from sim.truth.scene_file import load_scene
 from tests.plans import EASY_TURN, hand_plan
+from tests.unit.sim.grasp_table import held_segments
 
 JAR, BOTTLE = "jar", "water bottle"
 AT = {JAR: (0.25, -0.32), BOTTLE: (0.80, 0.40)}

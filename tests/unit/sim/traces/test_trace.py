@@ -69,6 +69,11 @@ def test_the_way_is_from_the_first_look_to_the_last() -> None:
     assert both.seen_displacement("box") == pytest.approx((0.1, 0.0, 0.0))
 
 
+def test_what_a_robot_without_an_observer_saw_is_kept() -> None:
+    both = join_traces([trace(0.5, 0.04, 2, 0.0).perceived, trace(0.54, 0.06, 2, 1.0).perceived])
+    assert both.seen_displacement("box") == pytest.approx((0.1, 0.0, 0.0))
+
+
 def test_without_a_look_or_a_rest_the_first_and_the_last_sample_tell_the_way() -> None:
     whole = trace(0.5, 0.04, 2, 0.0)
     cut = replace(whole, phase=np.full(N, "push"))

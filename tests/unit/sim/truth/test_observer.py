@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from sim import load_scene
-from sim.truth.observer import BOUND, Observer
+from sim.truth.observer import BOUND, first_motion
 
-SCENE = load_scene("kitchen")
-BOX = "ice tea box"  # 0.09 m deep and wide
+BOX = load_scene("kitchen").object("ice tea box").truth  # 0.09 m deep and wide
 
 
 def poses(
@@ -45,7 +44,7 @@ def poses(
     ],
 )
 def test_what_moved_first(motion: dict[str, float], outcome: str) -> None:
-    verdict = Observer(SCENE).judge(BOX, poses(**motion))
+    verdict = first_motion(BOX, poses(**motion))
     assert verdict.outcome == outcome
     moved = max(verdict.slip[verdict.sample], verdict.lift[verdict.sample])
     assert (moved > BOUND) == (outcome != "none")
@@ -54,14 +53,10 @@ def test_what_moved_first(motion: dict[str, float], outcome: str) -> None:
 def test_motion_is_measured_from_the_first_sample() -> None:
     elsewhere = poses()
     elsewhere[:, 4:] += [0.3, -0.2, 0.1]
-    assert Observer(SCENE).judge(BOX, elsewhere).outcome == "none"
+    assert first_motion(BOX, elsewhere).outcome == "none"
 
 
 def test_the_bound_is_the_callers() -> None:
     little = poses(ahead=0.2e-3)
-    assert Observer(SCENE).judge(BOX, little).outcome == "none"
-    assert Observer(SCENE, bound=1e-4).judge(BOX, little).outcome == "slide"
-
-
-def test_the_truth_is_that_of_the_scene() -> None:
-    assert Observer(SCENE).truth(BOX).mass_kg == 1.06
+    assert first_motion(BOX, little).outcome == "none"
+    assert first_motion(BOX, little, bound=1e-4).outcome == "slide"
