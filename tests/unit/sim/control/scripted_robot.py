@@ -20,6 +20,7 @@ from sim.robots.cell_description import CellDescription
 from sim.robots.finger_kinematics import FINGERS, JOINT_STIFFNESS, finger_jacobian
 from sim.robots.hand import Angles
 from sim.robots.robots import ARM, HAND
+from sim.truth.object_truth import Truth
 from sim.worlds.ports import Frame, SeenPose, WorldRecord
 
 CELL = load_scene("kitchen").cell
@@ -46,7 +47,7 @@ class ScriptedRobot:
     seed = 0
     torque_noise = 0.0
     period = PERIOD
-    joint_names = ()
+    joint_names: tuple[str, ...] = ()
 
     def __init__(self, body: Body, q_arm: Array, q_hand: Array) -> None:
         self.cell: CellDescription = CELL
@@ -94,6 +95,9 @@ class ScriptedRobot:
 
     def record(self) -> WorldRecord:
         return WorldRecord([])
+
+    def truth_now(self, name: str) -> Truth:
+        raise AssertionError(f"nobody asks a script for the truth of the {name}")
 
     def _commanded(self, finger: str) -> Angles:
         first = 3 * FINGERS.index(finger)

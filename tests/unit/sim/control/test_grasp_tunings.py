@@ -305,7 +305,8 @@ def test_a_lid_is_let_go_where_its_jar_goes_along(
     script: dict[str, float], end: str, limit: float
 ) -> None:
     (rate,) = script.values()
-    found, body, _ = _end(*_jar(), after=0.2, **script)
+    made, believed = _jar()
+    found, body, _ = _end(made, believed, after=0.2, **script)
     assert found == end
     # Seen 0.15 s late.
     assert body.since * rate == pytest.approx(limit + 0.15 * rate, rel=0.15)
