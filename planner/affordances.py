@@ -286,9 +286,6 @@ UNITS: dict[str, tuple[str, Callable[[int], float], float, float]] = {
 """Field of a goal that says how much, by its kind, how many of the units in which people say that
 are how much, a usual amount, and to what the robot does it [SI]."""
 
-BRACKETS = 2
-"""Times that the bracket is halved by its ratio: between n and 2 n, to a fifth of the most."""
-
 
 def frame_with_less(frame: g.Frame, is_planned: Callable[[g.Frame], bool]) -> g.Frame | None:
     """The frame with a smaller amount that has a plan; None if none is found.
@@ -323,7 +320,8 @@ def frame_with_less(frame: g.Frame, is_planned: Callable[[g.Frame], bool]) -> g.
         least, most = first, least
     else:
         return None
-    for _ in range(BRACKETS):
+    # Times that the bracket is halved by its ratio: between n and 2 n, to a fifth of the most.
+    for _ in range(2):
         middle = round(math.sqrt(least * most))
         if not least < middle < most:
             break

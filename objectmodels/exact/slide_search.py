@@ -234,7 +234,6 @@ _NEARER = 0.75
 _CLOSE = 1e-8  # residual above which what was found at once is sought in brackets too
 _STEPS = 100
 _MORE = 1e-8  # share by which more friction is used, beyond the precision of its limit
-_NEWTON = 12  # steps after which every other one halves the bracket
 _PRECISE = 1e-12  # of the load ratio
 _LOOKS = 16  # even steps in which slides before the one found are looked for
 _FEW = 24  # points up to which all changes of the loaded ones are looked at instead
@@ -434,7 +433,8 @@ class SlideSearch:
                 step = x - value / look.slope
             inside = (step > low) & (step < high)
             last = inside & ~done & (np.abs(value) <= _LAST_STEP * self.h[pushes] * x)
-            inside &= number < _NEWTON or number % 2 == 0
+            # Steps after which every other one halves the bracket.
+            inside &= number < 12 or number % 2 == 0
             met = high - low <= _PRECISE * high
             far = ~slides & ((step >= high) | met) & (high >= self.last[pushes])
             at[open_] = np.where(far, high, np.where(inside, step, 0.5 * (low + high)))

@@ -70,7 +70,6 @@ if TYPE_CHECKING:
 
 
 _STEPS = 60  # of Newton's method for the turning rate, bisections included
-_SETTLED_LOADS = 1e-12  # step of the turning rate, relative to the largest that there can be
 _STILL = 1e-7  # speed of a point, of the contact's, below which its friction counts as less
 
 
@@ -166,7 +165,8 @@ class LoadedPoints:
             # A point that hardly slips bends the moment sharply: then the middle is safer.
             ahead = np.where((ahead > low) & (ahead < high), ahead, 0.5 * (low + high))
             found[left_over] = ahead
-            (i,) = np.nonzero(np.abs(ahead - turn) > _SETTLED_LOADS * most)
+            # Step of the turning rate, relative to the largest that there can be.
+            (i,) = np.nonzero(np.abs(ahead - turn) > 1e-12 * most)
             if not i.size:
                 break
             turn, low, high, most = ahead[i], low[i], high[i], most[i]
@@ -206,9 +206,7 @@ DRAWS = 64
 """Points of the sequence that a probability is averaged over."""
 
 _SETTLING = 12  # looks at how the force shifts the load; each leaves a share of about h / size
-_SETTLED_DRAG = 1e-9  # change of the force, as a share of the grip
 _SHORT = 1e-6  # share of its way by which the centre of pressure stays short of the edge
-_LEAST_SHARE = 1e-3  # least pressing force that is looked at, as a share of the largest
 _FORCES, _HALVINGS = 16, 14  # forces between those two, and steps to the limit between two of them
 
 
@@ -325,7 +323,8 @@ def press_range(
             return np.asarray(top_drag(model, at, along, forces).outcome == "drags")
         return np.asarray(drag_probability(model, at, along, forces) >= probability)
 
-    forces = np.geomspace(_LEAST_SHARE * most, most, _FORCES)
+    # Least pressing force that is looked at, as a share of the largest.
+    forces = np.geomspace(1e-3 * most, most, _FORCES)
     good = drags(forces)
     if not good.any():
         return None
@@ -450,7 +449,8 @@ class _Pressed:
             share, turn = slide.force, slide.turn
             size, before = np.hypot(*share.T), force
             force = (np.minimum(limit * size, self.grip) / size)[:, None] * share
-            if (np.hypot(*(force - before).T) <= _SETTLED_DRAG * self.grip).all():
+            # Change of the force, as a share of the grip.
+            if (np.hypot(*(force - before).T) <= 1e-9 * self.grip).all():
                 break
         tip_ratio = self._tip_ratio(self.base, self.com, force)
         return share, turn, np.where(self.tips_at_once, 0.0, tip_ratio)

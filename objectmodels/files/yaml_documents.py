@@ -378,7 +378,6 @@ def kind_text(content: object) -> str:
 PREFIX = ".nlcontrol-"
 """Beginning of the names of temporary files."""
 
-_STALE = 600.0  # age from which on nobody writes a temporary file any more [s]
 _PATIENCE, _PAUSE = 60.0, 0.02  # waiting for another process that changes the same folder [s]
 
 
@@ -477,7 +476,8 @@ def _remove_leftovers(folder: Path) -> None:
     """Removes temporary files that nobody writes any more."""
     for left in folder.glob(f"{PREFIX}*"):
         with contextlib.suppress(OSError):
-            if time.time() - left.stat().st_mtime > _STALE:
+            # Age from which on nobody writes a temporary file any more [s].
+            if time.time() - left.stat().st_mtime > 600.0:
                 left.unlink()
 
 

@@ -31,7 +31,6 @@ Array = NDArray[np.float64]
 _FLAT = 1e-9
 
 # Moment by weight and size of the base that holds nothing: the centre of mass is over an edge.
-_NO_HOLD = 1e-100
 
 # Sides of the polygon that stands for a round base where points are needed.
 ROUND_CORNERS = 24
@@ -218,7 +217,7 @@ class Polygon(Base):
     ) -> Array:
         """`topple_force` for one m of all, shape (2,): the largest 1/s_k is a matrix product."""
         room = self.offsets - np.abs(self.normals) @ np.broadcast_to(shift, 2)
-        holding = np.maximum(weight * room - self.normals @ m, _NO_HOLD * weight * self.size)
+        holding = np.maximum(weight * room - self.normals @ m, 1e-100 * weight * self.size)
         rates = np.column_stack((self.normals, self.offsets)) / holding[:, None]
         push = np.stack((e[..., 0], e[..., 1], np.broadcast_to(w, e.shape[:-1])))
         growth = (rates @ push.reshape(3, -1)).max(axis=0, initial=0.0)

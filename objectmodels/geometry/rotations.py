@@ -162,9 +162,6 @@ def as_tuples(value: Any) -> Any:
 # Rotations about any axis in space.
 
 
-_HALF_TURN = 1e-6  # an angle so near to half a turn has its axis from the symmetric part [rad]
-
-
 def rotation_about(axis: ArrayLike, angles: ArrayLike) -> Array:
     """Rotations about a unit axis, shape (..., 3, 3), by angles of shape (...) [rad]."""
     x, y, z = np.asarray(axis, float).tolist()
@@ -179,7 +176,8 @@ def axis_and_angle(R: Array) -> tuple[Array, float]:
     Of half a turn the axis may be either way round.
     """
     angle = math.acos(float(np.clip((np.trace(R) - 1.0) / 2.0, -1.0, 1.0)))
-    if math.pi - angle < _HALF_TURN:
+    # An angle so near to half a turn has its axis from the symmetric part [rad].
+    if math.pi - angle < 1e-6:
         squares = 0.5 * (R + np.eye(3))
         axis = squares[:, int(np.argmax(np.diag(squares)))]
     else:

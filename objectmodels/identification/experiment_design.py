@@ -61,10 +61,7 @@ HANGS, HANGS_WHEN_ASKED = 0.05, 0.1
 """Largest standard deviation of a value, relative to it, that may come from what is believed of
 others. Of the horizontal centre of mass, as a share of the base's size."""
 
-_WEAK = 2.0  # standard deviation of a logarithm of which nothing is known, a factor of seven
 _OFF_CENTRE = 0.1  # arm from which on a slide counts as off-centre, as a share of c̄
-_SAME_ANGLE = 0.02  # tilts that differ by less count as at one angle [rad]
-_TIED = 0.2  # share of a wide direction that counts as part of it
 _GIVEN_UP = (FINGER, COM_Z, COM_Y, COM_X, RADIUS, FRICTION, MASS)
 
 
@@ -186,7 +183,8 @@ def not_identifiable_error(lost: Sequence[Missing]) -> ModelError:
 
 def _weak_deviations(balance: Balance) -> Array:
     """Standard deviations of coordinates of which nothing is known, shape (7,)."""
-    return np.where(LOGARITHMIC, _WEAK, balance.model.base.size)
+    # Standard deviation of a logarithm of which nothing is known, a factor of seven.
+    return np.where(LOGARITHMIC, 2.0, balance.model.base.size)
 
 
 def open_covariance(balance: Balance, at: Linear, free: Mask) -> Array:
@@ -260,7 +258,8 @@ def missing_parameter(
         return Missing(name, why, experiments)
     if k == COM_Z or (k in (MASS, FRICTION) and COM_Z in tied and not _one_sided(balance)):
         why = "the tilts are at one angle, which gives only mass times the weight's lever arm there"
-        if COM_Z in tied and np.ptp(t.tilt[tilts]) > _SAME_ANGLE:
+        # Tilts that differ by less count as at one angle [rad].
+        if COM_Z in tied and np.ptp(t.tilt[tilts]) > 0.02:
             why = "the tilts do not tell it from the mass and the rest of the centre of mass"
         return Missing(name, why, ("tilt to a second angle",))
     if not _one_sided(balance) and kept is not None:
@@ -284,7 +283,8 @@ def _tied_parameters(balance: Balance, at: Linear, k: int, free: Mask) -> set[in
     variance, directions = np.linalg.eigh(open_covariance(balance, at, free) / np.outer(weak, weak))
     row = np.flatnonzero(free).tolist().index(k)
     widest = directions[:, np.argmax(variance * directions[row] ** 2)]
-    return set(np.flatnonzero(free)[np.abs(widest) > _TIED].tolist())
+    # Share of a wide direction that counts as part of it.
+    return set(np.flatnonzero(free)[np.abs(widest) > 0.2].tolist())
 
 
 def _of_radius(balance: Balance, values: Array) -> tuple[str, tuple[str, ...]]:
@@ -315,10 +315,6 @@ def _least_lever(balance: Balance, values: Array) -> float:
 
 
 # --- experiment design ----------------------------------------------------------------------------
-
-
-LEAST = 1e-9
-"""Precision that no experiment reaches: for a parameter that is wanted as well as it can be."""
 
 
 @dataclass(frozen=True)
@@ -405,7 +401,8 @@ def rank_candidates(
             suggestions=("1 for each, if they cost the same",),
         )
     require_names(tuple(asked))
-    goal = dict(asked) if isinstance(asked, Mapping) else dict.fromkeys(asked, LEAST)
+    # Precision that no experiment reaches: for a parameter that is wanted as well as it can be.
+    goal = dict(asked) if isinstance(asked, Mapping) else dict.fromkeys(asked, 1e-9)
     before = belief_of(model, spread)
     lacking = _missing_precision(_precisions_from(model, before, tuple(goal)), goal)
     worths = []

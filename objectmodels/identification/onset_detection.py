@@ -33,17 +33,12 @@ LEAST_TRAVEL = 0.001
 
 LEAST_SAMPLES = 12
 
-_TOUCHED = 0.05  # share of the largest force from which on the finger touches
-_CANDIDATES = 200
 _KINK = 3.0  # the finger is so many times as fast after the onset as before
 _EVEN = 1.5  # a finger that does not yield is slowed by less than this
 _LOADED = 0.5  # share of the largest force that belongs to the rise, and to its end
 _AFTER = 0.010  # travel after the onset over which the force is fitted [m]
 _RISE = 0.4  # last share of the rise that is fitted before the onset
 _STICKS, _STICKS_SURELY = 0.03, 4.0  # a drop counts from this share and so many sd on
-
-LEAST_TILT = radians(2.0)
-"""A recording in which the object tilts by this is of a topple, else of a slide [rad]."""
 
 _WAY = 0.010  # travel after the onset over which direction and turn are taken [m]
 _LAST = 0.1  # share of a recording, at its end, over which a held tilt is averaged
@@ -97,7 +92,8 @@ def detect_onset(time: ArrayLike, force: ArrayLike, travel: ArrayLike) -> Onset:
             suggestions=("sort it by time, and leave out samples with nan and repeated times",),
         )
     smooth = _running_mean(f, max(len(f) // 50, 3))
-    first = int(np.argmax(smooth > _TOUCHED * smooth.max()))
+    # Share of the largest force from which on the finger touches.
+    first = int(np.argmax(smooth > 0.05 * smooth.max()))
     first = min(first, len(t) - LEAST_SAMPLES)
     kink, before, after = _two_lines(t[first:], x[first:])
     yields = after > _KINK * max(before, 0.0)
@@ -133,7 +129,7 @@ def _running_mean(f: Array, width: int) -> Array:
 
 def _two_lines(t: Array, x: Array) -> tuple[float, float, float]:
     """Time at which two lines through x(t) meet best, and their slopes before and after."""
-    kinks = np.linspace(t[2], t[-3], _CANDIDATES)
+    kinks = np.linspace(t[2], t[-3], 200)
     bent = np.maximum(t[:, None] - kinks, 0.0)
     # Least squares of 1, t and the bend, for all candidates at once.
     straight = np.column_stack([np.ones_like(t), t - t[0]])
@@ -339,7 +335,8 @@ def _slide_motion(
 
 
 def _held_tilt(recording: Recording) -> bool:
-    return recording.tilt is not None and float(recording.tilt[-1]) > LEAST_TILT
+    # A recording in which the object tilts by this is of a topple, else of a slide [rad].
+    return recording.tilt is not None and float(recording.tilt[-1]) > radians(2.0)
 
 
 def vector_tuple(values: Array) -> Vector:

@@ -270,9 +270,7 @@ COLUMNS = (
 _MOVED: tuple[Moved, ...] = ("slide", "topple", "slip")
 _SHORTEST, _LONGEST = 0.001, 1.0  # travel over which a turn is measured [m]
 _STRAIGHT = 0.01  # friction below which nothing is
-_FINEST = 1e-4  # no sensor of forces is better than this share
 _FINEST_ANGLE = 0.001  # and none of angles than this [°]
-_ROUNDED = 0.02  # a direction's length may be off by so much, then it is made one
 
 RECORDING_COLUMNS = (
     "trial",
@@ -287,8 +285,6 @@ RECORDING_COLUMNS = (
     "note",
 )
 """Columns that a table of recordings may have."""
-
-_LONGEST_RECORDING = 1000.0  # a recording that is longer has its times in milliseconds [s]
 
 
 @dataclass(frozen=True)
@@ -352,11 +348,12 @@ def _touch_trial(row: Row, model: ObjectModel, prefix: str, by_size: bool) -> Tr
     size = hypot(*force)
     tilt, tilt_sd = _tilt_angle(row, moved)
     turn_rate, turn_rate_sd, drift = _slide_motion(row, moved, point, force)
+    # No sensor of forces is better than this share.
     trial = Trial(
         moved=moved,
         point=point,
         force=force,
-        force_sd=_deviation_or_default(row, "force_sd_n", FORCE_SHARE * size, _FINEST * size),
+        force_sd=_deviation_or_default(row, "force_sd_n", FORCE_SHARE * size, 1e-4 * size),
         tilt=tilt,
         tilt_sd=tilt_sd,
         turn_rate=turn_rate,
@@ -393,7 +390,8 @@ def _sized_force(row: Row) -> Vector:
 def _unit_vector(row: Row, columns: tuple[str, str, str]) -> Vector:
     x, y, z = row.vector(columns)
     length = hypot(x, y, z)
-    if not abs(length - 1.0) <= _ROUNDED:
+    # A direction's length may be off by so much, then it is made one.
+    if not abs(length - 1.0) <= 0.02:
         raise row.error(columns[0], f"the direction has length {length:.3g}, expected 1")
     return (x / length, y / length, z / length)
 
@@ -557,7 +555,7 @@ def _recording_from(label: str, rows: list[Row], prefix: str) -> Recording:
     for row, step in zip(rows[1:], np.diff(time), strict=True):
         if step <= 0.0:
             raise row.error("time_s", f"does not increase within trial {label}")
-    if time[-1] - time[0] > _LONGEST_RECORDING:
+    if time[-1] - time[0] > 1000.0:  # a recording that is longer has its times in milliseconds [s]
         what = f"trial {label} lasts {time[-1] - time[0]:g} s"
         raise rows[-1].error("time_s", what, "is it in milliseconds? the column is in seconds")
     if len(rows) < LEAST_SAMPLES:

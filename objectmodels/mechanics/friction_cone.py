@@ -64,9 +64,6 @@ NEAR = 0.03
 RING = 32
 """Directions on the outer ring for a margin: adjacent ones are 11° apart."""
 
-FINE_RING = 128
-"""The same for heights, which have no refinement but depend on the lateral position only."""
-
 SEARCH_NODES, SEARCH_RING = 8, 16
 """Points of the sequence and directions on the outer ring, for finding the least probable one."""
 
@@ -298,7 +295,8 @@ def cone_thresholds(
     )
 
     def all_round() -> Array:
-        shares = cone_directions(foot, facing, tippy.com, reach, FINE_RING)
+        # Finer, since heights have no refinement but depend on the lateral position only.
+        shares = cone_directions(foot, facing, tippy.com, reach, 128)
         return contact_forces(facing[:, None, :], reach * shares)
 
     shares = cone_directions(foot, facing, tippy.com, reach, RING)

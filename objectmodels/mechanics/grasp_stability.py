@@ -48,7 +48,6 @@ STRONGEST = 1e4
 
 _STEPS = 40  # of a bisection over the squeeze
 _LEAST_LOAD = 1e-9  # tangential force, per weight, below which nothing can slip
-_LEAST_PRESS = 1e-6  # share of the squeeze with which each contact must press
 
 
 @dataclass(frozen=True)
@@ -177,7 +176,8 @@ class GraspLoads:
 
     def _opens(self, loads: Array) -> NDArray[np.bool_]:
         """Return True where a contact of normal loads (k, n) opens, shape (n,)."""
-        return np.asarray((loads < _LEAST_PRESS * np.max(loads, axis=0)).any(axis=0))
+        # Share of the squeeze with which each contact must press.
+        return np.asarray((loads < 1e-6 * np.max(loads, axis=0)).any(axis=0))
 
     def are_held(self, squeeze: Array, friction: Array) -> NDArray[np.bool_]:
         """Return True where squeezes (n,) [N] with friction coefficients (n,) hold, shape (n,).

@@ -370,19 +370,11 @@ EDGE = 0.010
 SIGMAS = 1.0
 """Standard deviations of the parameters with which a chosen contact must still stick."""
 
-CONE_SHARE = 0.9
-"""Slope of the chosen force as a share of the friction coefficient that is left then."""
-
-RADIUS_SIGMAS = 2.0
-"""Deviations of the friction radius for which a chosen direction and its stroke allow; it is the
-least known of all, and large ones slant the force most."""
-
 STROKE_SLACK = 0.005
 """What a stroke allows for on top of that [m]."""
 
 _OFFSETS = np.linspace(1.0, 0.2, 17)  # of contacts that are compared, as shares of the farthest
 _STRAIGHT = 1e-6  # a push that turns the object by less per travel goes straight [rad/m]
-_SMALLEST_RADIUS = 0.3  # share of the friction radius that no doubt takes away
 
 
 @dataclass(frozen=True)
@@ -517,12 +509,15 @@ def best_turn(
     farthest = 0.0 if face.curvature else max(face.width / 2.0 - edge, 0.0)
     p, n = face.points_at(sense * farthest * _OFFSETS, height)
     contacts = _Contacts(model, p, n)
-    holds = CONE_SHARE * max(model.finger_friction - sigmas * model.finger_friction_sd, 0.0)
+    # Slope of the chosen force as a share of the friction coefficient that is left then.
+    holds = 0.9 * max(model.finger_friction - sigmas * model.finger_friction_sd, 0.0)
     # A force square to its lever arm turns best; more slant than that is of no use.
     along, across = np.abs(contacts.r.T)
     slope = -sense * np.minimum(holds, along / np.maximum(across, 1e-9))
     force = np.column_stack((np.ones(len(p)), slope))
-    widest = _shifted_radius(model, RADIUS_SIGMAS)
+    # Deviations of the friction radius for which a chosen direction and its stroke allow; it is the
+    # least known of all, and large ones slant the force most.
+    widest = _shifted_radius(model, 2.0)
     d = contact_velocity(contacts.r, force, widest)
     d /= np.linalg.norm(d, axis=1)[:, None]
     predicted = turning_motion(model, p, n, np.arctan2(d[:, 1], d[:, 0]), angle, sigmas=sigmas)
@@ -617,7 +612,7 @@ def _shifted_radius(model: PushedBody, sigmas: float) -> float:
     """
     believed = model.friction_radius
     most = max(believed, friction_radius("corners", model.footprint))
-    least = _SMALLEST_RADIUS * believed
+    least = 0.3 * believed  # share of the friction radius that no doubt takes away
     return float(np.clip(believed + sigmas * model.friction_radius_sd, least, most))
 
 

@@ -47,7 +47,6 @@ _STEEP = 0.01
 """Least slope of the quartic at its root, by v³: where it is flatter, another may lie near."""
 
 # More than enough for a bracketed Newton iteration in double precision; usually five are used.
-_MAX_ITERATIONS = 100
 
 
 def push_moment(p: Array, u: Array) -> Array:
@@ -218,7 +217,7 @@ def _solve_load_ratio(h: Array, w: Array, a: Array, mu: Array, flat: Array) -> A
     hi = np.where(passed, np.minimum(hi, peak), hi)
     jams = ~pull & ~passed & (h <= -mu * w)
     r = 0.5 * (lo + hi)
-    for _ in range(_MAX_ITERATIONS):
+    for _ in range(100):
         y = 1.0 + r * w
         q = np.sqrt(h * h + (y * a) ** 2)
         f = r * q - mu

@@ -39,9 +39,6 @@ from objectmodels.files.yaml_documents import (
 from objectmodels.geometry.base_shapes import Array, Base, Disc, Polygon, is_within
 from objectmodels.geometry.rotations import as_tuple
 
-WATER = 1000.0
-"""Density of what is not said to be anything else [kg/m³]."""
-
 Point2 = Annotated[tuple[Coordinate, Coordinate], BeforeValidator(as_tuple)]
 
 
@@ -88,7 +85,8 @@ class Container(Part):
     opening: Opening
     contents_l: Volume = 0.0
     contents_l_sd: Deviation = 0.0
-    density: Annotated[Density, Field(alias="density_kg_m3")] = WATER
+    # Density of what is not said to be anything else [kg/m³].
+    density: Annotated[Density, Field(alias="density_kg_m3")] = 1000.0
 
     @property
     def contents(self) -> float:
@@ -306,9 +304,7 @@ _EDGES = 0.5 - 0.5 * np.cos(np.pi * np.arange(_STRIPS + 1) / _STRIPS)
 """Where strips end, as shares of the cavity's length; narrow ones where a round one ends."""
 
 _STEEP = 1e-6  # least cosine of a tilt, so that a strip does not lie along its plane
-_LEAST_SLOPE = 1e-7  # least difference of depth over half a strip [m]
 _NEAR = 1e-10  # precision of levels [m]
-_MOST_STEPS = 60
 
 
 @dataclass(frozen=True)
@@ -365,7 +361,8 @@ class TiltedStrips:
         self._steep = np.abs(self._axis)
         self._raised = strips.along * sin
         self._lower = np.where(self._axis > 0.0, strips.floor, strips.top) * self._axis
-        self._slope = np.maximum(strips.half * sin / self._steep, _LEAST_SLOPE)
+        # Least difference of depth over half a strip [m].
+        self._slope = np.maximum(strips.half * sin / self._steep, 1e-7)
         self._span = 2.0 * self._slope
 
     def volume_below(self, level: Array) -> tuple[Array, Array]:
@@ -392,7 +389,7 @@ class TiltedStrips:
         if near is not None:
             level = np.clip(near, low, high)
         with np.errstate(divide="ignore", invalid="ignore"):
-            for _ in range(_MOST_STEPS):
+            for _ in range(60):
                 below, area = self.volume_below(level)
                 high = np.where(below > volume, level, high)
                 low = np.where(below > volume, low, level)

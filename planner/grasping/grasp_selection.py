@@ -60,7 +60,6 @@ _HEIGHTS = 3  # at which each side is tried
 _LEANING = math.sin(math.radians(10.0))  # a side leans no more if it is to be held
 _OPPOSITE = math.cos(math.radians(20.0))  # sides that look away from each other at least so
 _UPRIGHT = 1e-6  # of normals that differ by rounding alone
-_WIDTH_CHANGE = 0.002  # half of what the width between leaning sides may change by [m]
 _OFF_BALANCE = (0.0, 0.01, 0.02)  # before the centre of mass, where it is too deep there [m]
 _DEPTHS = 0.005  # between those for which room is made [m]
 _UP, _LEVEL = np.array([0.0, 0.0, 1.0]), np.array([1.0, 1.0, 0.0])
@@ -320,7 +319,7 @@ def _pair_of_sides(one: Face, other: Face) -> _Sides | None:
     steep = math.hypot(n[2], m[2])
     if steep > _UPRIGHT:
         # Leaning sides are so wide in the middle between their ends, and nearly so around it.
-        around = _WIDTH_CHANGE / steep
+        around = 0.002 / steep  # half of what the width between leaning sides may change by [m]
         low, high = max(low, 0.5 * (low + high) - around), min(high, 0.5 * (low + high) + around)
     spans = [(each.centre @ along, 0.5 * each.width) for each in (one, other)]
     left, right = max(at - half for at, half in spans), min(at + half for at, half in spans)

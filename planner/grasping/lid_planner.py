@@ -50,7 +50,6 @@ from planner.types.defaults import Defaults
 from planner.types.plan import DefaultUsed, Plan, PlanTask, Reached
 from planner.types.world_state import SeenObject
 
-_LIMITS_APART = 4  # steps of an arc between angles for which a plan states the force limit
 _ASIDE = 6  # places beside it that are looked at for its lid
 _RINGS = np.arange(0.0, 0.25, 0.04)  # beyond the nearest place [m]
 _AROUND = np.arange(12) * math.tau / 12.0
@@ -172,7 +171,8 @@ def _force_limits(problem: GraspProblem, arc: FlipArc) -> tuple[float, ...]:
     """Forces at which a finger stops on its way: no more than moves the object there [N]."""
     most = (1.0 + problem.defaults.force_reserve) * arc.largest_force
     bears = np.minimum(arc.slide, arc.topple)
-    return tuple(np.minimum(bears, min(most, problem.force.max))[::_LIMITS_APART].tolist())
+    # A plan states the limit at every fourth angle of the arc.
+    return tuple(np.minimum(bears, min(most, problem.force.max))[::4].tolist())
 
 
 def _arc_prediction(arc: FlipArc, end: float) -> FlipPrediction:

@@ -64,10 +64,6 @@ from planner.types.world_state import SeenObject
 # well as hands put things down. Frame: W.
 
 
-PLACED = 0.003
-"""Standard deviation of where a hand puts something, along each axis [m]."""
-
-
 def require_level_top(lower: SeenObject) -> None:
     """Make sure that something may stand on an object.
 
@@ -114,7 +110,8 @@ def step_onto(problem: GraspProblem, there: SeenObject) -> SetOn:
     name = there.name
     if not _covers_opening(there, lower):
         raise no_plan("falls_in", object=name, other=lower.name)
-    bodies = stacked_bodies(stack_with(there, problem.state.objects), name, PLACED)
+    # Standard deviation of where a hand puts something, along each axis [m].
+    bodies = stacked_bodies(stack_with(there, problem.state.objects), name, 0.003)
     margin, stands = float(stack_margins(bodies).min()), standing_probability(bodies)
     if margin < 0.0:
         raise no_plan(
@@ -147,7 +144,6 @@ def _covers_opening(there: SeenObject, lower: SeenObject) -> bool:
 TO_THE_SIDE = math.cos(math.radians(50.0))
 """Least cosine between a lean along the line across and the side of the opening."""
 
-_CLOSER = 0.5  # share of a wanted gap that must be left where something is put
 _SPOTS = 6  # on top of an object that are looked at
 _BESIDE = 1e-6  # what ends no more than so much higher than another begins is below it [m]
 
@@ -306,7 +302,8 @@ def require_room(problem: GraspProblem, there: SeenObject, near: dict[str, float
     for name, seen in problem.others.items():
         if name == there.on or there.pose.z > seen.top_height - _BESIDE:
             continue  # it stands on that one or in it, or higher
-        apart = min(problem.clearance(seen), _CLOSER * near.get(name, np.inf))
+        # Share of a wanted gap that must be left where something is put.
+        apart = min(problem.clearance(seen), 0.5 * near.get(name, np.inf))
         if gap(own, footprint(seen)) < max(apart, kept.get(name, 0.0)):
             raise no_plan("place_taken", what=f"the {problem.target.name}", other=name)
     if room_to_edge(own, problem.state.table, problem.defaults.clearance) < 0.0:
@@ -352,10 +349,8 @@ def _lift_height(problem: GraspProblem, goal: g.Lift) -> tuple[float, tuple[Defa
 
 
 _UP = np.array([0.0, 0.0, 1.0])
-_HALF = math.radians(150.0)  # turns by more than this are tried the other way round, too
 _ASIDE = np.radians([0.0, 40.0, -40.0, 80.0, -80.0])  # of a hand in the end, off "away"
 _SAMPLES = 32  # orientations on the way that are looked at
-_POINTS_UP = 0.2  # of straight fingers in the end, how much they go up at most
 
 
 def stand_up(problem: GraspProblem) -> Plan | Reached:
@@ -395,14 +390,15 @@ def _turned(held: Candidate, rest: Resting, target: SeenObject) -> Iterator[Gras
     """
     level = _lean_onto(rest.foot)
     last = level @ held.approach
-    if last[2] > _POINTS_UP:
+    if last[2] > 0.2:  # of straight fingers in the end, how much they go up at most
         return
     away = heading_of(target.pose.p_WB) - target.pose.yaw
     kept = [heading_of(held.approach)] if np.any(held.approach[:2]) else []
     for heading in (*kept, *(away + _ASIDE)):
         axis, angle = axis_and_angle(rotation_about(_UP, heading - heading_of(last)) @ level)
         yield GraspLoad(held, turned=angle * axis)
-        if angle > _HALF:
+        # Turns by more than this are tried the other way round, too.
+        if angle > math.radians(150.0):
             yield GraspLoad(held, turned=(angle - math.tau) * axis)
 
 

@@ -49,7 +49,6 @@ from planner.types.world_state import SeenObject
 
 
 _DROP = 1e-6  # less than this is nothing [m³]
-_LEAST_SAID = 1e-5  # nobody is told to pour less than this [m³]
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,7 +136,8 @@ def _surely_poured(source: Hollow, into: Hollow, d: Defaults) -> float:
     there = source.container.contents - d.sigmas * source.container.contents_sd
     fits = into.room - d.sigmas * into.container.contents_sd
     surely = min(there, fits)
-    return surely if surely >= _LEAST_SAID else min(source.container.contents, max(into.room, 0.0))
+    # Nobody is told to pour less than this [m³].
+    return surely if surely >= 1e-5 else min(source.container.contents, max(into.room, 0.0))
 
 
 def _wanted_volume(
@@ -172,7 +172,6 @@ _TURNS = np.radians([0.0, 30.0, -30.0, 60.0, -60.0, 90.0, -90.0, 135.0, -135.0, 
 _ANGLES = np.radians(np.arange(0.0, 60.0, 5.0))  # beyond the tilt at which it would run out slowly
 _LEAST_LEFT = 0.01  # share that may stay where everything is poured
 _SOON, _PART_WAIT = 1.0, 2.0  # everything, or a part, has run out so soon after the tilt [s]
-_CENTRED = 0.001  # an opening so near to the middle has no side [m]
 
 
 @dataclass(frozen=True)
@@ -266,10 +265,11 @@ class _Pouring:
         """Directions in B in which it may lean, held so: along the line across [rad]."""
         opening = np.array([*self._source.container.opening.centre, 0.0])
         off = float(np.linalg.norm(opening))
+        # An opening so near to the middle has no side [m].
         return [
             heading_of(side * closing)
             for side in (1.0, -1.0)
-            if off < _CENTRED or side * closing @ opening > lift_planner.TO_THE_SIDE * off
+            if off < 0.001 or side * closing @ opening > lift_planner.TO_THE_SIDE * off
         ]
 
     def _may_spill(self, motion: Motion) -> NoPlanError:

@@ -250,9 +250,6 @@ def leading_point(seen: SeenObject, direction_W: Array) -> Array:
 STEP = 0.02
 """Distance of the grid's lines [m]."""
 
-MOST_LEGS = 4
-"""Legs of a way; more pushes than that are not worth it."""
-
 _AROUND = 0.30  # how far beyond start and end the grid reaches [m]
 
 
@@ -363,7 +360,7 @@ def _cheapest_path(
                 continue
             length = abs(lines[0][i] - lines[0][at[0]] + lines[1][j] - lines[1][at[1]])
             turns = next_heading != heading
-            if legs + turns > MOST_LEGS:
+            if legs + turns > 4:  # Legs of a way; more pushes than that are not worth it
                 continue
             total = cost + length + turn_cost * turns
             if total < best.get((i, j, next_heading), math.inf) - 1e-9:

@@ -23,7 +23,6 @@ from planner.types.plan import DefaultUsed, Plan
 from planner.types.robot import Failed, NoRobot, Robot
 from planner.types.world_state import SeenObject, WorldState
 
-_OF_WHAT_STANDS = ("open", "close", "pour")
 _DOING = {"rotate": "turning", "tilt": "tilting", "topple": "toppling"}
 _NO_CONTROLLER = {
     "lift": "lifting objects",
@@ -169,7 +168,7 @@ def _target_of_hand(frame: g.Frame, state: WorldState) -> SeenObject:
     target = state.objects[name]
     require_resting(target)
     require_no_load(target, state)
-    if frame.goal.kind in _OF_WHAT_STANDS and target.rest is not None:
+    if frame.goal.kind in ("open", "close", "pour") and target.rest is not None:
         doing = planning_problem.HAND_GOALS[frame.goal.kind]
         raise no_plan("lies", object=name, side=target.side_below, doing=doing)
     if not isinstance(frame.goal, g.Lift | g.Place | g.SetDown):

@@ -119,8 +119,6 @@ _CAPABILITIES = {
 }
 """Relations to objects that no push over the table brings about, and what they take."""
 
-_TIPPING = ("tips", "about_to_tip")  # events that end no way over the table
-
 
 @dataclass(frozen=True)
 class GoalPoses:
@@ -148,7 +146,7 @@ def find_goal_poses(problem: PlanningProblem[GoalT]) -> GoalPoses:
             return _rotation_poses(problem, goal)
         case g.Place():
             return _place_poses(problem, goal)
-        case g.Displace() if until is not None and until.event not in _TIPPING:
+        case g.Displace() if until is not None and until.event not in ("tips", "about_to_tip"):
             return _event_poses(problem, goal, until)
         case g.NoGoal():
             return _tap_poses(problem)

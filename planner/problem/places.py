@@ -479,7 +479,6 @@ OTHER_HALF = {
 """Halves of the table, and where what is cleared from them goes."""
 
 _DOT = 1e-3 * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])  # a point, nearly [m]
-_EIGHTH = math.tan(math.pi / 8.0)  # nearer to the diagonal than to either side
 _CLOSE = 1e-5  # accuracy of a gap [m]
 _STEPS = 60  # advances until a gap is that accurate
 
@@ -633,7 +632,8 @@ class Beside(Region):
         offset, room = abs(float(way @ _across_direction(u))), self._room(own, u)
         part = "side" if len(self.side) == 1 else "corner"
         if part == "corner":
-            room = min(room, _EIGHTH * max(float(way @ u), 0.0))
+            # Nearer to the diagonal than to either side.
+            room = min(room, math.tan(math.pi / 8.0) * max(float(way @ u), 0.0))
         return (
             Measure(f"gap to the {name}, {where}", "about", self.gap, apart, self.tolerance),
             Measure(f"off the middle of the {name}'s {part}", "at_most", 0.0, offset, room),

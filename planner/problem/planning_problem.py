@@ -34,9 +34,6 @@ from planner.types.world_state import SeenObject, WorldState, obstacle_mark
 # `benchmarks.search_work` compares the two.
 
 
-_MARKED = 2  # obstacles that the dead end names
-
-
 class SearchBudget:
     """The work that all strategies of one plan may take together.
 
@@ -91,7 +88,8 @@ class SearchBudget:
         }
         more = min(2.0 * self.most, kinds()["most_work"].most)
         stopped = Counter(each.blocker for each in self.answers.values() if each.blocker)
-        marks = tuple(obstacle_mark(each) for each, _ in stopped.most_common(_MARKED))
+        # Obstacles that the dead end names.
+        marks = tuple(obstacle_mark(each) for each, _ in stopped.most_common(2))
         made = no_plan("work_used_up", numbers, marks=marks, object=name, more=more)
         return NoPlanError(made.refusal, ends_search=True)
 

@@ -65,8 +65,6 @@ SURE = 0.999
 """Probability of a slide by the closed form that the exact tier does not lower by 0.0002."""
 
 _SPINS = 0.15  # share of the force to tip a round object over which it may turn on its rim before
-_CLEARLY = 0.6  # room to toppling as a share of the force to slide it that needs no second look
-_CONFIRMING = 8  # directions on the friction cone's boundary that the exact tier looks at
 
 
 def needed_force(problem: PushProblem, step: PushStep, contact: Contact) -> float:
@@ -151,7 +149,8 @@ def confirm_with_exact_tier(problem: PushProblem, step: PushStep, contact: Conta
         return True
     cone = contact.among.cone
     if step.outcome == "slide":
-        surely = cone.slide_margin > _CLEARLY * cone.slide_max
+        # Room to toppling as a share of the force to slide it that needs no second look.
+        surely = cone.slide_margin > 0.6 * cone.slide_max
         if surely[contact.index]:
             return True
     model = problem.target.model
@@ -224,7 +223,8 @@ def _cone_pushes(point: Vector3, normal: Vector3, grip: float) -> tuple[Array, A
 
     Without friction at the finger there is no cone.
     """
-    around = circle_corners(_CONFIRMING) if grip else np.empty((0, 2))
+    # Directions on the friction cone's boundary that the exact tier looks at.
+    around = circle_corners(8) if grip else np.empty((0, 2))
     forces = contact_forces(np.array([normal]), grip * np.vstack((np.zeros((1, 2)), around)))
     u = forces / np.linalg.norm(forces, axis=1, keepdims=True)
     return np.tile(point, (len(u), 1)), u
@@ -297,8 +297,6 @@ _ASKED_FOR = {
     "com": "find out the centre of mass of the {name} first",
 }
 """What to say to the robot, by the parameter."""
-
-_CENTRE_FOUND = 0.001  # to which touching finds a centre of mass [m]
 
 
 def _mm(length: float) -> str:
@@ -524,7 +522,8 @@ def best_experiment(model: ObjectModel, touch: Touch, defaults: Defaults) -> tup
     found_to = defaults.found_to
     known: dict[str, dict[str, object]] = {
         "friction": {"friction_sd": min(model.friction_sd, found_to * model.friction)},
-        "com": {"com_sd": tuple(min(sd, _CENTRE_FOUND) for sd in model.com_sd)},
+        # Touching finds a centre of mass to a millimetre.
+        "com": {"com_sd": tuple(min(sd, 0.001) for sd in model.com_sd)},
     }
     then = {
         name: outcome_probability(model.model_copy(update=better), touch)
@@ -537,7 +536,6 @@ def best_experiment(model: ObjectModel, touch: Touch, defaults: Defaults) -> tup
 # --- contact planner ------------------------------------------------------------------------------
 
 
-_OF_A_CASE = 0.6  # share of the contacts asked for that may be equally sure
 _FLAT = math.radians(85.0)  # a box that leans so far lies
 _RATED, _CONFIRMED = 1, 3  # units of work of a face rated and of a contact confirmed
 _SLACK = 0.03  # travel of a topple beyond what the model says, for what it does not know [m]
@@ -713,7 +711,8 @@ def _in_order(problem: PushProblem, step: PushStep, rated: list[Contacts]) -> li
         # A fall that may go anywhere goes away from the robot if it can.
         aside = abs(contacts.side.heading) if step.heading is None else 0.0
         order += [(contact.rank, aside, number, contact) for contact in contacts]
-    most = math.ceil(_OF_A_CASE * problem.effort.contacts)
+    # So many of the contacts that are asked for may be equally sure.
+    most = math.ceil(0.6 * problem.effort.contacts)
     return [contact for *_, contact in sorted(order, key=lambda each: each[:3])][:most]
 
 

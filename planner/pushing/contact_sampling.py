@@ -44,7 +44,6 @@ from planner.types.world_state import SeenObject
 EDGE = 0.006
 """How far from the edges of a face contacts stay at least; fingertips may overhang them [m]."""
 
-_HEIGHT_STEP = 0.004
 _SIDESTEPS = {1: (0.0,), 2: (0.0, 0.01, -0.01, 0.02, -0.02)}
 _ROUND = 0.7  # sine of the largest angle at which two fingertips touch a round side
 # Places in the order of margins at which the reach may be asked for; the hand that does not get
@@ -201,7 +200,7 @@ def _contact_places(face: Face, fingers: int, allowed: _Allowed) -> tuple[Array,
         return np.empty((0, 3)), np.empty(0), np.empty(0)
     aim = float(np.clip(allowed.aim, -max(room, 0.0), max(room, 0.0)))
     lateral = np.array([aim + y for y in allowed.beside if abs(aim + y) <= room + 1e-9 or y == 0])
-    heights = np.linspace(low, high, max(1, round((high - low) / _HEIGHT_STEP)) + 1)
+    heights = np.linspace(low, high, max(1, round((high - low) / 0.004)) + 1)
     z, y = (a.ravel() for a in np.meshgrid(heights, lateral, indexing="ij"))
     on = face.contains(y, z)
     points, _ = face.points_at(y[on], z[on])
@@ -322,7 +321,6 @@ def _spread_out(order: NDArray[np.intp]) -> NDArray[np.intp]:
 
 _ASKING = ("speed", "min_speed", "fast")
 _SURELY = 0.5  # share of the tolerance of a speed: pushes in the simulator are off by 0.4 at most
-_CATCH = 0.1  # share of its speed that a round object loses at once, σ
 
 
 def require_speed(problem: PushProblem, pushes: Sequence[PushAction]) -> None:
@@ -361,7 +359,8 @@ def kept_speed(problem: PushProblem, push: PushAction) -> float:
     if stiffness == 0.0:
         return math.inf
     spare = (1.0 - FORCE_BAND) * push.force_limit - push.prediction.onset
-    return max(spare, 0.0) / (_CATCH * math.sqrt(stiffness * problem.target.model.mass))
+    # Share of its speed that a round object loses at once, σ.
+    return max(spare, 0.0) / (0.1 * math.sqrt(stiffness * problem.target.model.mass))
 
 
 # --- touchable sides ------------------------------------------------------------------------------
@@ -369,10 +368,6 @@ def kept_speed(problem: PushProblem, push: PushAction) -> float:
 # Sides of an object: which of them a push may touch, which way it goes then, and what is beyond.
 #
 # Frames: W is the world, B the object.
-
-
-UNCLEAR_FACE = math.radians(40.0)
-"""A face turned by more from the direction of its name is within 5° of the next name."""
 
 
 def touchable_sides(problem: PushProblem, step: PushStep) -> list[Side]:
@@ -389,7 +384,8 @@ def touchable_sides(problem: PushProblem, step: PushStep) -> list[Side]:
         outward = target.pose.R_WB @ np.array(face.normal)
         name, off = face_name(outward)
         if face_said is not None:
-            if abs(off) > UNCLEAR_FACE:
+            # A face turned by more from the direction of its name is within 5° of the next name.
+            if abs(off) > math.radians(40.0):
                 unclear = off
                 continue
             if name != face_said:

@@ -43,12 +43,10 @@ from planner.types.world_state import SeenObject
 
 FirstStop = Callable[[tuple[PathSegment, ...]], SegmentEnd | None]
 
-_PATHS = 5  # free ways for which the hand's reach is asked
 _ASIDE = 0.15  # way to a place where it may be turned instead [m]
 _ROOM = 0.05  # room that such a place has around [m]
 _SPOTS = 2  # such places that are looked at
 _NEAR = 0.02  # what is nearer to its aim is not led around anything [m]
-_PARTED = 0.12  # a leg longer than this may be made by several pushes [m]
 _TURNS = 12  # ways to part a turn for which it is asked
 _LEAST = 0.01  # a shorter way is not worth proposing [m]
 _CLOSE = 0.004  # what is nearer is corrected by a push right there, or counts as there [m]
@@ -253,7 +251,7 @@ class PushSequencePlanner:
             for path in self._ordered_paths(target)
             if not self._denied.cover_path(target, path) and first_stop(path) is None
         )
-        for path in islice(free, _PATHS):
+        for path in islice(free, 5):  # free ways for which the hand's reach is asked
             with attempts:
                 return self._path_pushes(target, path)
             # Paths that come later are longer.
@@ -348,7 +346,8 @@ class PushSequencePlanner:
             denied = is_denied(attempt.first.refusal)
             if denied:
                 self._denied.note_segment(target, segment)
-            far = denied and segment.distance > _PARTED
+            # A leg longer than this may be made by several pushes [m].
+            far = denied and segment.distance > 0.12
             whole = problem.motion.duration is not None or problem.goal.until == "moves"
             if whole or not far:
                 raise attempt.first

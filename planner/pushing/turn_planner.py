@@ -48,11 +48,8 @@ PAIRED_TURN = math.radians(15.0)
 """Largest turn by two pushes [rad]: they leave the object p · (turn / 2)² off, 2 mm."""
 
 _SMALL = math.radians(20.0)  # turn whose pivot stands for all
-_AT_PLACE = 0.004  # an object so near to its place needs no further push [m]
 _CORRECTION = 2.2, 0.1  # pushes that a correction takes, and one more for each so much way [m]
-_EXCURSION = 0.05  # way from its place on the way that counts as much as a push [m]
 _ROUND_HEADINGS = np.radians(np.arange(-180.0, 180.0, 30.0))
-_LOOKED_AT = 4  # poses of one push that must be free
 
 
 @functools.lru_cache(maxsize=1024)
@@ -110,9 +107,11 @@ def turn_sequences(target: SeenObject, turn: float, aim: Aim) -> Iterator[tuple[
         for step in steps:
             there = step.target_after(there)
             offs.append(math.dist((aim.x, aim.y), (there.pose.x, there.pose.y)))
-        rest = 0.0 if offs[-1] < _AT_PLACE else _CORRECTION[0] + offs[-1] / _CORRECTION[1]
+        # An object so near to its place needs no further push [m].
+        rest = 0.0 if offs[-1] < 0.004 else _CORRECTION[0] + offs[-1] / _CORRECTION[1]
         # On its way it had better stay near, too.
-        cost = len(steps) + rest + max(offs) / _EXCURSION
+        # Way from its place on the way that counts as much as a push [m].
+        cost = len(steps) + rest + max(offs) / 0.05
         found.append((round(cost, 3), abs(side[0].side.heading), number, steps))
     for *_, steps in sorted(found, key=lambda each: each[:3]):
         yield steps
@@ -220,7 +219,7 @@ def turn_obstacle(
     low = np.array([other.min(axis=0) for other in others]).reshape(-1, 2) - apart
     high = np.array([other.max(axis=0) for other in others]).reshape(-1, 2) + apart
     for step in steps:
-        for share in np.linspace(0.0, 1.0, _LOOKED_AT + 1)[1:]:
+        for share in np.linspace(0.25, 1.0, 4):  # poses of one push that must be free
             here = footprint(step.target_after(target, float(share)))
             # What is farther off along an axis is farther off.
             near = ((low <= here.max(axis=0)) & (here.min(axis=0) <= high)).all(axis=1)

@@ -294,9 +294,6 @@ def _obstacle(
 # hand does not get, a sample of its postures was looked at: another one may still get there.
 
 
-_SEARCHED = ("out_of_reach", "blocked", "out_of_time")
-
-
 def with_account(refusal: Refusal, answers: Collection[ReachAnswer], work: int) -> Refusal:
     """The refusal with what was tried, if it is one of a search for what the hand can do.
 
@@ -305,7 +302,7 @@ def with_account(refusal: Refusal, answers: Collection[ReachAnswer], work: int) 
         answers: of the robot, each to another question.
         work: units of work that were done.
     """
-    if refusal.reason not in _SEARCHED or not answers:
+    if refusal.reason not in ("out_of_reach", "blocked", "out_of_time") or not answers:
         return refusal
     ways, postures = len(answers), sum(answer.postures for answer in answers)
     among = f"{ways} ways of the hand" + (f" in {postures} postures" if postures else "")

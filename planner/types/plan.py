@@ -375,14 +375,14 @@ FORCE_BAND = 0.2
 LIFT_SPEED = 0.06
 """At which what is held goes up and down, at most [m/s]."""
 
-_USUAL_SPEED = 0.05  # up to which short pushes may stay slower than they could be [m/s]
 _BRAKING = 3.0  # of a push that is to be fast [1/s]
 _ACCELERATION = 0.2  # of it, at most: a fingertip's spring makes it overtake its speed [m/s²]
 
 
 def speed_profile(speed: float, stroke: float) -> SpeedProfile:
     """The profile of a push with a largest speed [m/s] over a stroke [m]."""
-    if speed <= _USUAL_SPEED or USUAL.largest_speed(stroke) >= speed:
+    # Up to which short pushes may stay slower than they could be [m/s].
+    if speed <= 0.05 or USUAL.largest_speed(stroke) >= speed:
         return USUAL
     speeding_up = max(stroke - speed / _BRAKING, 1e-9)
     needed = speed**2 / (2.0 * speeding_up)
