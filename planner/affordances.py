@@ -116,7 +116,8 @@ def hand_affordances(
 def _push_affordances(
     target: SeenObject, state: WorldState, robot: Robot, defaults: Defaults
 ) -> Iterator[Affordance]:
-    faces = _faces_by_direction(target)
+    found = {way: pushed_face(target, heading) for way, heading in HEADINGS.items()}
+    faces = {way: face for way, face in found.items() if face is not None}
     if not faces:
         message = f"the {target.name} has no side that is wide enough for a fingertip"
         none = False, None, None, None, False, "impossible", message
@@ -138,12 +139,6 @@ def _push_affordances(
     for sense in ("left", "right"):
         name, on_it = _best_turning_face(target, faces, sense, defaults.probability)
         yield _push_affordance("turn", sense, name, on_it, target, state, robot, defaults)
-
-
-def _faces_by_direction(target: SeenObject) -> dict[str, tuple[FaceName, Face]]:
-    """The face to push for each of the robot's directions, with its name."""
-    found = {way: pushed_face(target, heading) for way, heading in HEADINGS.items()}
-    return {way: face for way, face in found.items() if face is not None}
 
 
 def pushed_face(target: SeenObject, heading: float) -> tuple[FaceName, Face] | None:

@@ -422,7 +422,16 @@ def _constraint_values(clause: Any, plan: Plan, basis: Basis) -> Iterator[Value]
             yield Value("free way", f"{si_text(defaults.clearance, 'm')} or more from the {other}")
         case g.ContactRegion():
             yield Value("contact", _contact_text(plan))
-            yield from _height_values(clause, basis)
+            top, height = basis.target.model.top, clause.height
+            if clause.region is not None:
+                third = ("bottom", "middle", "top").index(clause.region)
+                low, high = (f"{1e3 * top * k / 3:.0f}" for k in (third, third + 1))
+                yield Value("heights allowed", f"{low} to {high} mm, a third of its side")
+            if height is not None and isinstance(height.value, float):
+                at = height.value if height.origin == "table" else top - height.value
+                upwards = (height.bound == "at_least") == (height.origin == "table")
+                bound = "" if height.bound == "exact" else f"at {'least' if upwards else 'most'} "
+                yield Value("heights allowed", f"{bound}{si_text(at, 'm')}")
         case g.Effector():
             yield Value("fingers", _fingers(plan))
         case g.Gentle():
@@ -482,20 +491,6 @@ def _margin_text(plan: Plan) -> str:
     if plan.push.prediction.critical_height is None:
         return "it slides before it tips, anywhere on this face"
     return f"{si_text(plan.push.margins.height, 'm')} below where it may tip"
-
-
-def _height_values(clause: g.ContactRegion, basis: Basis) -> Iterator[Value]:
-    """The heights that a clause allows."""
-    top, height = basis.target.model.top, clause.height
-    if clause.region is not None:
-        third = ("bottom", "middle", "top").index(clause.region)
-        low, high = (f"{1e3 * top * k / 3:.0f}" for k in (third, third + 1))
-        yield Value("heights allowed", f"{low} to {high} mm, a third of its side")
-    if height is not None and isinstance(height.value, float):
-        at = height.value if height.origin == "table" else top - height.value
-        upwards = (height.bound == "at_least") == (height.origin == "table")
-        bound = "" if height.bound == "exact" else f"at {'least' if upwards else 'most'} "
-        yield Value("heights allowed", f"{bound}{si_text(at, 'm')}")
 
 
 def _speed_value(plan: Plan, basis: Basis, degree: str) -> Value:

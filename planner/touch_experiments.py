@@ -124,7 +124,10 @@ def experiments(seen: SeenObject, limits: RobotLimits) -> tuple[Experiment, ...]
             found += [
                 _slide_experiment(seen, face, y, z, limits) for y, z in ((room, low), (-room, high))
             ]
-        found.append(_rub_experiment(seen, face, max(0.4 * face.top, low), limits))
+        point, normal = face.points_at(0.0, max(0.4 * face.top, low))
+        found.append(
+            replace(_touch_experiment("rub", seen, point, normal, 0.0, limits), raised=RUB)
+        )
     return tuple(found)
 
 
@@ -191,11 +194,6 @@ def _still_slides(model: ObjectModel, face: Face, lateral: float, low: float) ->
     sure = model.likelihood(points, -normals, exact=False).slide > _SURE
     sure[0] = True
     return float(heights[np.flatnonzero(np.logical_and.accumulate(sure))[-1]])
-
-
-def _rub_experiment(seen: SeenObject, face: Face, height: float, limits: RobotLimits) -> Experiment:
-    point, normal = face.points_at(0.0, height)
-    return replace(_touch_experiment("rub", seen, point, normal, 0.0, limits), raised=RUB)
 
 
 def _touch_experiment(

@@ -275,7 +275,11 @@ class Polygon(Base):
         centre = np.broadcast_to(self.centroid, v.shape)
         triangles = np.stack((centre, v, np.roll(v, -1, axis=0)), axis=1)
         for _ in range(3 if len(v) <= 4 else 2):
-            triangles = _quarter_triangles(triangles)
+            # Each triangle (n, 3, 2) cut into four at the middles of its sides.
+            a, b, c = triangles.transpose(1, 0, 2)
+            ab, bc, ca = (a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0
+            parts = ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))
+            triangles = np.concatenate([np.stack(part, axis=1) for part in parts])
         area = np.repeat(cross(*(triangles[:, 1:] - triangles[:, :1]).transpose(1, 0, 2)), 3)
         points = triangles.reshape(-1, 2)
         cell = 1e-9 * self.size  # corners that triangles share differ by rounding
@@ -391,14 +395,6 @@ def _leaves_circle(m: Array, e: Array, room: Array | float, shrink: Array) -> Ar
         s = np.where(b > 0.0, -c / (b + root), (root - b) / a)
         s = np.where((a <= 0.0) & (b <= 0.0), np.inf, s)
     return np.where(np.isnan(s), np.inf, s)
-
-
-def _quarter_triangles(triangles: Array) -> Array:
-    """Each triangle (n, 3, 2) cut into four at the middles of its sides."""
-    a, b, c = triangles.transpose(1, 0, 2)
-    ab, bc, ca = (a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0
-    parts = ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))
-    return np.concatenate([np.stack(part, axis=1) for part in parts])
 
 
 # --- support points -------------------------------------------------------------------------------

@@ -137,7 +137,8 @@ def update_belief(
     x, P = coordinates_of(model.means), belief_of(model, spread)
     at = _logarithmic_predictions(balance, model.means, spread)
     require_possible(balance, at)
-    observed = _logarithmic_observations(balance)
+    # Measured values, forces by their logarithm.
+    observed = np.where(balance.turns, balance.observed, np.log(np.abs(balance.observed)))
     missed = observed - at.predicted
     S = at.jacobian @ P @ at.jacobian.T + np.diag(at.sd**2)
     surprise = sqrt(float(missed @ np.linalg.solve(S, missed)) / len(missed))
@@ -178,22 +179,15 @@ def belief_of(model: ObjectModel, spread: float = 0.0) -> Array:
     if spread > 0.0 and P[FRICTION, FRICTION] > 0.0:
         # Correlations stay as they are: taking the spread out may not make them impossible.
         share = max(1.0 - spread**2 / P[FRICTION, FRICTION], 1e-4)
-        least = _given_others(P) / P[FRICTION, FRICTION]
+        # Variance of the friction if all others were known.
+        others = np.arange(len(P)) != FRICTION
+        cross = P[FRICTION, others]
+        inverse = np.linalg.pinv(P[np.ix_(others, others)], hermitian=True)
+        least = (
+            float(max(P[FRICTION, FRICTION] - cross @ inverse @ cross, 0.0)) / P[FRICTION, FRICTION]
+        )
         P[FRICTION, FRICTION] *= max(share, 1.0 - 0.99 * least)
     return np.asarray(P)
-
-
-def _given_others(P: Array) -> float:
-    """Variance of the friction if all others were known."""
-    others = np.arange(len(P)) != FRICTION
-    cross = P[FRICTION, others]
-    inverse = np.linalg.pinv(P[np.ix_(others, others)], hermitian=True)
-    return float(max(P[FRICTION, FRICTION] - cross @ inverse @ cross, 0.0))
-
-
-def _logarithmic_observations(balance: Balance) -> Array:
-    """Measured values, forces by their logarithm."""
-    return np.where(balance.turns, balance.observed, np.log(np.abs(balance.observed)))
 
 
 def _logarithmic_predictions(balance: Balance, values: Array, spread: float) -> Linear:

@@ -219,13 +219,6 @@ def _shift_by_beliefs(balance: Balance, at: Linear, free: Mask) -> Array:
     return np.asarray(open_covariance(balance, at, free) @ J[:, free].T @ J[:, ~free])
 
 
-def _hung_on(balance: Balance, at: Linear, k: int, free: Mask, belief: Array) -> str:
-    """The kept parameter on whose belief parameter k hangs most."""
-    row = np.flatnonzero(free).tolist().index(k)
-    shares = np.abs(_shift_by_beliefs(balance, at, free)[row]) * np.sqrt(np.diag(belief)[~free])
-    return UNCERTAIN[int(np.flatnonzero(~free)[np.argmax(shares)])]
-
-
 def missing_parameter(
     balance: Balance, at: Linear, k: int, free: Mask, kept: Array | None = None
 ) -> Missing:
@@ -263,7 +256,9 @@ def missing_parameter(
             why = "the tilts do not tell it from the mass and the rest of the centre of mass"
         return Missing(name, why, ("tilt to a second angle",))
     if not _one_sided(balance) and kept is not None:
-        other = _hung_on(balance, at, k, free, kept)
+        row = np.flatnonzero(free).tolist().index(k)
+        shares = np.abs(_shift_by_beliefs(balance, at, free)[row]) * np.sqrt(np.diag(kept)[~free])
+        other = UNCERTAIN[int(np.flatnonzero(~free)[np.argmax(shares)])]
         return Missing(name, f"it hangs on what is believed of {other}", (f"find {other} too",))
     if not _one_sided(balance) and k in (MASS, FRICTION):
         why = "the forces are too noisy, or too few, to tell it from the centre of mass"
@@ -407,24 +402,17 @@ def rank_candidates(
     lacking = _missing_precision(_precisions_from(model, before, tuple(goal)), goal)
     worths = []
     for candidate in candidates:
+        balance = Balance(model, candidate.trials)
+        at = balance.linear_predictions(model.means)
+        tells = np.isfinite(at.predicted)  # what would never move tells nothing
+        H, R = at.jacobian[tells], at.sd[tells] ** 2
+        R = R + np.where(balance.slides[tells], spread * H[:, FRICTION], 0.0) ** 2
         known = _precisions_from(
-            model, _covariance_after(model, before, candidate.trials, spread), tuple(goal)
+            model, updated_covariance(before, H, R, kalman_gain(before, H, R)), tuple(goal)
         )
         gain = (lacking - _missing_precision(known, goal)) / candidate.cost
         worths.append(Worth(candidate, gain, known))
     return sorted(worths, key=lambda worth: -worth.gain)
-
-
-def _covariance_after(
-    model: ObjectModel, P: Array, trials: Sequence[Trial], spread: float
-) -> Array:
-    """Covariance after trials, in coordinates, shape (7, 7)."""
-    balance = Balance(model, trials)
-    at = balance.linear_predictions(model.means)
-    tells = np.isfinite(at.predicted)  # what would never move tells nothing
-    H, R = at.jacobian[tells], at.sd[tells] ** 2
-    R = R + np.where(balance.slides[tells], spread * H[:, FRICTION], 0.0) ** 2
-    return updated_covariance(P, H, R, kalman_gain(P, H, R))
 
 
 def _precisions_from(model: ObjectModel, P: Array, wanted: Sequence[str]) -> dict[str, float]:

@@ -541,7 +541,7 @@ def estimates_from_trials(model: ObjectModel, trials: Sequence[Trial]) -> Estima
     notes: list[str] = []
     if (balance.touches.kind == "topple").any():
         found |= _of_tilts(balance, notes)
-    values = _fill_values(values, found)
+    values = np.array([found.get(name, v) for name, v in zip(UNCERTAIN, values, strict=True)])
     if (balance.touches.kind == "slide").any():
         if "mass" not in found:
             notes.append("nothing tilted: the friction is that for the believed mass")
@@ -550,10 +550,6 @@ def estimates_from_trials(model: ObjectModel, trials: Sequence[Trial]) -> Estima
     if slips.size:
         found["finger_friction"] = float(slips.mean())
     return Estimates(**found, notes=tuple(notes))
-
-
-def _fill_values(values: Array, found: dict[str, float]) -> Array:
-    return np.array([found.get(name, v) for name, v in zip(UNCERTAIN, values, strict=True)])
 
 
 def _of_tilts(balance: Balance, notes: list[str]) -> dict[str, float]:

@@ -99,7 +99,12 @@ def solve_least_squares(
     """
     rows = np.ones(len(balance.observed), dtype=bool) if rows is None else rows
     believed = coordinates_of(balance.model.means)
-    information = _prior_information(belief, free) if prior else np.zeros((free.sum(), free.sum()))
+    # Inverse covariance of the beliefs on the parameters sought, given that the others hold.
+    information = (
+        np.asarray(np.linalg.pinv(belief[np.ix_(free, free)], rcond=1e-12, hermitian=True))
+        if prior
+        else np.zeros((free.sum(), free.sum()))
+    )
     now = balance.linear_predictions(start)
     require_possible(balance, now, rows)
     guess = 0.0, 1.0
@@ -159,11 +164,6 @@ class _Variances:
     noise_freedom: float
     variance: Array
     own: Array
-
-
-def _prior_information(belief: Array, free: Mask) -> Array:
-    """Inverse covariance of the beliefs on the parameters sought, given that the others hold."""
-    return np.asarray(np.linalg.pinv(belief[np.ix_(free, free)], rcond=1e-12, hermitian=True))
 
 
 def _weighted_step(

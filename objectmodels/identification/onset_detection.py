@@ -91,7 +91,10 @@ def detect_onset(time: ArrayLike, force: ArrayLike, travel: ArrayLike) -> Onset:
             "a recording must be finite, its times increasing",
             suggestions=("sort it by time, and leave out samples with nan and repeated times",),
         )
-    smooth = _running_mean(f, max(len(f) // 50, 3))
+    # Running mean; the ends repeat their outermost value.
+    width = max(len(f) // 50, 3)
+    padded = np.pad(f, (width // 2, width - 1 - width // 2), mode="edge")
+    smooth = np.convolve(padded, np.full(width, 1.0 / width), mode="valid")
     # Share of the largest force from which on the finger touches.
     first = int(np.argmax(smooth > 0.05 * smooth.max()))
     first = min(first, len(t) - LEAST_SAMPLES)
@@ -119,12 +122,6 @@ def detect_onset(time: ArrayLike, force: ArrayLike, travel: ArrayLike) -> Onset:
         if drop > max(_STICKS * sliding, _STICKS_SURELY * sd):
             return Onset(begin, kink, sticking, sticking_sd, True, gone)
     return Onset(begin, kink, sliding, sliding_sd, True, gone)
-
-
-def _running_mean(f: Array, width: int) -> Array:
-    """Running mean; the ends repeat their outermost value."""
-    padded = np.pad(f, (width // 2, width - 1 - width // 2), mode="edge")
-    return np.convolve(padded, np.full(width, 1.0 / width), mode="valid")
 
 
 def _two_lines(t: Array, x: Array) -> tuple[float, float, float]:

@@ -321,23 +321,18 @@ def read_data(paths: Sequence[Path], model: ObjectModel) -> Reading:
             unused += left
             assumed += [False] * len(found)  # theirs is the scatter of their samples
         else:
-            found = _touch_trials(table, model, prefix)
+            by_size = any(column in table.columns for column in ("force_n", *DIRECTION))
+            if by_size and any(column in table.columns for column in FORCE):
+                raise table.error(
+                    f"has both {', '.join(FORCE)} and force_n with {', '.join(DIRECTION)}",
+                    "leave one of the two out",
+                )
+            force = ("force_n", *DIRECTION) if by_size else FORCE
+            table.require_columns(("moved", *CONTACT, *force), COLUMNS)
+            found = [_touch_trial(row, model, prefix, by_size) for row in table.rows]
             assumed += [not row.text("force_sd_n") for row in table.rows]
         trials += found
     return Reading(tuple(trials), tuple(assumed), tuple(unused))
-
-
-def _touch_trials(table: Table, model: ObjectModel, prefix: str) -> list[Trial]:
-    """The trials of a table with a row for each."""
-    by_size = any(column in table.columns for column in ("force_n", *DIRECTION))
-    if by_size and any(column in table.columns for column in FORCE):
-        raise table.error(
-            f"has both {', '.join(FORCE)} and force_n with {', '.join(DIRECTION)}",
-            "leave one of the two out",
-        )
-    force = ("force_n", *DIRECTION) if by_size else FORCE
-    table.require_columns(("moved", *CONTACT, *force), COLUMNS)
-    return [_touch_trial(row, model, prefix, by_size) for row in table.rows]
 
 
 def _touch_trial(row: Row, model: ObjectModel, prefix: str, by_size: bool) -> Trial:

@@ -289,7 +289,10 @@ def force_objection(model: ObjectModel, trial: Trial) -> Objection | None:
         return Objection("force", what, (hint,))
     if trial.moved == "slip":
         return None  # only the ratio of its parts counts
-    believed = _believed_force(model, trial, u)
+    # Force at which the object is believed to do what it did; its weight if never [N].
+    t = model.thresholds([trial.point], [u])
+    force = float((t.slide if trial.moved == "slide" else t.topple)[0])
+    believed = force if np.isfinite(force) else model.weight
     # A force that holds a tilted object is less than that at the onset, down to nothing.
     least = believed / (1e3 if trial.tilt else FAR)
     if least <= size <= FAR * believed:
@@ -300,13 +303,6 @@ def force_objection(model: ObjectModel, trial: Trial) -> Objection | None:
         f"{trial.moved} there, {believed:.3g} N"
     )
     return Objection("force", what, (f"is it in {unit}?", "or mend the model's guess"))
-
-
-def _believed_force(model: ObjectModel, trial: Trial, u: Array) -> float:
-    """Force at which the object is believed to do what it did; its weight if never [N]."""
-    t = model.thresholds([trial.point], [u])
-    force = float((t.slide if trial.moved == "slide" else t.topple)[0])
-    return force if np.isfinite(force) else model.weight
 
 
 def _distances_beyond(model: ObjectModel, point: Vector) -> Array:

@@ -344,7 +344,10 @@ def slide_and_topple_forces(body: Figures, p: Array, u: Array) -> tuple[Array, A
         return np.array(single[:1]), np.array(single[1:])
     slide, topple = np.empty((2, len(p)))
     for b in blocks(len(p)):
-        slide[b] = _quick_slide(body, p[b], u[b])
+        x, y, w = u[b][:, 0], u[b][:, 1], u[b][:, 2]
+        arm = yaw_arm(p[b], u[b], body.com)
+        a2 = arm * arm * body.radius**-2
+        slide[b] = quick_slide_force(x * x + y * y, w, a2, body.friction, body.weight)
         topple[b] = topple_threshold(body.base, p[b], u[b], body.com, body.weight)
     (i,) = np.nonzero(np.isnan(slide))
     p, u = p[i], u[i]
@@ -355,14 +358,6 @@ def slide_and_topple_forces(body: Figures, p: Array, u: Array) -> tuple[Array, A
 def blocks(n: int) -> Iterator[slice]:
     """Parts of n pushes, one after the other."""
     return (slice(start, start + BLOCK) for start in range(0, n, BLOCK))
-
-
-def _quick_slide(body: Figures, p: Array, u: Array) -> Array:
-    """Forces at which pushes slide, nan where that takes a closer look, (n,) [N]."""
-    x, y, w = u[:, 0], u[:, 1], u[:, 2]
-    arm = yaw_arm(p, u, body.com)
-    a2 = arm * arm * body.radius**-2
-    return quick_slide_force(x * x + y * y, w, a2, body.friction, body.weight)
 
 
 def _single_forces(body: Figures, p: Array, u: Array) -> tuple[float, float] | None:

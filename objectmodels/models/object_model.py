@@ -141,21 +141,6 @@ class Resting:
         return R_WB, p_WN - R_WB @ self.p_BN
 
 
-def lowest_rest(model: ObjectModel, R_WB: ArrayLike) -> Resting:
-    """The way of resting of an object in this orientation of B in W; see `resting_face`."""
-    down = -checked_rotation(R_WB)[2]  # W's downward direction in B
-    nearest = max(model.rests, key=lambda rest: float(rest.down @ down))
-    off = float(np.arccos(np.clip(nearest.down @ down, -1.0, 1.0)))
-    if off > LEVEL:
-        raise ModelError(
-            "not_resting",
-            f"the {model.name} does not lie on a face: it leans {np.degrees(off):.0f}° off "
-            f"{nearest.face!r}",
-            suggestions=(f"it rests on: {', '.join(rest.face for rest in model.rests)}",),
-        )
-    return nearest
-
-
 # --- single push ----------------------------------------------------------------------------------
 #
 # A single push as plain numbers: calls of numpy to check and turn it take longer than they do.
@@ -311,7 +296,17 @@ class ObjectModel(Parameters, ABC):
         Raises:
             ModelError: `bad_array`; `not_resting` if no face of it is below.
         """
-        return lowest_rest(self, R_WB)
+        down = -checked_rotation(R_WB)[2]  # W's downward direction in B
+        nearest = max(self.rests, key=lambda rest: float(rest.down @ down))
+        off = float(np.arccos(np.clip(nearest.down @ down, -1.0, 1.0)))
+        if off > LEVEL:
+            raise ModelError(
+                "not_resting",
+                f"the {self.name} does not lie on a face: it leans {np.degrees(off):.0f}° off "
+                f"{nearest.face!r}",
+                suggestions=(f"it rests on: {', '.join(rest.face for rest in self.rests)}",),
+            )
+        return nearest
 
     def _fields_on_face(self, top: float, **changes: object) -> dict[str, Any]:
         """Fields of a model that lies, so high [m], on another face: those not of its base."""

@@ -580,7 +580,12 @@ def stable_grasps(problem: GraspProblem, bearings: Sequence[GraspLoad]) -> list[
         best = int(spare.argmax())
         needed = float(wanted[best])
         if math.isinf(needed):
-            raise _nothing_holds(problem, known.friction_needed(bearings))
+            numbers = {
+                "needed_friction": known.friction_needed(bearings),
+                "friction": friction(problem.target.model),
+            }
+            doing, name = problem.goal.doing, problem.target.name
+            raise no_plan("no_squeeze_holds", numbers, doing=doing, object=name)
         if known.probability(bearings[best], needed) < d.probability:
             needed = _free_squeeze(problem, bearings) or needed
         raise _too_heavy(problem, bearings[best].candidate, needed)
@@ -682,13 +687,6 @@ def _free_squeeze(problem: GraspProblem, bearings: Sequence[GraspLoad]) -> float
     with suppress(NoPlanError):
         return stable_grasps(free, bearings)[0].grasp.squeeze
     return None
-
-
-def _nothing_holds(problem: GraspProblem, needed: float) -> NoPlanError:
-    """Dead end since it slips out of every grasp, however hard it is squeezed."""
-    numbers = {"needed_friction": needed, "friction": friction(problem.target.model)}
-    doing, name = problem.goal.doing, problem.target.name
-    return no_plan("no_squeeze_holds", numbers, doing=doing, object=name)
 
 
 def _too_heavy(problem: GraspProblem, candidate: Candidate, wanted: float) -> NoPlanError:

@@ -92,7 +92,14 @@ def close_lid(problem: GraspProblem) -> Plan | Reached:
         case ScrewCap():
             if seen <= problem.defaults.lid_closed:
                 return Reached(lid=seen)
-            return _plan_screw_on(problem, lid, seen)
+            if is_off(lid, seen):
+                raise no_plan("cap_off", object=problem.target.name)
+            found = unscrew(problem.target.model, lid, fixed=problem.target.fixed)
+            _require_still(problem, found)
+            turn = _turn_step(problem, lid, -seen, found)
+            ways = _cap_holds(problem, lid)
+            draft = MotionDraft((turn,), found.probability)
+            return first_reachable_plan(problem, "close", each_with_each(ways, [draft]))
     raise no_plan("no_lid", object=problem.target.name)
 
 
@@ -119,7 +126,12 @@ def _plan_flip(problem: GraspProblem, lid: FlipLid, action: PlanTask, end: float
         doing, spans = problem.goal.doing, problem.force.spans
         raise no_plan("flip_not_allowed", numbers, spans=spans, doing=doing, object=target.name)
     _require_stand(problem, arc)
-    limits = _force_limits(problem, arc)
+    most = (1.0 + problem.defaults.force_reserve) * arc.largest_force
+    bears = np.minimum(arc.slide, arc.topple)
+    # A plan states the limit at every fourth angle of the arc.
+    limits = tuple(np.minimum(bears, min(most, problem.force.max))[::4].tolist())
+    near = arc.weakest_index
+    slide, topple = (float(force[near]) for force in (arc.slide, arc.topple))
     step = FlipOver(
         start=start,
         end=end,
@@ -127,7 +139,14 @@ def _plan_flip(problem: GraspProblem, lid: FlipLid, action: PlanTask, end: float
         force_limit=max(limits),
         force_limits=limits,
         heading=math.remainder(target.pose.yaw + lid.tab_heading, math.tau),
-        prediction=_arc_prediction(arc, end),
+        prediction=FlipPrediction(
+            lid_force=arc.largest_force,
+            nearest_angle=float(arc.angles[near]),
+            nearest_force=float(arc.force[near]),
+            slide_force=slide if math.isfinite(slide) else None,
+            topple_force=topple if math.isfinite(topple) else None,
+            lid_angle=end,
+        ),
     )
     used = DefaultUsed(name="lid_open", value=end, unit="rad", reason="no angle said")
     defaults = (used,) if action == "open" else ()
@@ -165,27 +184,6 @@ def _require_stand(problem: GraspProblem, arc: FlipArc) -> None:
         asked = problem.effort.probability
         sure = {"probability": arc.probability, "asked_probability": asked}
         raise no_plan("may_give_way", {**numbers, **sure}, **words)
-
-
-def _force_limits(problem: GraspProblem, arc: FlipArc) -> tuple[float, ...]:
-    """Forces at which a finger stops on its way: no more than moves the object there [N]."""
-    most = (1.0 + problem.defaults.force_reserve) * arc.largest_force
-    bears = np.minimum(arc.slide, arc.topple)
-    # A plan states the limit at every fourth angle of the arc.
-    return tuple(np.minimum(bears, min(most, problem.force.max))[::4].tolist())
-
-
-def _arc_prediction(arc: FlipArc, end: float) -> FlipPrediction:
-    near = arc.weakest_index
-    slide, topple = (float(force[near]) for force in (arc.slide, arc.topple))
-    return FlipPrediction(
-        lid_force=arc.largest_force,
-        nearest_angle=float(arc.angles[near]),
-        nearest_force=float(arc.force[near]),
-        slide_force=slide if math.isfinite(slide) else None,
-        topple_force=topple if math.isfinite(topple) else None,
-        lid_angle=end,
-    )
 
 
 # -- lids that come off -------------------------------------------------------------------------
@@ -240,18 +238,6 @@ def _plan_put_on(problem: GraspProblem, lid: LiftOffLid) -> Plan:
     up = max(target.model.top - target.lid_at[2], 0.0) + d.carry_clearance
     down = PutOn(onto=target.name, press=press)
     draft = MotionDraft((LiftUp(height=up, hold=0.0), Carry(to=Aim(x=x, y=y)), down))
-    return first_reachable_plan(problem, "close", each_with_each(ways, [draft]))
-
-
-def _plan_screw_on(problem: GraspProblem, cap: ScrewCap, seen: float) -> Plan:
-    """A cap that is turned back."""
-    if is_off(cap, seen):
-        raise no_plan("cap_off", object=problem.target.name)
-    found = unscrew(problem.target.model, cap, fixed=problem.target.fixed)
-    _require_still(problem, found)
-    turn = _turn_step(problem, cap, -seen, found)
-    ways = _cap_holds(problem, cap)
-    draft = MotionDraft((turn,), found.probability)
     return first_reachable_plan(problem, "close", each_with_each(ways, [draft]))
 
 

@@ -36,7 +36,7 @@ from planner.grasping.grasp_selection import (
 )
 from planner.problem.directions import heading_of
 from planner.problem.footprints import footprint, gap, room_to_edge
-from planner.problem.goal_poses import GoalPoses, find_goal_poses, pose_as_aim
+from planner.problem.goal_poses import find_goal_poses, pose_as_aim
 from planner.problem.places import WALL_ROOM, InBox, object_at, region
 from planner.problem.planning_problem import GraspProblem, value_in_bound
 from planner.problem.predicted_states import standing_object
@@ -194,12 +194,21 @@ def place(problem: GraspProblem) -> Plan:
     require_liftable(problem)
     lower = _object_below(problem)
     if lower is not None:
-        _require_place_on(problem, lower)
+        goal = problem.frame.goal
+        if isinstance(goal, g.Place) and goal.relation == "in":
+            require_room_inside(problem, lower)
+        else:
+            require_level_top(lower)
     found = find_goal_poses(problem)
     drafts, places = [], Alternatives()
     for aim in found.goal.aims:
         with places:
-            drafts.append(_draft_to(problem, aim, found, lower))
+            there = put_on(object_at(problem.target, np.array([aim.x, aim.y])), lower)
+            require_room(problem, there, dict(found.goal.near))
+            last = SetDown() if lower is None else step_onto(problem, there)
+            steps = (*lift_steps(problem, clearance_height(problem, aim)), Carry(to=aim), last)
+            stands = last.prediction.stands if isinstance(last, SetOn) else 1.0
+            drafts.append(MotionDraft(steps, stands, aim=aim, defaults=found.defaults_used))
     if not drafts:
         raise places.first
     drafts = sorted(drafts, key=lambda draft: -round(draft.probability, 3))[:_SPOTS]
@@ -284,14 +293,6 @@ def _object_below(problem: GraspProblem) -> SeenObject | None:
     return problem.state.objects[goal.reference[0].id or ""]
 
 
-def _require_place_on(problem: GraspProblem, lower: SeenObject) -> None:
-    goal = problem.frame.goal
-    if isinstance(goal, g.Place) and goal.relation == "in":
-        require_room_inside(problem, lower)
-    else:
-        require_level_top(lower)
-
-
 def require_room(problem: GraspProblem, there: SeenObject, near: dict[str, float]) -> None:
     """Make sure that an object, or a lid, can stand `there`, `near` others as close as said [m].
 
@@ -308,17 +309,6 @@ def require_room(problem: GraspProblem, there: SeenObject, near: dict[str, float
             raise no_plan("place_taken", what=f"the {problem.target.name}", other=name)
     if room_to_edge(own, problem.state.table, problem.defaults.clearance) < 0.0:
         raise no_plan("table_ends", what=f"the {problem.target.name}")
-
-
-def _draft_to(
-    problem: GraspProblem, aim: Aim, found: GoalPoses, lower: SeenObject | None
-) -> MotionDraft:
-    there = put_on(object_at(problem.target, np.array([aim.x, aim.y])), lower)
-    require_room(problem, there, dict(found.goal.near))
-    last = SetDown() if lower is None else step_onto(problem, there)
-    steps = (*lift_steps(problem, clearance_height(problem, aim)), Carry(to=aim), last)
-    stands = last.prediction.stands if isinstance(last, SetOn) else 1.0
-    return MotionDraft(steps, stands, aim=aim, defaults=found.defaults_used)
 
 
 def _lift_height(problem: GraspProblem, goal: g.Lift) -> tuple[float, tuple[DefaultUsed, ...]]:

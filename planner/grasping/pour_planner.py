@@ -38,7 +38,6 @@ from planner.refusals.no_plan import no_plan
 from planner.types.actions import Action, Aim, Carry, PourOut, PourPrediction, SetDown
 from planner.types.defaults import Defaults
 from planner.types.plan import DefaultUsed, Plan, Reached
-from planner.types.refusal import NoPlanError
 from planner.types.world_state import SeenObject
 
 # --- pour amounts ---------------------------------------------------------------------------------
@@ -272,18 +271,6 @@ class _Pouring:
             if off < 0.001 or side * closing @ opening > lift_planner.TO_THE_SIDE * off
         ]
 
-    def _may_spill(self, motion: Motion) -> NoPlanError:
-        """Dead end since too much may miss or run over, or too little run out."""
-        numbers = {
-            "volume": self._wanted.volume,
-            "room": self._wanted.room,
-            **{name: float(value) for name, value in motion.poured.mean_volumes().items()},
-            "probability": motion.probability,
-            "asked_probability": self._problem.effort.probability,
-        }
-        name, into = self._problem.target.name, self._into.seen.name
-        return no_plan("may_spill", numbers, object=name, into=into)
-
     def _likely_motions(self, closing: list[Array]) -> dict[int, Motion]:
         """The motion for each direction in which it may lean, if it is likely enough."""
         leans = {_lean_key(lean): lean for each in closing for lean in self._lean_directions(each)}
@@ -295,7 +282,15 @@ class _Pouring:
         found = {key: self._pour_motion(lean) for key, lean in leans.items()}
         best = max(found.values(), key=lambda motion: motion.probability)
         if best.probability < self._problem.effort.probability:
-            raise self._may_spill(best)
+            numbers = {
+                "volume": self._wanted.volume,
+                "room": self._wanted.room,
+                **{name: float(value) for name, value in best.poured.mean_volumes().items()},
+                "probability": best.probability,
+                "asked_probability": self._problem.effort.probability,
+            }
+            name, into = self._problem.target.name, self._into.seen.name
+            raise no_plan("may_spill", numbers, object=name, into=into)
         asked = self._problem.effort.probability
         return {key: motion for key, motion in found.items() if motion.probability >= asked}
 
@@ -322,18 +317,14 @@ class _Pouring:
         )
         everything = running.caught_by(catch)
         poured = everything if wanted.all else _pour_stopped_at(everything, wanted.volume)
-        return Motion(lean, angle, wait, ahead, poured, self._success_probability(poured))
-
-    def _success_probability(self, poured: Poured) -> float:
-        """Probability that enough is received, and next to nothing spilled."""
-        d, wanted = self._problem.defaults, self._wanted
+        # Probability that enough is received, and next to nothing spilled.
         if wanted.all:
             enough = poured.received >= d.pour_all * poured.contents
         else:
             missing = d.pour_tolerance * self._source.container.contents
             enough = poured.received >= wanted.volume - missing
         clean = poured.spilled <= d.spill_tolerance * poured.poured
-        return float((enough & clean).mean())
+        return Motion(lean, angle, wait, ahead, poured, float((enough & clean).mean()))
 
     # -- where it is held -----------------------------------------------------------------------
 
@@ -349,6 +340,8 @@ class _Pouring:
             lift_planner.clearance_height(problem, Aim(x=x, y=y)),
             into.model.top + d.carry_clearance,
         )
+        mean = {name: float(value) for name, value in motion.poured.mean_volumes().items()}
+        filled = self._into.container.contents + mean["received"]
         out = PourOut(
             into=into.name,
             heading=heading,
@@ -357,7 +350,7 @@ class _Pouring:
             rate=self._rate,
             wait=motion.wait + d.pour_wait,
             volume=None if self._wanted.all else self._wanted.volume,
-            prediction=self._pour_prediction(motion.poured),
+            prediction=PourPrediction(**mean, level_after=filled / self._into.vessel.capacity),
         )
         steps: tuple[Action, ...] = (*lift_planner.lift_steps(problem, up), out)
         if turn:
@@ -382,11 +375,6 @@ class _Pouring:
         if self._rate < rate:
             return ()
         return (DefaultUsed(name="pour_rate", value=rate, unit="rad/s", reason="no rate said"),)
-
-    def _pour_prediction(self, poured: Poured) -> PourPrediction:
-        mean = {name: float(value) for name, value in poured.mean_volumes().items()}
-        filled = self._into.container.contents + mean["received"]
-        return PourPrediction(**mean, level_after=filled / self._into.vessel.capacity)
 
 
 def _lean_key(lean: float | None) -> int:

@@ -276,7 +276,9 @@ def shortest_detour(
     Returns:
         None if there is no way.
     """
-    first, second = _square_headings(headings)
+    # Two headings that are as square to each other as any.
+    pairs = [(a, b) for i, a in enumerate(headings) for b in headings[i + 1 :]]
+    first, second = max(pairs, key=lambda pair: abs(math.sin(pair[1] - pair[0])))
     axes = np.column_stack((unit(first)[:2], unit(second)[:2]))
     start, end = (np.linalg.solve(axes, p) for p in (target.pose.p_WB[:2], np.array(aim)))
     lines = [_grid_lines(a, b) for a, b in zip(start, end, strict=True)]
@@ -295,12 +297,6 @@ def shortest_detour(
     }
     plain = [line.tolist() for line in lines]
     return _cheapest_path(plain, free.tolist(), here, there, steps, turn_cost)
-
-
-def _square_headings(headings: tuple[float, ...]) -> tuple[float, float]:
-    """Two headings that are as square to each other as any."""
-    pairs = [(a, b) for i, a in enumerate(headings) for b in headings[i + 1 :]]
-    return max(pairs, key=lambda pair: abs(math.sin(pair[1] - pair[0])))
 
 
 def _grid_lines(a: float, b: float) -> Array:

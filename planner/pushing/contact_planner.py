@@ -303,16 +303,6 @@ def _mm(length: float) -> str:
     return f"{1e3 * length:.0f} mm"
 
 
-def require_place(problem: PushProblem, step: PushStep, sides: list[Side]) -> None:
-    """Make sure that fingertips find a place on one of the sides, whatever the outcome there.
-
-    Raises:
-        NoPlanError: they find none.
-    """
-    if not has_place(problem, step, sides):
-        raise NoPlanError(_no_place(problem, sides))
-
-
 def _no_place(problem: PushProblem, sides: list[Side]) -> Refusal:
     target, asked, limits = problem.target, problem.contact, problem.robot.limits
     size, lowest = target.model.top, limits.lowest_height
@@ -595,7 +585,8 @@ def _best_candidate(
     problem: PushProblem, step: PushStep, sides: list[Side], search: ReachSearch
 ) -> PushCandidate:
     """The contact with the largest margin that the hand reaches."""
-    require_place(problem, step, sides)
+    if not has_place(problem, step, sides):
+        raise NoPlanError(_no_place(problem, sides))
     problem = _in_time(problem, step)
     queries = ContactQueries(search, problem)
     least, doubted, asked = math.inf, False, problem.effort.probability
@@ -632,7 +623,15 @@ def _best_candidate(
         numbers = {"needed_force": least, "min_force": force.min}
         raise no_plan("too_light", numbers, spans=force.spans, object=target.name)
     if math.isfinite(least) and not doubted:
-        raise _too_weak(problem, step, least)
+        allowed = _largest_force(problem, max(problem.contact.fingers))
+        said = force.max <= allowed
+        raise no_plan(
+            "force_not_allowed" if said else "force_not_there",
+            {"needed_force": least, "allowed_force": allowed},
+            spans=force.spans if said else (),
+            object=problem.target.name,
+            doing="sliding" if step.outcome == "slide" else "toppling",
+        )
     raise NoPlanError(contact_refusal(problem, step, sides))
 
 
@@ -688,19 +687,6 @@ def _strong_enough(
     return strong, least
 
 
-def _too_weak(problem: PushProblem, step: PushStep, least: float) -> NoPlanError:
-    """Dead end since more force is needed than the sentence allows, or than the fingers have."""
-    force, allowed = problem.force, _largest_force(problem, max(problem.contact.fingers))
-    said = force.max <= allowed
-    return no_plan(
-        "force_not_allowed" if said else "force_not_there",
-        {"needed_force": least, "allowed_force": allowed},
-        spans=force.spans if said else (),
-        object=problem.target.name,
-        doing="sliding" if step.outcome == "slide" else "toppling",
-    )
-
-
 # -- the push ---------------------------------------------------------------------------------
 
 
@@ -741,7 +727,18 @@ def _push_at(problem: PushProblem, step: PushStep, contact: Contact) -> Push:
         limits=problem.motion.guards,
     )
     if step.swing:
-        return _push_with_swing(problem, step, contact, push)
+        found = turning_push(
+            problem.target.model, contact.among.side.face, step.swing, push.p_BC[2]
+        )
+        assert found is not None, "its side was chosen for that"
+        changes = {
+            "p_BC": found.point,
+            "direction_W": plain_vector(problem.target.pose.R_WB @ np.array(found.direction)),
+            "stroke": found.stroke,
+            "ends_on": "turned",
+            "turn": step.swing,
+        }
+        return push.model_copy(update=changes)
     if step.tilt is not None:
         return push_with_tilt(push, target.model, side.inward, step.tilt, problem.defaults)
     return push
@@ -755,20 +752,6 @@ def _touched_point(problem: PushProblem, contact: Contact) -> Vector3:
     tip, radius = problem.robot.limits.fingertip_radius, 1.0 / face.curvature
     inside = radius + tip - math.sqrt((radius + tip) ** 2 - (contact.among.spread / 2.0) ** 2)
     return plain_vector(contact.point + inside * contact.among.side.inward)
-
-
-def _push_with_swing(problem: PushProblem, step: PushStep, contact: Contact, push: Push) -> Push:
-    """The push with a turn as its end."""
-    found = turning_push(problem.target.model, contact.among.side.face, step.swing, push.p_BC[2])
-    assert found is not None, "its side was chosen for that"
-    changes = {
-        "p_BC": found.point,
-        "direction_W": plain_vector(problem.target.pose.R_WB @ np.array(found.direction)),
-        "stroke": found.stroke,
-        "ends_on": "turned",
-        "turn": step.swing,
-    }
-    return push.model_copy(update=changes)
 
 
 def _stroke_length(problem: PushProblem, step: PushStep, contact: Contact) -> float:
@@ -794,19 +777,15 @@ def _push_candidate(
         "margins": margins(problem, step, contact, push.force_limit),
         "displacement": _predicted_displacement(problem, step, contact, push),
     }
+    # All sides of a round object are alike.
+    side = None if isinstance(problem.target.model.base, Disc) else contact.among.side.face.normal
     return PushCandidate(
         PushAction.model_validate({**dict(push), **known}),
-        _outcome_event(problem, contact, push),
+        (side, round(push.p_BC[2], 3), push.fingers, push.ends_on),
         considered=0,
         satisfying=0,
         notes=selection_notes(problem, contact, push, predicted, refused),
     )
-
-
-def _outcome_event(problem: PushProblem, contact: Contact, push: Push) -> tuple[object, ...]:
-    """Face, height and fingers; all sides of a round object are alike."""
-    side = None if isinstance(problem.target.model.base, Disc) else contact.among.side.face.normal
-    return side, round(push.p_BC[2], 3), push.fingers, push.ends_on
 
 
 def _predicted_displacement(

@@ -399,14 +399,9 @@ def touchable_sides(problem: PushProblem, step: PushStep) -> list[Side]:
         raise no_plan("no_side", spans=spans, object=target.name, where=where)
     if step.heading is None:
         return sides
-    return [_square_enough(problem, step, sides, step.heading)]
-
-
-def _square_enough(problem: PushProblem, step: PushStep, sides: list[Side], heading: float) -> Side:
-    """The side that is most square to a push along a heading in W [rad]."""
-    target, contact = problem.target, problem.contact
-    side = _most_square(sides, heading)
-    oblique = angle_between(heading, side.heading)
+    contact = problem.contact
+    side = _most_square(sides, step.heading)
+    oblique = angle_between(step.heading, side.heading)
     # An object that slides straight presses back along the push: that must be in the friction cone.
     # What topples or tilts is pushed square to its face, and goes about where it was meant to.
     largest = largest_obliqueness(target, problem.defaults.sigmas, steep=problem.effort.oblique)
@@ -419,10 +414,10 @@ def _square_enough(problem: PushProblem, step: PushStep, sides: list[Side], head
             spans=contact.spans,
             object=target.name,
             face=f"its {contact.face} face" if contact.face else "its nearest face",
-            direction=phrase(heading),
+            direction=phrase(step.heading),
             square=phrase(side.heading),
         )
-    return side
+    return [side]
 
 
 def straightest_side(target: SeenObject, heading: float) -> Side:
@@ -458,21 +453,19 @@ def require_room(problem: PushProblem, step: PushStep, side: Side) -> None:
     """
     u = push_direction(step, side)
     if step.tilt is None:
-        _require_landing(problem, u)
+        target = problem.target
+        there, height = landing_area(target, u), {"height": target.model.top}
+        edge = leading_point(target, u)
+        if travel_to_edge(there, problem.state.table, u[:2], 0.0) < problem.defaults.clearance:
+            marks = (tilt_mark(target.name, edge, u, math.pi / 2.0, "over the edge of the table"),)
+            raise no_plan("falls_off", height, marks=marks, object=target.name)
+        for other in problem.others.values():
+            if overlaps(there, footprint(other), problem.clearance(other)):
+                mark = tilt_mark(
+                    target.name, edge, u, math.pi / 2.0, f"it would fall on the {other.name}"
+                )
+                raise no_plan(
+                    "falls_on", height, marks=(mark,), object=target.name, other=other.name
+                )
     else:
         require_free_tilt(problem, side.face.normal, u, step.tilt)
-
-
-def _require_landing(problem: PushProblem, u: np.ndarray) -> None:
-    target = problem.target
-    there, height = landing_area(target, u), {"height": target.model.top}
-    edge = leading_point(target, u)
-    if travel_to_edge(there, problem.state.table, u[:2], 0.0) < problem.defaults.clearance:
-        marks = (tilt_mark(target.name, edge, u, math.pi / 2.0, "over the edge of the table"),)
-        raise no_plan("falls_off", height, marks=marks, object=target.name)
-    for other in problem.others.values():
-        if overlaps(there, footprint(other), problem.clearance(other)):
-            mark = tilt_mark(
-                target.name, edge, u, math.pi / 2.0, f"it would fall on the {other.name}"
-            )
-            raise no_plan("falls_on", height, marks=(mark,), object=target.name, other=other.name)

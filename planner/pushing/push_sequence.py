@@ -105,9 +105,6 @@ class PushSequencePlanner:
             if off <= _CLOSE and looks_there:
                 return reached
             raise attempts.first
-        return self._turn_then_push(target, turn)
-
-    def _turn_then_push(self, target: SeenObject, turn: float) -> list[PushCandidate]:
         at_aim = [np.array([self._aim.x, self._aim.y])]
         turning = Alternatives()
         with turning:

@@ -70,7 +70,15 @@ class TopplePlanner:
             numbers, name = {"obliqueness": abs(askew)}, problem.target.name
             where = contact.region
             raise no_plan("turn_first", numbers, spans=contact.spans, object=name, region=where)
-        return self._pushes_after_turn(askew)
+        target, goal = self._problem.target, self._problem.goal
+        square = target.pose.yaw + askew
+        aim = Aim(x=target.pose.x, y=target.pose.y, yaw=square)
+        on_its_base = replace(goal, outcome="slide", rotates=True, aims=(aim,), tilt=None)
+        turning = replace(self._problem, goal=on_its_base)
+        pushes = PushSequencePlanner(turning, aim, self._search, self._foreseen).pushes()
+        assert isinstance(pushes, list), "it stands askew"
+        there = replace(target, pose=replace(target.pose, yaw=square))
+        return [*pushes, self._fall_from(self._problem, there)]
 
     def other_pushes(self) -> list[PushCandidate]:
         """The pushes that make it fall askew or elsewhere.
@@ -83,17 +91,6 @@ class TopplePlanner:
             with falls:
                 return pushes()
         raise falls.first
-
-    def _pushes_after_turn(self, askew: float) -> list[PushCandidate]:
-        target, goal = self._problem.target, self._problem.goal
-        square = target.pose.yaw + askew
-        aim = Aim(x=target.pose.x, y=target.pose.y, yaw=square)
-        on_its_base = replace(goal, outcome="slide", rotates=True, aims=(aim,), tilt=None)
-        turning = replace(self._problem, goal=on_its_base)
-        pushes = PushSequencePlanner(turning, aim, self._search, self._foreseen).pushes()
-        assert isinstance(pushes, list), "it stands askew"
-        there = replace(target, pose=replace(target.pose, yaw=square))
-        return [*pushes, self._fall_from(self._problem, there)]
 
     def _fall_from(self, problem: PushProblem, there: SeenObject) -> PushCandidate:
         """The last push from where others leave the object, which will not be there exactly."""

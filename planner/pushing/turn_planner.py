@@ -179,7 +179,10 @@ def turn_parts(angle: float, largest: float = LARGEST_TURN) -> tuple[float, ...]
 def _turnable_sides(target: SeenObject, angle: float) -> list[tuple[TurnStroke, TurnStroke]]:
     """Opposite sides on which a finger turns the object in a sense, each as the first once."""
     found = []
-    for side in _all_sides(target):
+    # Of a round object some sides, evenly around it.
+    pose, model = target.pose, target.model
+    headings = _ROUND_HEADINGS - pose.yaw if isinstance(model.base, Disc) else None
+    for side in [_side_of_face(face, pose) for face in model.faces(headings)]:
         pair = [_turn_stroke(each, target, angle) for each in (side, _opposite_side(side, target))]
         if pair[0] is not None and pair[1] is not None:
             found.append((pair[0], pair[1]))
@@ -230,13 +233,6 @@ def turn_obstacle(
                 return "table"
         target = step.target_after(target)
     return None
-
-
-def _all_sides(target: SeenObject) -> list[Side]:
-    """Sides of an object; of a round one some, evenly around it."""
-    pose, model = target.pose, target.model
-    headings = _ROUND_HEADINGS - pose.yaw if isinstance(model.base, Disc) else None
-    return [_side_of_face(face, pose) for face in model.faces(headings)]
 
 
 def _side_of_face(face: Face, pose: PlanarPose) -> Side:

@@ -44,17 +44,6 @@ _HEIGHTS: dict[str, tuple[_About, str]] = {
 }
 
 
-def height_marks(name: str, numbers: Mapping[str, float]) -> Iterator[HeightMark]:
-    """Marks on an object of those numbers that are heights, by their names [m]."""
-    marked: set[float] = set()
-    for key, (about, text) in _HEIGHTS.items():
-        height = numbers.get(key, 0.0)
-        if height > 0.0 and height not in marked:
-            marked.add(height)
-            length = f"{1e3 * height:.0f} mm"
-            yield HeightMark(object=name, height=height, about=about, text=text.format(length))
-
-
 def length_mark(
     start_W: NDArray[np.float64],
     direction_W: NDArray[np.float64],
@@ -200,7 +189,15 @@ def _marks(
 ) -> Iterator[Mark]:
     """Heights on the object that a refusal is about, and what stands in the way."""
     if "object" in words:
-        yield from height_marks(words["object"], numbers)
+        marked: set[float] = set()
+        for key, (about, text) in _HEIGHTS.items():
+            height = numbers.get(key, 0.0)
+            if height > 0.0 and height not in marked:
+                marked.add(height)
+                length = f"{1e3 * height:.0f} mm"
+                yield HeightMark(
+                    object=words["object"], height=height, about=about, text=text.format(length)
+                )
     other = words.get("blocker") or (words.get("other") if reason == "blocked" else None)
     if other is not None:
         yield obstacle_mark(other)
