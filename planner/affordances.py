@@ -258,15 +258,12 @@ def _command_frame(outcome: str, way: str, name: str) -> g.Frame:
     return g.Frame(action="turn", object=ref, goal=g.Rotate.model_validate({"sense": sense}))
 
 
-# --- feasible amounts -----------------------------------------------------------------------------
-#
 # How much of what a frame asks can be done: the largest amount of its goal that has a plan.
 #
 # What has a plan is taken to have one for less as well. First comes what people mean if they say
 # no amount. It is doubled while there is a plan; if there is none, the least amount decides
 # whether to look on. What lies between an amount that has a plan and one that has none is then
 # bracketed.
-
 
 _POURED_TO = DEFAULTS.tolerance_share * DEFAULTS.pour_margin  # so that the margin is the least
 

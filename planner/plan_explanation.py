@@ -31,14 +31,11 @@ if TYPE_CHECKING:
     from planner.types.world_state import SeenObject, WorldState
 
 
-# --- rows -----------------------------------------------------------------------------------------
-#
 # The parts of a frame and the rows that explain them: words, field, parameter, value.
 #
 # A row goes from the words over the field of the frame to the parameter of the controller and its
 # value. The parts bear the names of Figure 2 of the paper "Prediction of action outcomes using an
 # object model". Values are SI inside; people read millimetres, degrees and newtons.
-
 
 PartName = Literal[
     "push controller",
@@ -242,9 +239,6 @@ def si_text(value: float, unit: str) -> str:
     if unit == "rad/s":
         return f"{math.degrees(value):.0f}°/s"
     return f"{math.degrees(value):.0f}°" if unit == "rad" else f"{value:g} {unit}".rstrip()
-
-
-# --- plan explanation -----------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -523,11 +517,6 @@ def _contact_text(plan: Plan) -> str:
 
 def _force_text(plan: Plan) -> str:
     return f"{plan.push.force_limit:.1f} N"
-
-
-# --- grasp explanation ----------------------------------------------------------------------------
-#
-# Which words became which parameters of the hand: the rows of `push_explanation` for its plans.
 
 
 def explain_hand(frame: g.Frame, plan: Plan, text: str, basis: Basis) -> tuple[Row, ...]:

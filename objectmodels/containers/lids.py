@@ -46,8 +46,6 @@ from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.object_parts import FlipLid, Lid, LiftOffLid, ScrewCap
 from objectmodels.models.shapes import CylinderModel
 
-# --- lid geometry ---------------------------------------------------------------------------------
-#
 # Places of lids on their objects, closed and open.
 #
 # A closed lid lies on the object's top: a flip lid is a disc of `THICKNESS` with a tab, a
@@ -55,7 +53,6 @@ from objectmodels.models.shapes import CylinderModel
 # at the height of the top, across B's z axis; the lid's lower side turns about it.
 #
 # Frame: B, at the centre of the base, z up.
-
 
 THICKNESS = 0.003
 """Of a flip lid and its tab [m]."""
@@ -183,9 +180,6 @@ def lid_centre(lid: Lid, rim: Base, top: float) -> Array:
     if isinstance(lid, FlipLid):
         return lid_hinge(lid, rim, top).centre_of_mass(0.0)
     return np.array([0.0, 0.0, top + 0.5 * lid.height])
-
-
-# --- lids -----------------------------------------------------------------------------------------
 
 
 STEPS = 41

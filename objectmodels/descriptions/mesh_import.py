@@ -34,13 +34,10 @@ from objectmodels.models.shapes import (
     volume_and_centre,
 )
 
-# --- solid recognition ----------------------------------------------------------------------------
-#
 # The plain solid that a convex hull nearly is: a box, a cylinder or a prism.
 #
 # A hull counts as one if nowhere the one sticks out of the other by more than `LARGEST_RESIDUAL`,
 # measured along the normals of the faces that it sticks out of.
-
 
 LARGEST_RESIDUAL = 0.02
 """Share of the smallest extent: edges of usual roundness stay below it."""
@@ -183,9 +180,6 @@ def _turn(yaw: float) -> Array:
     """Rotation by an angle: rows times it are in axes that are turned so, shape (2, 2)."""
     c, s = np.cos(yaw), np.sin(yaw)
     return np.array([[c, -s], [s, c]])
-
-
-# --- mesh import ----------------------------------------------------------------------------------
 
 
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}

@@ -51,8 +51,6 @@ if TYPE_CHECKING:
     from objectmodels.mechanics.push_outcomes import Sample
 
 
-# --- exact thresholds -----------------------------------------------------------------------------
-#
 # Thresholds of the exact tier, for an object that stands on springs.
 #
 # Model: toppling is the closed form's, exact for a rigid base. For sliding, the support points
@@ -65,7 +63,6 @@ if TYPE_CHECKING:
 #
 # Every answer is certified: `residual` says how far loads and friction forces are from balancing
 # the push, and from Coulomb's law.
-
 
 BORDER = 0.4
 """Relative distance of the closed form's thresholds within which its class may be wrong."""
@@ -256,9 +253,6 @@ def exact_near_the_border(model: PushedBody, p: Array, u: Array, friction: Frict
     if i.size:
         slide[i] = exact_thresholds(model, p[i], u[i], friction).slide
     return replace(t, slide=slide)
-
-
-# --- load sharing bounds --------------------------------------------------------------------------
 
 
 BLOCK, TRIANGLES = 512, 20_000

@@ -28,8 +28,6 @@ from objectmodels.mechanics.friction_limit import (
 )
 from objectmodels.mechanics.push_thresholds import push_axes, push_moment
 
-# --- loaded stretch -------------------------------------------------------------------------------
-#
 # Slides of pushes while the same points stay loaded: motion and load ratio found together.
 #
 # Model: see `objectmodels.exact.exact_thresholds`. On such a stretch the loads grow
@@ -38,7 +36,6 @@ from objectmodels.mechanics.push_thresholds import push_axes, push_moment
 # |v_i|: by Newton's method, or in closed form if the body turns about one of the points.
 #
 # Arrays are laid out with the k points first and the n pushes last.
-
 
 # Slip speed below which friction is smoothed at first, share that is left by each step, and steps.
 _QUICK, _PATIENT = (0.01, 0.03, 8), (1.0, 0.3, 24)
@@ -186,11 +183,6 @@ def _joint_step(
     return new, slope, across + b, turn + w, d_x, d_y
 
 
-# --- standing -------------------------------------------------------------------------------------
-#
-# An object as it stands, before anybody pushes.
-
-
 @dataclass(frozen=True, eq=False)
 class Standing:
     """An object as it stands; the last three for all pushes, or one for each of n.
@@ -216,9 +208,6 @@ class Standing:
         loaded = np.ones((len(self.springs.points), com.shape[1]), dtype=bool)
         self.springs.loads(com, np.zeros_like(com), loaded)
         return loaded
-
-
-# --- slide search ---------------------------------------------------------------------------------
 
 
 BLOCK = 16384

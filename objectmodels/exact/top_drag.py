@@ -50,8 +50,6 @@ if TYPE_CHECKING:
     from objectmodels.geometry.pushed_body import PushedBody
 
 
-# --- loaded points --------------------------------------------------------------------------------
-#
 # Sliding of an object on its loaded points, under one finger.
 #
 # Model: the support points carry what springs carry
@@ -67,7 +65,6 @@ if TYPE_CHECKING:
 #
 # A friction radius other than the support's own scales the points' distances from the centre of
 # pressure.
-
 
 _STEPS = 60  # of Newton's method for the turning rate, bisections included
 _STILL = 1e-7  # speed of a point, of the contact's, below which its friction counts as less
@@ -195,9 +192,6 @@ class LoadedPoints:
             self.loads[:, i],
             self.places[:, i],
         )
-
-
-# --- top drag -------------------------------------------------------------------------------------
 
 
 DragOutcome = Literal["drags", "slips", "tips"]

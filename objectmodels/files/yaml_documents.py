@@ -30,8 +30,6 @@ from yaml.constructor import ConstructorError
 
 from objectmodels.errors import ModelError, printable, suggest
 
-# --- limits ---------------------------------------------------------------------------------------
-#
 # Limits of what comes from outside: sizes of files, counts and ranges of numbers.
 #
 # The one table of them; docs/limits.md shows it, and a test holds the two together. Ranges of
@@ -108,13 +106,10 @@ LIMITS: Mapping[str, Limit] = MappingProxyType(
 """Every limit by its key."""
 
 
-# --- file reading ---------------------------------------------------------------------------------
-#
 # Reading of files that others made: regular files alone, and no more of them than a limit.
 #
 # What may be wrong with a file, whatever its bytes, ends in a `ModelError` with the file, what
 # was found, what was expected and what to do.
-
 
 _HINTS = {
     errno.ENOENT: "check the path; it begins at the folder that you are in",
@@ -196,9 +191,6 @@ def read_text(path: Path, kind: str) -> str:
             path=str(path),
             suggestions=("save it in UTF-8",),
         ) from error
-
-
-# --- yaml documents -------------------------------------------------------------------------------
 
 
 if TYPE_CHECKING or not yaml.__with_libyaml__:
@@ -369,11 +361,6 @@ def kind_text(content: object) -> str:
     return "nothing" if content is None else f"a {type(content).__name__}"
 
 
-# --- file writing ---------------------------------------------------------------------------------
-#
-# Writing of files: whole or not at all, and on the disk when it is said to be done.
-
-
 PREFIX = ".nlcontrol-"
 """Beginning of the names of temporary files."""
 
@@ -484,11 +471,6 @@ def _sync(path: Path) -> None:
         os.close(handle)
 
 
-# --- validation faults ----------------------------------------------------------------------------
-#
-# Complaints of pydantic about a file, in the words of the file's author.
-
-
 _LONGEST = 80
 
 _short = reprlib.Repr()
@@ -594,11 +576,6 @@ def short_text(value: object) -> str:
     """A value as it would be written in Python, cut if it is long."""
     text = _short.repr(value)
     return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
-
-
-# --- value types ----------------------------------------------------------------------------------
-#
-# Types of the values in files from outside, with the ranges of the table of limits.
 
 
 def range_of(key: str) -> Any:

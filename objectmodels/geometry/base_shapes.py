@@ -397,8 +397,6 @@ def _leaves_circle(m: Array, e: Array, room: Array | float, shrink: Array) -> Ar
     return np.where(np.isnan(s), np.inf, s)
 
 
-# --- support points -------------------------------------------------------------------------------
-#
 # Support of an object: the points on which it stands, and its friction radius.
 #
 # Model: the points are springs of given weights (`objectmodels.exact.support_springs`),
@@ -406,7 +404,6 @@ def _leaves_circle(m: Array, e: Array, room: Array | float, shrink: Array) -> Ar
 # one number of them only, the friction radius c̄ = m_max / f_max [m]: the largest friction moment
 # about the vertical over the largest friction force, with the centre of pressure in the middle
 # (Howe and Cutkosky 1996).
-
 
 SupportPoint = tuple[Coordinate, Coordinate] | tuple[Coordinate, Coordinate, Weight]
 Points = Annotated[tuple[SupportPoint, ...], BeforeValidator(as_tuples), length_of("support")]

@@ -157,11 +157,6 @@ def as_tuples(value: Any) -> Any:
     return tuple(map(as_tuple, value)) if isinstance(value, tuple) else value
 
 
-# --- spatial rotations ----------------------------------------------------------------------------
-#
-# Rotations about any axis in space.
-
-
 def rotation_about(axis: ArrayLike, angles: ArrayLike) -> Array:
     """Rotations about a unit axis, shape (..., 3, 3), by angles of shape (...) [rad]."""
     x, y, z = np.asarray(axis, float).tolist()
@@ -183,11 +178,6 @@ def axis_and_angle(R: Array) -> tuple[Array, float]:
     else:
         axis = np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
     return axis / np.linalg.norm(axis), angle
-
-
-# --- rotations ------------------------------------------------------------------------------------
-#
-# Rotations about the coordinate axes and about given ones, for whole arrays of angles.
 
 
 def axis_rotation(axis: ArrayLike, angle: ArrayLike) -> Array:

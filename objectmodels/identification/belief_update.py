@@ -286,8 +286,6 @@ def normal_hazard(z: float) -> float:
     return exp(-0.5 * z * z) / sqrt(2.0 * pi) / (0.5 * erfc(z / sqrt(2.0)))
 
 
-# --- lying belief ---------------------------------------------------------------------------------
-#
 # Belief of an object on its bottom from what was learned of it as it lies on another face.
 #
 # With N the frame of that face and B that of the bottom, p_BC = R_BN p_NC + p_BN for the centre
@@ -315,8 +313,6 @@ def standing_belief(rest: Resting, lying: ObjectModel) -> ObjectModel:
     return with_belief(with_values(standing, values), P)
 
 
-# --- withstood loads ------------------------------------------------------------------------------
-#
 # Beliefs about what withstood a load: a lid that did not open, a hold that slipped.
 #
 # Model: what resists is a sum w·x of uncertain quantities x ≥ 0, independent and normal by what
@@ -325,7 +321,6 @@ def standing_belief(rest: Resting, lying: ObjectModel) -> ObjectModel:
 # means m rise by λ w s² / σ and variances s² fall by λ(λ − z) (w s²)² / σ² (as in
 # `objectmodels.identification.belief_update`). What withstood more than was thought possible was
 # believed too surely: it is widened first, until the load is just surprising.
-
 
 _DOUBTED = 0.1  # least relative standard deviation of what has withstood more than was believed
 

@@ -39,8 +39,6 @@ from objectmodels.identification.measurement_model import (
 from objectmodels.identification.trial import Trial
 from objectmodels.models.object_model import ObjectModel
 
-# --- identifiability ------------------------------------------------------------------------------
-#
 # Parameters that trials identify, and the experiments that are missing for the others.
 #
 # A parameter counts as identified if the trials alone, with everything else that is sought
@@ -51,7 +49,6 @@ from objectmodels.models.object_model import ObjectModel
 # them. Slides alone give only friction times mass: the better known of the two is kept. A
 # standard deviation of zero is one of certainty where the model states it, else of knowing
 # nothing.
-
 
 UNKNOWN = 0.5
 """Standard deviation of a logarithm from which on a parameter counts as not found. Of the
@@ -307,9 +304,6 @@ def _least_lever(balance: Balance, values: Array) -> float:
     n = balance.normals[balance.touches.kind == "topple"]
     b = balance.model.base.extent(n) - n @ values[[COM_X, COM_Y]]
     return max(float(np.min(b)), 1e-6)
-
-
-# --- experiment design ----------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)

@@ -59,8 +59,6 @@ from objectmodels.mechanics.push_thresholds import GRAVITY, yaw_arm
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.parameters import Provenance
 
-# --- pressure points ------------------------------------------------------------------------------
-#
 # Points that carry an object, found from how it moved under known pushes.
 #
 # Model: a point of load N_i resists along its slip ŝ_i with μ N_i, whatever the others do. So the
@@ -72,7 +70,6 @@ from objectmodels.models.parameters import Provenance
 # places at once by least squares, and few of them carry (Lawson and Hanson 1974); neighbours
 # among these stand for one foot between them. A push that is high up shifts the loads, which is
 # left out here.
-
 
 LEAST_TRIALS = 12
 """Slides of known motion from which on carrying points are sought; each has three figures."""
@@ -146,15 +143,12 @@ def _merged_neighbours(places: Array, loads: Array, apart: float) -> tuple[Array
     return middle[keep], share[keep] / share[keep].sum()
 
 
-# --- support choice -------------------------------------------------------------------------------
-#
 # Support that explains the trials best.
 #
 # How the base carries the object decides how it turns, so off-centre slides are tried with the
 # model's own support, `uniform`, `corners` and, where motions are known, few points that explain
 # these (`pressure_points`). The one that predicts best is taken; each point that was found counts
 # against it like a parameter (Akaike 1974).
-
 
 _OFF_CENTRE = 0.1  # arm as a share of c̄
 
@@ -242,9 +236,6 @@ def _support_misfit(balance: Balance, solution: Solution, rows: Mask) -> float:
     """Misfit of the rows that no support can be blamed for missing left out."""
     rest = (balance.observed - solution.at.predicted)[rows]
     return float((rest**2 / solution.variance[rows] + np.log(solution.variance[rows])).sum())
-
-
-# --- joint fit ------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -436,8 +427,6 @@ def _interval_quantile(level: float, freedom: float) -> float:
     return float(ndtri(p)) if np.isinf(freedom) else float(stdtrit(freedom, p))
 
 
-# --- closed form estimates ------------------------------------------------------------------------
-#
 # Estimates in closed form, in the paper's order: weight, then friction; and its Table I.
 #
 # 1. *Weight and centre of mass* from tilts. About edge k each gives a moment M = s (u_n h − u_z x)
@@ -455,7 +444,6 @@ def _interval_quantile(level: float, freedom: float) -> float:
 #
 # The ellipsoidal limit surface underlies 2 and 3; the joint fit (`fit`) does better where the
 # exact tier differs. "The paper" is "Prediction of action outcomes using an object model".
-
 
 _OPPOSITE = -0.5  # cosine between the ways of tilts to opposite sides
 _STRAIGHT = 0.1  # arm as a share of c̄ up to which a slide counts as straight

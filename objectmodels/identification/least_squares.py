@@ -307,8 +307,6 @@ def _solution_at(
     )
 
 
-# --- outlying trials ------------------------------------------------------------------------------
-#
 # Trials that the others contradict.
 #
 # A kind of measurement (forces of slides, of tilts, turn rates, ratios of slips) with five rows
@@ -316,7 +314,6 @@ def _solution_at(
 # (1.4826 times the median distance from the kind's median, but no less than the stated one) from
 # that median is suspected; suspects are left out, the worst first and at most a fifth of all
 # trials, and stay out if the fit without them still misses them by so much.
-
 
 OUTLIER = 4.0
 """Robust standard deviations from which on a residual is an outlier."""

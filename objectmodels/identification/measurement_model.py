@@ -56,8 +56,6 @@ from objectmodels.mechanics.push_thresholds import (
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.object_parts import Container
 
-# --- parameter coordinates ------------------------------------------------------------------------
-#
 # The uncertain parameters as vectors, models with other values of them, and their contents then.
 #
 # Vectors are in the order of `UNCERTAIN`. Steps make sense in logarithms of the positive
@@ -66,7 +64,6 @@ from objectmodels.models.object_parts import Container
 # Contents and shell of a container are believed independently of each other. So what all of it
 # weighs otherwise than believed is put down to the contents by their share of the variance, and
 # what is known better of the whole is known better of them by that share.
-
 
 Mask = NDArray[np.bool_]
 
@@ -196,9 +193,6 @@ def container_with_mass(model: ObjectModel, mass: float, mass_sd: float) -> Cont
     return container_with_volume(
         model, liquid / container.density, sqrt(known) * container.contents_sd
     )
-
-
-# --- measurement model ----------------------------------------------------------------------------
 
 
 _STEP = 1e-6  # of a logarithm, and of the base's size, in differences

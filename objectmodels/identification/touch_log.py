@@ -41,14 +41,11 @@ from objectmodels.identification.trial import (
 )
 from objectmodels.models.object_model import ObjectModel
 
-# --- csv tables -----------------------------------------------------------------------------------
-#
 # Tables of measurements in CSV files, read so that every mistake names its row and column.
 #
 # Separated by commas, or by semicolons (a decimal comma is then a decimal point), in UTF-8. The
 # first line that is neither blank nor a comment (#) names the columns. Rows are counted as an
 # editor counts lines.
-
 
 LARGEST = 1e9
 """Larger numbers are not measurements; formulae would overflow with some."""
@@ -231,9 +228,6 @@ def _line_cells(path: Path, number: int, line: str, separator: str) -> list[str]
             suggestions=("text with a comma in it stands in quotes, closed in the same line",),
         ) from error
     return [cell.strip() for cell in cells]
-
-
-# --- touch log ------------------------------------------------------------------------------------
 
 
 FORCE_SHARE = 0.02

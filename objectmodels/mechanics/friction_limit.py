@@ -363,8 +363,6 @@ def _by_descent(
     return best
 
 
-# --- sliding law ----------------------------------------------------------------------------------
-#
 # What motion goes with what force as an object slides under a finger.
 #
 # Model: quasi-static sliding on the table. The law here is the ellipsoidal limit surface, to

@@ -268,13 +268,10 @@ def _all_along(direction: ArrayLike, normals: Array) -> Array:
     return u
 
 
-# --- outcome map picture --------------------------------------------------------------------------
-#
 # An outcome map as a picture for notebooks: the face seen from outside, a square for each
 # contact.
 #
 # Blue slides, orange topples, grey is undecided; the darker, the less force the object needs.
-
 
 COLOURS = {"slide": "#0072b2", "topple": "#d55e00", "undecided": "#7f7f7f", "none": "#9a9a9a"}
 """Colours of the outcomes, which people with colour blindness tell apart."""

@@ -342,8 +342,6 @@ class _Pushes:
         )
 
 
-# --- turning push ---------------------------------------------------------------------------------
-#
 # Turning an object by pushing it off its middle with one finger.
 #
 # Model: quasi-static sliding on the ellipsoidal limit surface, so the motion is normal to it at
@@ -360,7 +358,6 @@ class _Pushes:
 #
 # Frame: the object's frame B at the start; poses are (x, y, θ) of B in it. Slants are angles in
 # the table plane from the inward normal, counter-clockwise.
-
 
 Vector3 = tuple[float, float, float]
 

@@ -396,13 +396,10 @@ def _tipping_ways(
     return ways
 
 
-# --- margin search --------------------------------------------------------------------------------
-#
 # Search for the direction in a fingertip's friction cone in which a margin is least.
 #
 # Directions are *shares* of the cone, in the unit disc; see
 # `objectmodels.mechanics.friction_cone`.
-
 
 STEPS = (0.1, 0.05, 0.025, 0.0125)
 """Steps of the search, in shares."""
@@ -496,8 +493,6 @@ class MarginSearch:
         return least
 
 
-# --- outcome probability --------------------------------------------------------------------------
-#
 # Probability that an uncertain object slides first, topples first, or stays.
 #
 # The parameters are normal, correlated if the model says so, cut off where they would make no
@@ -508,7 +503,6 @@ class MarginSearch:
 # the points of a Halton sequence: no randomness, the same answer every time, within 0.04 of what
 # many samples give. What becomes of a push with a given force depends on the mass too and is
 # sampled, with a seed.
-
 
 NODES = 128
 """Points of the Halton sequence that a probability is averaged over."""

@@ -304,13 +304,10 @@ def _contact_speed(twist: Array, p: Array, u: Array) -> Array:
     return np.asarray(np.sum(velocity * u, axis=1))
 
 
-# --- closed form ----------------------------------------------------------------------------------
-#
 # Closed form of one push in plain numbers, and of many in blocks.
 #
 # The formulae are those of `objectmodels.mechanics.push_thresholds`. A call of numpy takes longer
 # than all operations of one push; of many, a block at a time stays in the processor's cache.
-
 
 BLOCK = 16384
 """Pushes that are treated at once."""
@@ -395,8 +392,6 @@ def _single_slide(h2: float, w: float, a2: float, mu: float, weight: float) -> f
     return inf if surely_jams(h2, w, a2) else None
 
 
-# --- tilt limits ----------------------------------------------------------------------------------
-#
 # Limits of tilting an object, and the travel of a finger that tilts it.
 #
 # Model: the object pivots about a base edge that does not slide. Seen along that edge: base

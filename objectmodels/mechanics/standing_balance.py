@@ -167,8 +167,6 @@ def _support(body: PushedBody, edge: TableEdge) -> tuple[Array, Array]:
     return np.vstack([base.normals, edge.normal]), np.append(base.offsets, edge.offset)
 
 
-# --- stack stability ------------------------------------------------------------------------------
-#
 # Stability of a stack: rigid objects on one another, each on one or on the table.
 #
 # Model: the faces that meet are level and nothing slides. What stands above such a place presses
@@ -183,8 +181,6 @@ def _support(body: PushedBody, edge: TableEdge) -> tuple[Array, Array]:
 #     σ_k² = Σ (m_i / M)² n_kᵀ Σ_i n_k + Σ (σ_i n_k·(c_i − c) / M)²,
 #
 # and it stands with a probability of 1 − Σ_k Φ((n_k·c − d_k) / σ_k) at least.
-#
-# Frame: everything seen from above, in W's x and y.
 
 
 @dataclass(frozen=True, eq=False)

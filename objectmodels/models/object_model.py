@@ -55,8 +55,6 @@ if TYPE_CHECKING:
     from objectmodels.models.predictor import SeenPushes
 
 
-# --- contact points -------------------------------------------------------------------------------
-#
 # Contact points that callers hand in: on the object, in metres.
 #
 # Checked where a caller comes in, never inside the mechanics.
@@ -92,11 +90,6 @@ def _off_object(model: ObjectModel, p: Array, low: Array, high: Array) -> ModelE
         f"{x} × {y} × {z} m large",
         suggestions=(hint,),
     )
-
-
-# --- resting face ---------------------------------------------------------------------------------
-#
-# Face on which an object lies, and what is believed of it as it lies there.
 
 
 LEVEL = np.radians(10.0)
@@ -141,12 +134,9 @@ class Resting:
         return R_WB, p_WN - R_WB @ self.p_BN
 
 
-# --- single push ----------------------------------------------------------------------------------
-#
 # A single push as plain numbers: calls of numpy to check and turn it take longer than they do.
 #
 # What is not plain, such as what is to be refused, is left to those who look at arrays.
-
 
 _TINY = float(np.finfo(float).tiny)
 
@@ -198,9 +188,6 @@ def _is_on(points: ArrayLike, model: PushedBody) -> TypeGuard[Array]:
 def _size(vectors: Array) -> float:
     ((x, y, z),) = vectors.tolist()
     return sqrt(x * x + y * y + z * z)
-
-
-# --- object model ---------------------------------------------------------------------------------
 
 
 _OF_ITS_BASE = (

@@ -231,13 +231,10 @@ class Graspable(Part):
     crush: Annotated[Squeeze, Field(alias="crush_n")]
 
 
-# --- open box -------------------------------------------------------------------------------------
-#
 # Open boxes: cuboids that are hollow from above, in which other objects may stand.
 #
 # Model: four walls from the base to the rim, and a floor between them. Frame: B, at the centre of
 # the base, z up.
-
 
 Extent = tuple[float, float, float]
 
@@ -291,13 +288,10 @@ def cavity_error(key: str, message: str, hint: str) -> ModelError:
     return ModelError("bad_value", message, path=f"inside{key}", suggestions=(hint,))
 
 
-# --- vessel strips --------------------------------------------------------------------------------
-#
 # Upright strips of a cavity across the direction in which it leans, and what of them is filled.
 #
 # Frame and method: see `objectmodels.models.object_parts`. All methods take arrays of one shape
 # (...).
-
 
 _STRIPS = 48
 _EDGES = 0.5 - 0.5 * np.cos(np.pi * np.arange(_STRIPS + 1) / _STRIPS)
@@ -456,8 +450,6 @@ def _moment_integral(x: Array, length: float) -> Array:
     return np.asarray(inside**3 / 6.0 + 0.5 * length**2 * np.maximum(x - length, 0.0))
 
 
-# --- vessel ---------------------------------------------------------------------------------------
-#
 # A hollow object that leans: how much it holds, how high its liquid stands, where that lies.
 #
 # Model: the cavity is an upright prism (over a convex polygon or a disc), the shape without its
@@ -473,7 +465,6 @@ def _moment_integral(x: Array, length: float) -> Array:
 # `heading`, a direction in B's x, y; the upward vertical in B is n = (−sin tilt · heading, cos
 # tilt). Heights are those above B's origin, along n. All methods take arrays, which are
 # broadcast.
-
 
 _HALVINGS = 50
 

@@ -293,11 +293,6 @@ def _outlined_face(normal: Array, corners: Array) -> Face:
     )
 
 
-# --- top face -------------------------------------------------------------------------------------
-#
-# Face of an object on which another one may stand: its top, or the floor of an open box.
-
-
 _LEVEL = 1e-4  # heights of a hull's corners that differ by less are one [m]
 
 
@@ -321,11 +316,6 @@ def standing_face(model: ObjectModel) -> Polygon | None:
 def standing_height(model: ObjectModel) -> float:
     """Height of that face over its base [m]."""
     return model.top if model.inside is None else model.inside.floor
-
-
-# --- upright solids -------------------------------------------------------------------------------
-#
-# Upright solids: a cuboid, which may stand on any of its faces, a cylinder and a prism.
 
 
 # Rows are the new axes in the old frame: the named face comes to lie below.

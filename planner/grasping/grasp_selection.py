@@ -34,8 +34,6 @@ from planner.types.refusal import NoPlanError
 from planner.types.robot import Grip, Robot
 from planner.types.world_state import LengthMark, SeenObject, WorldState, plain_vector
 
-# --- grasp sampling -------------------------------------------------------------------------------
-#
 # Candidates of a grasp: between two sides that look away from each other.
 #
 # Model: the thumb touches one side, the other fingers the opposite one, on a line across. The
@@ -46,9 +44,6 @@ from planner.types.world_state import LengthMark, SeenObject, WorldState, plain_
 # a part of the friction. Along the sides the middle is where the centre of mass is, so that the
 # weight does not turn the object about the line across. A knob or a cap is held from above, by
 # fingers around it.
-#
-# Frame: B of the object.
-
 
 _HEADINGS = np.radians(np.arange(0.0, 180.0, 22.5))  # in W, across which a round side is held
 _BORDER = 0.004  # distance of a contact from the border of its side [m]
@@ -419,8 +414,6 @@ def _range_within(limits: tuple[float, float], offsets: Array) -> tuple[float, f
     return (low, high) if low <= high else None
 
 
-# --- grasp lean -----------------------------------------------------------------------------------
-#
 # How far something leans that a hand holds.
 #
 # Model: the fingertips stick, and their springs give way. About the closing direction they resist
@@ -428,9 +421,6 @@ def _range_within(limits: tuple[float, float], offsets: Array) -> tuple[float, f
 # mass, e beside the line across, to its left, and h above it, so that it leans by −φ: K φ = m g
 # (e + h φ). What is not known of mass and centre of mass counts to first order; all else is
 # `HAND_LEAN`.
-#
-# Frame: B of the object, which stood upright.
-
 
 HAND_LEAN = math.radians(1.2)
 """Standard deviation of a lean by what is not in the model, as simulated lifts have it [rad]."""
@@ -465,9 +455,6 @@ class Lean:
         ends = (np.array([most, -most]) - self.angle) / self.sd
         within, below = normal_cdf(ends).tolist()
         return float(within - below)
-
-
-# --- grasp selection ------------------------------------------------------------------------------
 
 
 _PATCH = np.array([[0.0, 0.0], [0.0, 0.004], [0.0, -0.004]])  # contacts at a knob [m]

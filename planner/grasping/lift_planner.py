@@ -56,8 +56,6 @@ from planner.types.plan import DefaultUsed, Plan, Reached
 from planner.types.refusal import Alternatives, NoPlanError
 from planner.types.world_state import SeenObject
 
-# --- standing place -------------------------------------------------------------------------------
-#
 # Whether something stands where it is to be put on another object, or into it.
 #
 # Model: `objectmodels.mechanics.standing_balance`, with the place of what is put down known as
@@ -136,9 +134,6 @@ def _covers_opening(there: SeenObject, lower: SeenObject) -> bool:
     at = (middle - there.pose.p_WB) @ there.pose.R_WB
     base = Polygon.convex(there.model.base.corners)
     return bool((base.normals @ at[:2] + container.opening.radius < base.offsets).all())
-
-
-# --- lift planner ---------------------------------------------------------------------------------
 
 
 TO_THE_SIDE = math.cos(math.radians(50.0))
@@ -326,17 +321,12 @@ def _lift_height(problem: GraspProblem, goal: g.Lift) -> tuple[float, tuple[Defa
     return value_in_bound(height, goal.bound, d.distance_tolerance) - now, ()
 
 
-# --- upright planner ------------------------------------------------------------------------------
-#
 # Standing up what has fallen: held, lifted, turned until its own bottom is below, and set down.
 #
 # Model: it turns evenly about the middle of the grasp, with hand and all. How it is turned about
 # the vertical in the end is free: the hand had better point then where it pointed before, so that
 # its wrist rolls and the arm stays where it is. A hand from above, which pointed nowhere, ends
 # level, and may point away from W's origin or to the sides.
-#
-# Frames: W is the world, N the face on which it lies, B the object as it stands.
-
 
 _UP = np.array([0.0, 0.0, 1.0])
 _ASIDE = np.radians([0.0, 40.0, -40.0, 80.0, -80.0])  # of a hand in the end, off "away"

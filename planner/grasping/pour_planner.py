@@ -40,12 +40,9 @@ from planner.types.defaults import Defaults
 from planner.types.plan import DefaultUsed, Plan, Reached
 from planner.types.world_state import SeenObject
 
-# --- pour amounts ---------------------------------------------------------------------------------
-#
 # How much is poured: what the sentence says, what is there, and what fits.
 #
 # Volumes that a refusal names are there and fit even in the worst case of what is believed.
-
 
 _DROP = 1e-6  # less than this is nothing [m³]
 
@@ -162,9 +159,6 @@ def _wanted_volume(
     name, value, unit, reason = said[goal.amount]
     used = DefaultUsed(name=name, value=value, unit=unit, reason=reason)
     return value if unit else value * has, (used,)
-
-
-# --- pour planner ---------------------------------------------------------------------------------
 
 
 _TURNS = np.radians([0.0, 30.0, -30.0, 60.0, -60.0, 90.0, -90.0, 135.0, -135.0, 180.0]).tolist()

@@ -44,11 +44,6 @@ from planner.types.plan import LIFT_SPEED, reached_speed
 from planner.types.refusal import NoPlanError, Refusal
 from planner.types.world_state import SeenObject
 
-# --- contact heights ------------------------------------------------------------------------------
-#
-# Clauses about the contact: which heights and faces of an object, and which part of the hand.
-
-
 Band = tuple[float, float, str]
 """The lowest and the highest of some heights [m], and words for them."""
 
@@ -182,15 +177,12 @@ def _require_right(clause: g.Effector) -> None:
         )
 
 
-# --- tilt goals -----------------------------------------------------------------------------------
-#
 # Tilting an object and letting it back onto its base: how far, and whether it surely comes back.
 #
 # Model: the object pivots about the far edge of its base; see
 # `objectmodels.mechanics.push_thresholds`. It must come back with the probability that plans
 # need, from the asked angle and from what the control may miss it by. It leans over by sin θ
 # times its height on the way.
-
 
 CLEARANCE = 0.01
 """Distance that a leaning object keeps from others [m]."""
@@ -330,9 +322,6 @@ def _may_fall(problem: PushProblem, inward: NDArray[np.float64], angle: float) -
         object=target.name,
         tolerance=defaults.tilt_tolerance,
     )
-
-
-# --- constraint limits ----------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)

@@ -235,17 +235,12 @@ def leading_point(seen: SeenObject, direction_W: Array) -> Array:
     return np.asarray(p_WB + ahead * direction_W)
 
 
-# --- visibility graph -----------------------------------------------------------------------------
-#
 # Ways around what stands on the table, along the faces of an object.
 #
 # Model: the object keeps its heading and moves along the normals of two of its faces, so its
 # origin goes along the lines of a grid in these two directions. A place is free if the footprint
 # keeps the clearance there, along the edges' normals. The shortest way is searched with A* (Hart,
 # Nilsson and Raphael 1968); a turn costs as much as a piece of way, since it takes another push.
-#
-# Frames: W, its table plane.
-
 
 STEP = 0.02
 """Distance of the grid's lines [m]."""

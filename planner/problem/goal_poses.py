@@ -32,8 +32,6 @@ from planner.types.defaults import Defaults
 from planner.types.plan import DefaultUsed
 from planner.types.world_state import SeenObject, WorldState
 
-# --- orientations ---------------------------------------------------------------------------------
-#
 # Headings of an object that turns to face something, or to lie along it.
 #
 # Model: an object looks where its broad side faces look, those as wide as its widest. So a long
@@ -42,7 +40,6 @@ from planner.types.world_state import SeenObject, WorldState
 # the robot, the others across.
 #
 # Frame: W.
-
 
 _BROAD = 0.98  # share of the widest face's width from which a face counts as as wide
 _QUARTER = math.pi / 2.0
@@ -102,9 +99,6 @@ def _headings_of_sides(seen: SeenObject) -> tuple[float, ...]:
     widest = max(face.width for face in faces)
     broad = (face for face in faces if face.width >= _BROAD * widest)
     return tuple(heading_of(seen.pose.R_WB @ np.array(face.normal)) for face in broad)
-
-
-# --- goal poses -----------------------------------------------------------------------------------
 
 
 _HALVINGS = 40  # of a way of metres: far below a micrometre

@@ -30,12 +30,6 @@ from planner.problem.stacks import face_in_world
 from planner.types.defaults import Defaults
 from planner.types.world_state import SeenObject, TableState, WorldState
 
-# --- place measures -------------------------------------------------------------------------------
-#
-# What a place is: where an object may go, and how well it is there.
-#
-# Frames: everything in W [m].
-
 
 @dataclass(frozen=True)
 class Measure:
@@ -91,13 +85,6 @@ class Region(ABC):
     def holds(self, own: SeenObject) -> bool:
         """Return True if an object is there, within the tolerances."""
         return all(measure.ok for measure in self.measures(own))
-
-
-# --- cleared places -------------------------------------------------------------------------------
-#
-# Places out of the way: in a half of the table, some way from objects, and aside.
-#
-# Frames: everything in W's table plane [m].
 
 
 _SIDES = {
@@ -215,15 +202,11 @@ class Aside(Region):
         return (Measure("moved aside", "at_least", self.distance, aside, self.tolerance),)
 
 
-# --- overhangs ------------------------------------------------------------------------------------
-#
 # Overhangs: how far an object hangs over each edge of the table, and how far it may.
 #
 # Model: what lies on the table is carried by what of its base is over it
 # (`objectmodels.mechanics.standing_balance`). It may hang over so far that it lies with the
 # probability that a plan must have: its centre of mass is not known for sure, nor where it ends.
-#
-# Frames: W is the world, B the object.
 
 
 def edge_name(side: str) -> str:
@@ -289,13 +272,10 @@ def table_with_room(table: TableState, over: Sequence[Overhang], room: float) ->
     return replace(table, **moved)
 
 
-# --- places in boxes ------------------------------------------------------------------------------
-#
 # Places in an open box, on its floor.
 #
 # Model: what stands there keeps its heading; it and its neighbours cover convex polygons. Frames:
 # W is the world, B the box.
-
 
 WALL_ROOM = 0.008
 """Room between the walls of a box and what is put into it [m]."""
@@ -368,13 +348,6 @@ class InBox(Region):
         return min((gap(there, footprint(seen)) for seen in others), default=np.inf)
 
 
-# --- places on objects ----------------------------------------------------------------------------
-#
-# Places on another object, and off it.
-#
-# Frames: W is the world, B an object.
-
-
 _TOP_SHARES = np.linspace(
     -0.8, 0.8, 9
 )  # of half the extent of a top, at which places are looked at
@@ -438,9 +411,6 @@ class OffObject(Region):
         """The gap to what it stood on; what is on it or in it has none."""
         apart = gap(footprint(own), footprint(self.lower))
         return (Measure(f"gap to the {self.lower.name}", "at_least", 0.0, apart, 0.0),)
-
-
-# --- places ---------------------------------------------------------------------------------------
 
 
 SIDES: dict[str, tuple[str, ...]] = {

@@ -26,8 +26,6 @@ from planner.types.refusal import NoPlanError
 from planner.types.robot import Failed, ReachAnswer, Robot
 from planner.types.world_state import SeenObject, WorldState, obstacle_mark
 
-# --- search budget --------------------------------------------------------------------------------
-#
 # The budget of one plan, counted in work instead of time: a loaded machine gives the same answer.
 #
 # A unit is about what a quiet core of today does in a quarter of a millisecond.
@@ -92,9 +90,6 @@ class SearchBudget:
         marks = tuple(obstacle_mark(each) for each, _ in stopped.most_common(2))
         made = no_plan("work_used_up", numbers, marks=marks, object=name, more=more)
         return NoPlanError(made.refusal, ends_search=True)
-
-
-# --- planning problem -----------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)

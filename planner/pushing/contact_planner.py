@@ -54,13 +54,6 @@ from planner.types.refusal import (
 )
 from planner.types.world_state import HeightMark, SeenObject, plain_vector
 
-# --- outcome prediction ---------------------------------------------------------------------------
-#
-# Predicted outcome of a push, and its margins to the outcomes that it must not have.
-#
-# Frames: contacts and directions are in B; forces along the push.
-
-
 SURE = 0.999
 """Probability of a slide by the closed form that the exact tier does not lower by 0.0002."""
 
@@ -282,15 +275,12 @@ def selection_notes(
     return tuple(notes)
 
 
-# --- contact diagnosis ----------------------------------------------------------------------------
-#
 # Why no contact on an object will do, with the heights and the probability that decide.
 #
 # Model of a doubt: the probability of the outcome at a contact, once as the object is believed
 # and once with one of its parameters known as well as touching finds it out
 # (`Defaults.found_to`). The parameter whose knowledge decides most, one way or the other, is the
 # one to be found out.
-
 
 _ASKED_FOR = {
     "friction": "find out how slippery the {name} is first",
@@ -521,9 +511,6 @@ def best_experiment(model: ObjectModel, touch: Touch, defaults: Defaults) -> tup
     }
     best = max(then, key=lambda name: abs(then[name] - 0.5))
     return _ASKED_FOR[best].format(name=model.name), then[best]
-
-
-# --- contact planner ------------------------------------------------------------------------------
 
 
 _FLAT = math.radians(85.0)  # a box that leans so far lies

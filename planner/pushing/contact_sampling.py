@@ -306,8 +306,6 @@ def _spread_out(order: NDArray[np.intp]) -> NDArray[np.intp]:
     return np.asarray(order[at], dtype=np.intp)
 
 
-# --- stroke speed ---------------------------------------------------------------------------------
-#
 # Speeds that strokes come to, and sentences that ask for more than that.
 #
 # Model: what is round catches on the table now and then. A mug in the simulator lost up to a
@@ -317,7 +315,6 @@ def _spread_out(order: NDArray[np.intp]) -> NDArray[np.intp]:
 # speed v if
 #
 #     σ v √(k m) ≤ (1 − band) F_limit − F_onset,    σ = 0.1
-
 
 _ASKING = ("speed", "min_speed", "fast")
 _SURELY = 0.5  # share of the tolerance of a speed: pushes in the simulator are off by 0.4 at most
@@ -361,13 +358,6 @@ def kept_speed(problem: PushProblem, push: PushAction) -> float:
     spare = (1.0 - FORCE_BAND) * push.force_limit - push.prediction.onset
     # Share of its speed that a round object loses at once, σ.
     return max(spare, 0.0) / (0.1 * math.sqrt(stiffness * problem.target.model.mass))
-
-
-# --- touchable sides ------------------------------------------------------------------------------
-#
-# Sides of an object: which of them a push may touch, which way it goes then, and what is beyond.
-#
-# Frames: W is the world, B the object.
 
 
 def touchable_sides(problem: PushProblem, step: PushStep) -> list[Side]:

@@ -238,13 +238,6 @@ def _inward_headings(target: SeenObject) -> list[float]:
     return [heading_of(-R_WB @ np.array(face.normal)) for face in target.model.faces()]
 
 
-# --- denied pushes --------------------------------------------------------------------------------
-#
-# Pushes that the hand does not get to, so that others much like them are not asked for.
-#
-# Frames: W, its table plane.
-
-
 _ALIKE = 0.05  # half the depth of a hand: pushes that begin nearer to each other meet the same [m]
 _SAME_WAY = math.radians(6.0)  # pushes whose headings differ by less go alike
 _SAME_SPOT, _SAME_HEADING = 1e-4, 1e-3  # objects that stand so near stand alike [m], [rad]

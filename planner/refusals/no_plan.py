@@ -26,11 +26,6 @@ if TYPE_CHECKING:
     from planner.types.robot import ReachAnswer
 
 
-# --- refusal marks --------------------------------------------------------------------------------
-#
-# From the numbers of a refusal to marks on the scene.
-
-
 _About = Literal["topples", "slides", "asked", "reach"]
 _HEIGHTS: dict[str, tuple[_About, str]] = {
     "critical_height": ("topples", "above {} it topples"),
@@ -86,9 +81,6 @@ def tilt_mark(
         angle=angle,
         text=text,
     )
-
-
-# --- no plan --------------------------------------------------------------------------------------
 
 
 Spans = tuple[tuple[int, int], ...]
@@ -221,11 +213,6 @@ def no_plan(
     return NoPlanError(refusal(code, numbers, spans=spans, **words))
 
 
-# --- reach refusals -------------------------------------------------------------------------------
-#
-# Refusals since the hand does not get there, by the first obstacle that stands in its way.
-
-
 def no_push_reached(
     name: str, answers: Sequence[ReachAnswer], spared: Collection[str]
 ) -> NoPlanError:
@@ -283,8 +270,6 @@ def _obstacle(
     return last, {**words, "last": last.message, "blocker": found and found.blocker, "other": other}
 
 
-# --- search account -------------------------------------------------------------------------------
-#
 # Account of a search that found nothing: what was tried, and that it proves nothing.
 #
 # What is `impossible` follows from the physics of the object, whatever hand pushes it. Where the

@@ -147,14 +147,11 @@ def _step_texts(action: Action) -> tuple[str, ...]:
 PlanningResult = Plan | Reached | Refusal
 
 
-# --- motion guide ---------------------------------------------------------------------------------
-#
 # Numbers that a guarded Cartesian controller needs to carry out what is committed of a plan.
 #
 # Numbers are in SI units, points and directions in W. They are for fingertips of the radius that
 # is stated; another hand keeps the contacts and computes its own. Places hold for the table as it
 # was seen when it was planned.
-
 
 StopKind = Literal[
     "no_touch",
@@ -340,8 +337,6 @@ class FlipGuide(Value):
 MotionGuide = Annotated[PushGuide | GraspGuide | FlipGuide, Field(discriminator="kind")]
 
 
-# --- speed profile --------------------------------------------------------------------------------
-#
 # How fast hand and fingertips become; over a stroke evenly faster, then slower with what remains.
 #
 # Model: from rest v² = 2 a s after a way s, and v = b (L − s) before the end of the stroke L. So

@@ -240,8 +240,6 @@ class WorldState:
         return tuple(seen for seen in self.objects.values() if seen.on == name)
 
 
-# --- marks ----------------------------------------------------------------------------------------
-#
 # Marks of a refusal: where its numbers are on the table, so that they can be drawn there.
 #
 # Points and directions are in W. Each mark has a text of a few words to stand beside it.
@@ -322,11 +320,6 @@ Mark = Annotated[
     HeightMark | LengthMark | TiltMark | ObstacleMark,
     Field(discriminator="kind"),
 ]
-
-
-# --- plain vectors --------------------------------------------------------------------------------
-#
-# Vectors as the three plain numbers that actions, marks and guides hold.
 
 
 def plain_vector(v: ArrayLike) -> Vector3:
