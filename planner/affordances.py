@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from grammar.frames import command as g
 from objectmodels import Face
+from objectmodels.geometry.rotations import cross
 from objectmodels.mechanics.outcome_map import OutcomeMap, outcome_map
 from planner.planning import plan
 from planner.problem.directions import HEADINGS, angle_between, face_name, heading_of
@@ -162,8 +163,7 @@ def turning_map(
 ) -> tuple[OutcomeMap, NDArray[np.bool_]]:
     """Outcomes over a face of an object that may turn, and where a slide turns it."""
     chart = outcome_map(target.model, face, spacing=SPACING)
-    r = chart.points - np.array(target.model.com)
-    arm = r[:, 0] * chart.directions[:, 1] - r[:, 1] * chart.directions[:, 0]
+    arm = cross(chart.points - np.array(target.model.com), chart.directions)
     turned = {"left": arm, "right": -arm, None: np.abs(arm)}[sense]
     return chart, turned > TURNING_ARM * target.model.friction_radius
 

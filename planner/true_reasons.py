@@ -118,7 +118,7 @@ def _with_distance(
         return refusal
     lone = _state_without([n for n in state.objects if n != name and n not in spared], state)
     here = np.array([target.pose.x, target.pose.y])
-    way = 0.5 * np.array([table.x_min + table.x_max, table.y_min + table.y_max]) - here
+    way = table.middle - here
     length = float(np.linalg.norm(way))
 
     def is_planned(share: float) -> bool:

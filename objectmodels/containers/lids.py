@@ -273,7 +273,6 @@ def flip(
     *,
     start: float = 0.0,
     end: float | None = None,
-    distance: float | None = None,
     fixed: bool = False,
 ) -> FlipArc:
     """Arc of a fingertip that moves a flip lid from one angle to another.
@@ -283,13 +282,12 @@ def flip(
         lid: its lid.
         start: of the way [rad].
         end: of the way [rad]; all the way open if not given.
-        distance: of the fingertip from the hinge [m]; on the tab if not given.
         fixed: whether a holder keeps the object where it is.
     """
     angles = np.linspace(start, lid.opens_to if end is None else end, STEPS)
     opens = bool(angles[-1] >= angles[0])
     hinge = lid_hinge(lid, lid_rim(model), model.top)
-    lever = grip_distance(lid, hinge) if distance is None else distance
+    lever = grip_distance(lid, hinge)
     points = hinge.lid_point(angles, lever, 0.0 if opens else THICKNESS)
     directions = (1.0 if opens else -1.0) * hinge.opening_direction(angles)
 

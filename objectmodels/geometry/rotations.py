@@ -157,14 +157,6 @@ def as_tuples(value: Any) -> Any:
     return tuple(map(as_tuple, value)) if isinstance(value, tuple) else value
 
 
-def rotation_about(axis: ArrayLike, angles: ArrayLike) -> Array:
-    """Rotations about a unit axis, shape (..., 3, 3), by angles of shape (...) [rad]."""
-    x, y, z = np.asarray(axis, float).tolist()
-    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    angle = np.asarray(angles, float)[..., None, None]
-    return np.asarray(np.eye(3) + np.sin(angle) * K + (1.0 - np.cos(angle)) * (K @ K))
-
-
 def axis_and_angle(R: Array) -> tuple[Array, float]:
     """Unit axis, shape (3,), and angle from 0 to π of a rotation, shape (3, 3), that is none [rad].
 

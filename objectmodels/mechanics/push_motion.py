@@ -479,9 +479,6 @@ def best_turn(
     face: Face,
     angle: float,
     height: float,
-    *,
-    sigmas: float = SIGMAS,
-    edge: float = EDGE,
 ) -> TurningPush | None:
     """The push on a face that turns the object with the least translation.
 
@@ -493,8 +490,6 @@ def best_turn(
         face: of its side faces; the middle of the strip is taken on a round one.
         angle: of the turn, counter-clockwise, not 0 [rad].
         height: of the contact above the table [m].
-        sigmas: deviations of the parameters with which the finger must still stick.
-        edge: least distance of the contact from the ends of a flat face [m].
 
     Returns:
         None if no push on this face turns it in this sense.
@@ -503,11 +498,11 @@ def best_turn(
         ModelError: `bad_value`.
     """
     sense = float(np.sign(angle))
-    farthest = 0.0 if face.curvature else max(face.width / 2.0 - edge, 0.0)
+    farthest = 0.0 if face.curvature else max(face.width / 2.0 - EDGE, 0.0)
     p, n = face.points_at(sense * farthest * _OFFSETS, height)
     contacts = _Contacts(model, p, n)
     # Slope of the chosen force as a share of the friction coefficient that is left then.
-    holds = 0.9 * max(model.finger_friction - sigmas * model.finger_friction_sd, 0.0)
+    holds = 0.9 * max(model.finger_friction - SIGMAS * model.finger_friction_sd, 0.0)
     # A force square to its lever arm turns best; more slant than that is of no use.
     along, across = np.abs(contacts.r.T)
     slope = -sense * np.minimum(holds, along / np.maximum(across, 1e-9))
@@ -517,7 +512,7 @@ def best_turn(
     widest = _shifted_radius(model, 2.0)
     d = contact_velocity(contacts.r, force, widest)
     d /= np.linalg.norm(d, axis=1)[:, None]
-    predicted = turning_motion(model, p, n, np.arctan2(d[:, 1], d[:, 0]), angle, sigmas=sigmas)
+    predicted = turning_motion(model, p, n, np.arctan2(d[:, 1], d[:, 0]), angle, sigmas=SIGMAS)
     if not predicted.is_successful.any():
         return None
     lever = np.abs(cross(contacts.r, force)) / np.linalg.norm(force, axis=1)

@@ -605,7 +605,7 @@ def _drawn_inside(model: PushedBody, com: Array) -> Array:
 
 
 def outcome_likelihood(
-    model: PushedBody, p: Array, u: Array, force: float | None = None, seed: int = 0
+    model: PushedBody, p: Array, u: Array, force: float | None = None
 ) -> Likelihood:
     """See `ObjectModel.likelihood`, which checks its arrays."""
     if force is None:
@@ -619,9 +619,9 @@ def outcome_likelihood(
         none = np.clip(1.0 - slide - topple, 0.0, 1.0)
         return Likelihood(none, slide, topple, "closed form", NODES, None)
     require_amount(force, "a force of", "give it in newtons; without one, any force is meant")
-    counts = np.vstack([_sample_outcomes(model, *b, force, seed) for b in _contact_blocks(p, u)])
+    counts = np.vstack([_sample_outcomes(model, *b, force, 0) for b in _contact_blocks(p, u)])
     none, slide, topple = counts.T
-    return Likelihood(none, slide, topple, "sampled", SAMPLES, seed)
+    return Likelihood(none, slide, topple, "sampled", SAMPLES, 0)
 
 
 def _contact_blocks(p: Array, u: Array) -> list[tuple[Array, Array]]:

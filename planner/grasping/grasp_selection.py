@@ -19,7 +19,7 @@ from typing import Any, Literal
 import numpy as np
 
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.rotations import rotation_about, spatial_cross
+from objectmodels.geometry.rotations import axis_rotation, left_of, spatial_cross
 from objectmodels.geometry.side_faces import FLAT, Face, SidePress
 from objectmodels.mechanics.grasp_stability import Contacts, Lifted, least_squeezes
 from objectmodels.mechanics.push_outcomes import normal_cdf
@@ -89,7 +89,7 @@ class Candidate:
         """Return True if something stands where the knuckles would be, as seen from above."""
         R_WB = target.pose.R_WB
         closing = (R_WB @ self.closing)[:2]
-        across = np.array([-closing[1], closing[0]])
+        across = left_of(closing)
         at = (R_WB @ self.middle + target.pose.p_WB)[:2]
         fingers, thumb = (0.5 * self.width + room for room in self.grip.room)
         half = 0.5 * float(np.ptp(self.grip.contacts, axis=0).max()) + _BORDER
@@ -196,15 +196,12 @@ def _sides_within(problem: GraspProblem) -> list[_Sides]:
     return closing
 
 
-def lid_candidates(
-    problem: GraspProblem, lid: LiftOffLid | ScrewCap, headings: Array = _HEADINGS
-) -> list[Candidate]:
+def lid_candidates(problem: GraspProblem, lid: LiftOffLid | ScrewCap) -> list[Candidate]:
     """All ways to hold a lid by its knob or by its rim, from above.
 
     Args:
         problem: about the object that it is on.
         lid: what is held.
-        headings: directions in W across which it may be held [rad].
 
     Raises:
         NoPlanError: the hand does not close about it, or it is too low for the fingers.
@@ -220,7 +217,7 @@ def lid_candidates(
         numbers = {"height": high - low, "needed": grip.ahead + _OVER + _BORDER}
         raise no_plan("low_lid", numbers, object=target.name)
     middle = np.array([*lid_middle(target), height])
-    both = np.concatenate((headings, headings + np.pi)) - target.pose.yaw
+    both = np.concatenate((_HEADINGS, _HEADINGS + np.pi)) - target.pose.yaw
     return [
         Candidate("lid", middle, np.array([np.cos(a), np.sin(a), 0.0]), _DOWN, 2.0 * radius, grip)
         for a in both
@@ -500,7 +497,7 @@ class GraspLoad:
         """Directions of its weight in B on its way, shape (k, 3)."""
         if self.turned is not None:
             angle = float(np.linalg.norm(self.turned))
-            R = rotation_about(self.turned / angle, np.linspace(0.0, angle, _TILTS))
+            R = axis_rotation(self.turned / angle, np.linspace(0.0, angle, _TILTS))
             return -R[:, 2]
         tilts = np.linspace(0.0, self.angle, _TILTS) if self.angle else np.zeros(1)
         ahead, ones = np.sin(tilts), np.ones(len(tilts))

@@ -17,7 +17,7 @@ import numpy as np
 
 from grammar.frames import command as g
 from objectmodels.geometry.base_shapes import Array, Polygon, hull_polygon
-from objectmodels.geometry.rotations import axis_and_angle, rotation_about
+from objectmodels.geometry.rotations import axis_and_angle, axis_rotation
 from objectmodels.mechanics.standing_balance import stack_margins, standing_probability
 from objectmodels.models.object_model import Resting
 from planner.grasping.grasp_plans import (
@@ -375,7 +375,7 @@ def _turned(held: Candidate, rest: Resting, target: SeenObject) -> Iterator[Gras
     away = heading_of(target.pose.p_WB) - target.pose.yaw
     kept = [heading_of(held.approach)] if np.any(held.approach[:2]) else []
     for heading in (*kept, *(away + _ASIDE)):
-        axis, angle = axis_and_angle(rotation_about(_UP, heading - heading_of(last)) @ level)
+        axis, angle = axis_and_angle(axis_rotation(_UP, heading - heading_of(last)) @ level)
         yield GraspLoad(held, turned=angle * axis)
         # Turns by more than this are tried the other way round, too.
         if angle > math.radians(150.0):
@@ -386,9 +386,9 @@ def _lean_onto(foot: Array) -> Array:
     """The shortest rotation by which a direction, shape (3,), comes to look down, shape (3, 3)."""
     axis = np.cross(foot, -_UP)
     if np.linalg.norm(axis) < 1e-9:
-        return rotation_about([1.0, 0.0, 0.0], 0.0 if foot[2] < 0.0 else math.pi)
+        return axis_rotation([1.0, 0.0, 0.0], 0.0 if foot[2] < 0.0 else math.pi)
     angle = math.acos(float(np.clip(-foot[2], -1.0, 1.0)))
-    return rotation_about(axis / np.linalg.norm(axis), angle)
+    return axis_rotation(axis / np.linalg.norm(axis), angle)
 
 
 def _first_way(problem: GraspProblem, rest: Resting, ways: list[StableGrasp]) -> Plan:
@@ -408,7 +408,7 @@ def _motion_draft(problem: GraspProblem, rest: Resting, hold: StableGrasp) -> Mo
     target, middle = problem.target, np.array(hold.grasp.p_BG)
     R_WN, angle = target.pose.R_WB, float(np.linalg.norm(hold.turned))
     axis = R_WN @ hold.turned / angle
-    R_WE = rotation_about(axis, angle) @ R_WN
+    R_WE = axis_rotation(axis, angle) @ R_WN
     R_WB, p_WB = rest.body_pose(R_WE, target.pose.p_WB + R_WN @ middle - R_WE @ middle)
     aim = Aim(x=float(p_WB[0]), y=float(p_WB[1]), yaw=heading_of(R_WB[:, 0]))
     require_room(problem, standing_object(target, aim), {})
@@ -432,7 +432,7 @@ def _room_below(target: SeenObject, middle: Array, turned: Array) -> float:
         turned: rotation vector in N, shape (3,) [rad].
     """
     angle = float(np.linalg.norm(turned))
-    ways = rotation_about(turned / angle, np.linspace(0.0, angle, _SAMPLES))
+    ways = axis_rotation(turned / angle, np.linspace(0.0, angle, _SAMPLES))
     outline, top = target.model.outline, target.model.top
     corners = np.array([(x, y, z) for z in (0.0, top) for x, y in outline])
     lowest = float(((corners - middle) @ ways[:, 2].T).min())

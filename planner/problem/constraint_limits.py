@@ -532,40 +532,21 @@ def _limit_speed(problem: PlanningProblem[GoalT], speed: float) -> PlanningProbl
     return replace(problem.without_default("speed").without_default("carry_speed"), motion=motion)
 
 
-def _at_speed(problem: PushProblem, speed: float, spans: g.Spans) -> PushProblem:
+def _push_at_speed(problem: PushProblem, clause: g.Fast | g.Speed | g.MinSpeed) -> PushProblem:
+    speed = problem.defaults.speed_fast if isinstance(clause, g.Fast) else clause.value
     most = problem.defaults.speed_most
     if speed > most:
         what, goal = "objects keep to the fingertips up to", problem.goal
         if goal.aims and not goal.rotates and reached_speed(most, goal.distance) < most:
             what = f"over {1e3 * goal.distance:.0f} mm the fingertips come to"
             most = reached_speed(most, goal.distance)
-        raise _too_fast(speed, most, what, spans)
+        raise _too_fast(speed, most, what, clause.spans)
     motion = replace(problem.motion, speed=speed)
     return replace(problem.without_default("speed"), motion=motion)
 
 
 def _too_fast(speed: float, most: float, what: str, spans: g.Spans) -> NoPlanError:
     return no_plan("too_fast", {"speed": speed, "most": most}, spans=spans, what=what)
-
-
-def _push_slowly(problem: PushProblem, clause: g.Slow) -> PushProblem:
-    return _limit_speed(problem, problem.defaults.speed_gentle)
-
-
-def _push_fast(problem: PushProblem, clause: g.Fast) -> PushProblem:
-    return _at_speed(problem, problem.defaults.speed_fast, clause.spans)
-
-
-def _push_at_speed(problem: PushProblem, clause: g.Speed | g.MinSpeed) -> PushProblem:
-    return _at_speed(problem, clause.value, clause.spans)
-
-
-def _move_at_most(problem: PlanningProblem[GoalT], clause: g.MaxSpeed) -> PlanningProblem[GoalT]:
-    return _limit_speed(problem, clause.value)
-
-
-def _carry_slowly(problem: GraspProblem, clause: g.Slow) -> GraspProblem:
-    return _limit_speed(problem, problem.defaults.carry_speed_gentle)
 
 
 def _carry_at_speed(problem: GraspProblem, clause: g.Speed | g.MinSpeed) -> GraspProblem:
@@ -640,11 +621,17 @@ LIMITS: dict[str, ConstraintRule] = {
     "min_force": ConstraintRule(_push_at_least, unsupported="pressing with a least force"),
     "hard": ConstraintRule(_push_hard, unsupported="using much force"),
     "gentle": ConstraintRule(_push_gently, _grasp_gently),
-    "slow": ConstraintRule(_push_slowly, _carry_slowly),
-    "fast": ConstraintRule(_push_fast, unsupported="moving fast"),
+    "slow": ConstraintRule(
+        lambda problem, _: _limit_speed(problem, problem.defaults.speed_gentle),
+        lambda problem, _: _limit_speed(problem, problem.defaults.carry_speed_gentle),
+    ),
+    "fast": ConstraintRule(_push_at_speed, unsupported="moving fast"),
     "speed": ConstraintRule(_push_at_speed, _carry_at_speed),
     "min_speed": ConstraintRule(_push_at_speed, _carry_at_speed),
-    "max_speed": ConstraintRule(_move_at_most, _move_at_most),
+    "max_speed": ConstraintRule(
+        lambda problem, clause: _limit_speed(problem, clause.value),
+        lambda problem, clause: _limit_speed(problem, clause.value),
+    ),
     "max_duration": ConstraintRule(_push_within, unsupported="keeping to a time"),
     "duration": ConstraintRule(_push_exactly, unsupported="keeping to a time"),
     "max_distance": ConstraintRule(_push_near, unsupported="limiting a distance"),

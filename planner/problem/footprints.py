@@ -157,8 +157,7 @@ def travel_to_edge(corners: Array, table: TableState, direction: Array, margin: 
     Returns:
         The distance [m], negative or zero if a corner is too close already.
     """
-    low = np.array([table.x_min, table.y_min]) + margin
-    high = np.array([table.x_max, table.y_max]) - margin
+    low, high = table.corners_within(margin)
     room = np.where(direction > 0.0, high - corners, corners - low)
     going = np.abs(direction) > 1e-12
     return float((room[:, going] / np.abs(direction[going])).min())
@@ -169,8 +168,7 @@ def room_to_edge(corners: Array, table: TableState, margin: float = 0.0) -> floa
 
     Less than 0 if a corner is beyond it.
     """
-    low = np.array([table.x_min, table.y_min]) + margin
-    high = np.array([table.x_max, table.y_max]) - margin
+    low, high = table.corners_within(margin)
     return float(np.minimum(corners - low, high - corners).min())
 
 
@@ -318,12 +316,11 @@ def _free_places(
 ) -> NDArray[np.bool_]:
     """Which places of the origin, shape (n, m, 2) [m], are free, shape (n, m)."""
     own = footprint(target) - target.pose.p_WB[:2]
-    table = state.table
-    low = np.array([table.x_min, table.y_min]) + margin - own.min(axis=0)
-    high = np.array([table.x_max, table.y_max]) - margin - own.max(axis=0)
-    free = np.asarray(((grid >= low) & (grid <= high)).all(axis=-1))
+    low, high = state.table.corners_within(margin)
+    within = (grid >= low - own.min(axis=0)) & (grid <= high - own.max(axis=0))
     others = [footprint(state.objects[name]) for name in clearances]
-    return free & Separations(own, others, [*clearances.values()]).are_free(grid)
+    apart = Separations(own, others, [*clearances.values()])
+    return np.asarray(within.all(axis=-1)) & apart.are_free(grid)
 
 
 def _cheapest_path(

@@ -21,6 +21,7 @@ import numpy as np
 
 from grammar.frames import command as g
 from objectmodels.geometry.base_shapes import Array, Polygon
+from objectmodels.geometry.rotations import left_of
 from objectmodels.mechanics.standing_balance import UNLOADED, TopLoad, largest_overhang
 from objectmodels.models.object_parts import Cavity, inner_floor
 from objectmodels.models.shapes import standing_height, top_face
@@ -114,10 +115,10 @@ class InHalf(Region):
 
     def spots(self, own: SeenObject) -> list[Array]:
         """So far that none of it is in the other half, straight first, or where it is."""
-        here, across = np.array([own.pose.x, own.pose.y]), self._reach_over(own) + self.tolerance
+        here, across = own.pose.p_WB[:2], self._reach_over(own) + self.tolerance
         if across <= 0.0:
             return [here]
-        along = np.array([-self._way[1], self._way[0]])
+        along = left_of(self._way)
         return [here + across * self._way + aside * along for aside in _ASIDE]
 
     def measures(self, own: SeenObject) -> tuple[Measure, ...]:
@@ -132,9 +133,7 @@ class InHalf(Region):
 
     def _reach_over(self, own: SeenObject) -> float:
         """Way from the middle to the farthest corner in the other half; negative if none is [m]."""
-        t = self.table
-        middle = np.array([t.x_min + t.x_max, t.y_min + t.y_max]) / 2.0
-        return float(((middle - footprint(own)) @ self._way).max())
+        return float(((self.table.middle - footprint(own)) @ self._way).max())
 
 
 @dataclass(frozen=True)
@@ -153,7 +152,7 @@ class Beyond(Region):
 
     def spots(self, own: SeenObject) -> list[Array]:
         """Straight away in eight directions, the nearest first; or where it is."""
-        here, shape = np.array([own.pose.x, own.pose.y]), footprint(own)
+        here, shape = own.pose.p_WB[:2], footprint(own)
         found = []
         for u in (unit(float(way))[:2] for way in _WAYS):
             for length in np.arange(0.0, _FARTHEST, _STEP):
@@ -192,7 +191,7 @@ class Aside(Region):
 
     def spots(self, own: SeenObject) -> list[Array]:
         """To the left, to the right, then in the other directions of eight."""
-        there = np.array([self.start.pose.x, self.start.pose.y])
+        there = self.start.pose.p_WB[:2]
         ways = sorted(_WAYS, key=lambda way: -abs(round(math.sin(way), 3)))
         return [there + self.distance * unit(float(way))[:2] for way in ways]
 
@@ -280,8 +279,6 @@ def table_with_room(table: TableState, over: Sequence[Overhang], room: float) ->
 WALL_ROOM = 0.008
 """Room between the walls of a box and what is put into it [m]."""
 
-_BOX_SHARES = np.linspace(-1.0, 1.0, 5)  # of the way that is free, at which places are looked at
-
 
 @dataclass(frozen=True)
 class InBox(Region):
@@ -305,8 +302,7 @@ class InBox(Region):
         if (low > high).any():
             return []
         R_WB = self.box.pose.R_WB[:2, :2]
-        steps = np.stack(np.meshgrid(_BOX_SHARES, _BOX_SHARES), axis=-1).reshape(-1, 2)
-        steps = steps[np.argsort(np.hypot(*steps.T), kind="stable")]
+        steps = _pairs_outwards(np.linspace(-1.0, 1.0, 5))
         inside = 0.5 * (low + high) + 0.5 * steps * (high - low)
         places = inside @ R_WB.T + self.box.pose.p_WB[:2]
         rooms = [self._room(own, at) for at in places]
@@ -348,11 +344,6 @@ class InBox(Region):
         return min((gap(there, footprint(seen)) for seen in others), default=np.inf)
 
 
-_TOP_SHARES = np.linspace(
-    -0.8, 0.8, 9
-)  # of half the extent of a top, at which places are looked at
-
-
 @dataclass(frozen=True)
 class OnTop(Region):
     """A place on top of an object.
@@ -373,8 +364,7 @@ class OnTop(Region):
         face = face_in_world(top, self.lower)
         com = own.pose.R_WB[:2, :2] @ np.array(own.model.com[:2])
         half = 0.5 * np.ptp(top.vertices, axis=0)
-        steps = np.stack(np.meshgrid(_TOP_SHARES, _TOP_SHARES), axis=-1).reshape(-1, 2)
-        steps = steps[np.argsort(np.hypot(*steps.T), kind="stable")]
+        steps = _pairs_outwards(np.linspace(-0.8, 0.8, 9))
         over = face.centroid + (steps * half) @ self.lower.pose.R_WB[:2, :2].T
         inside = (over @ face.normals.T < face.offsets).all(axis=1)
         return list(over[inside] - com)
@@ -514,10 +504,7 @@ def _place_clear_of(
         return Beyond(tuple((o.name, footprint(o)) for o in objects), room, d.place_tolerance)
     if reference != "center":
         return None
-    middle = np.array(
-        [state.table.x_min + state.table.x_max, state.table.y_min + state.table.y_max]
-    )
-    return Beyond((("middle of the table", _DOT + middle / 2.0),), room, d.place_tolerance)
+    return Beyond((("middle of the table", _DOT + state.table.middle),), room, d.place_tolerance)
 
 
 def table_region(name: str, table: TableState, d: Defaults) -> Region:
@@ -525,8 +512,7 @@ def table_region(name: str, table: TableState, d: Defaults) -> Region:
     if name in OTHER_HALF:
         return InHalf(table, name, d.edge_tolerance)
     if name == "center":
-        middle = (table.x_min + table.x_max) / 2.0, (table.y_min + table.y_max) / 2.0
-        return Spot(*middle, d.centre_tolerance)
+        return Spot(*table.middle.tolist(), d.centre_tolerance)
     return AtEdge(table, _EDGES[name], d.edge_gap, d.edge_tolerance)
 
 
@@ -574,7 +560,7 @@ class Beside(Region):
 
     def spots(self, own: SeenObject) -> list[Array]:
         """On its side: straight across from where the object is, and in the middle of the side."""
-        here, there = _origin_of(own), _origin_of(self.other)
+        here, there = own.pose.p_WB[:2], self.other.pose.p_WB[:2]
         if not self.side:
             straight = [self._position_against(own, unit(heading_of(here - there))[:2], 0.0)]
             sides = [
@@ -583,7 +569,7 @@ class Beside(Region):
             return _nearest_first(here, straight + sides)
         u = self._way()
         room = max(self._room(own, u) - self.tolerance, 0.0) if len(self.side) == 1 else 0.0
-        offset = float(np.clip((here - there) @ _across_direction(u), -room, room))
+        offset = float(np.clip((here - there) @ left_of(u), -room, room))
         return _nearest_first(
             here, [self._position_against(own, u, offset), self._position_against(own, u, 0.0)]
         )
@@ -595,11 +581,11 @@ class Beside(Region):
         if not self.side:
             return (Measure(f"gap to the {name}", "about", self.gap, apart, self.tolerance),)
         u = self._way()
-        way = _origin_of(own) - _origin_of(self.other)
+        way = own.pose.p_WB[:2] - self.other.pose.p_WB[:2]
         apart = apart if way @ u > 0.0 else -abs(apart)
         names = {"toward": "in front", "away": "behind"}
         where = " and ".join(names.get(side, f"to the {side}") for side in self.side)
-        offset, room = abs(float(way @ _across_direction(u))), self._room(own, u)
+        offset, room = abs(float(way @ left_of(u))), self._room(own, u)
         part = "side" if len(self.side) == 1 else "corner"
         if part == "corner":
             # Nearer to the diagonal than to either side.
@@ -616,15 +602,15 @@ class Beside(Region):
 
     def _room(self, own: SeenObject, u: Array) -> float:
         """Offset across a direction that is allowed [m]."""
-        widths = [np.ptp(footprint(seen) @ _across_direction(u)) for seen in (own, self.other)]
+        widths = [np.ptp(footprint(seen) @ left_of(u)) for seen in (own, self.other)]
         return float(self.aside * sum(widths) / 2.0)
 
     def _position_against(self, own: SeenObject, u: Array, offset: float) -> Array:
         """Position of an object that came straight against `u` until the gap was left, (2,) [m]."""
-        standing, shape = footprint(self.other), footprint(own) - _origin_of(own)
+        standing, shape = footprint(self.other), footprint(own) - own.pose.p_WB[:2]
         far = np.linalg.norm(shape, axis=1).max() + self.gap
-        far += np.linalg.norm(standing - _origin_of(self.other), axis=1).max()
-        at = _origin_of(self.other) + offset * _across_direction(u) + far * u
+        far += np.linalg.norm(standing - self.other.pose.p_WB[:2], axis=1).max()
+        at = self.other.pose.p_WB[:2] + offset * left_of(u) + far * u
         for _ in range(_STEPS):
             # A step as long as what is left of the gap never takes it too close.
             left = gap(shape + at, standing) - self.gap
@@ -650,13 +636,13 @@ class Between(Region):
     def spots(self, own: SeenObject) -> list[Array]:
         """The middle; none if the object does not fit in between."""
         at = self._position_halfway(own)
-        shape = footprint(own) - _origin_of(own) + at
+        shape = footprint(own) - own.pose.p_WB[:2] + at
         fits = all(gap(shape, footprint(seen)) > 0.0 for seen in (self.one, self.other))
         return [at] if fits else []
 
     def measures(self, own: SeenObject) -> tuple[Measure, ...]:
         """Distance of the object from the middle."""
-        off = float(np.linalg.norm(_origin_of(own) - self._position_halfway(own)))
+        off = float(np.linalg.norm(own.pose.p_WB[:2] - self._position_halfway(own)))
         quantity = f"off the middle between the {self.one.name} and the {self.other.name}"
         return (Measure(quantity, "at_most", 0.0, off, self.tolerance),)
 
@@ -667,9 +653,9 @@ class Between(Region):
 
     def _position_halfway(self, own: SeenObject) -> Array:
         """Position between the two at which an object is as far from one as from the other."""
-        a, b = _origin_of(self.one), _origin_of(self.other)
+        a, b = self.one.pose.p_WB[:2], self.other.pose.p_WB[:2]
         first, second = footprint(self.one), footprint(self.other)
-        shape = footprint(own) - _origin_of(own)
+        shape = footprint(own) - own.pose.p_WB[:2]
         u = (b - a) / np.linalg.norm(b - a)
         at = (a + b) / 2.0
         for _ in range(_STEPS):
@@ -699,7 +685,7 @@ class AtEdge(Region):
 
     def spots(self, own: SeenObject) -> list[Array]:
         """Straight across to the edge, for each choice."""
-        here = _origin_of(own)
+        here = own.pose.p_WB[:2]
         ways = [
             sum(
                 ((self._room(own, side) - self.gap) * unit(HEADINGS[side])[:2] for side in sides),
@@ -742,7 +728,7 @@ def share_of_way(place: Region, share: float, start: SeenObject, d: Defaults) ->
     spots = place.spots(start)
     if not spots:
         return place
-    here = _origin_of(start)
+    here = start.pose.p_WB[:2]
     way = share * (spots[0] - here)
     x, y = (here + way).tolist()
     return Spot(x, y, d.tolerance_of(float(np.linalg.norm(way)), d.place_tolerance))
@@ -753,12 +739,10 @@ def object_at(seen: SeenObject, at: Array) -> SeenObject:
     return replace(seen, pose=replace(seen.pose, x=float(at[0]), y=float(at[1])))
 
 
-def _origin_of(seen: SeenObject) -> Array:
-    return np.array([seen.pose.x, seen.pose.y])
-
-
-def _across_direction(u: Array) -> Array:
-    return np.array([-u[1], u[0]])
+def _pairs_outwards(shares: Array) -> Array:
+    """Pairs of shares of a range, those nearest to its middle first, shape (n, 2)."""
+    pairs = np.stack(np.meshgrid(shares, shares), axis=-1).reshape(-1, 2)
+    return pairs[np.argsort(np.hypot(*pairs.T), kind="stable")]
 
 
 def _nearest_first(here: Array, spots: Iterable[Array]) -> list[Array]:

@@ -160,16 +160,15 @@ def _turn_partings(turn: float) -> list[tuple[float, ...]]:
     return [parts for parts in dict.fromkeys(parted) if max(map(abs, parts)) <= MOST]
 
 
-def turn_parts(angle: float, largest: float = LARGEST_TURN) -> tuple[float, ...]:
+def turn_parts(angle: float) -> tuple[float, ...]:
     """Turns of alternating pushes on two opposite faces that leave the object in its place [rad].
 
     Args:
         angle: of the whole turn, counter-clockwise [rad].
-        largest: largest turn by three pushes, no more than π [rad].
     """
     if abs(angle) <= PAIRED_TURN:
         return (0.5 * angle, 0.5 * angle)
-    threes = int(np.ceil(abs(angle) / largest - 1e-9))
+    threes = int(np.ceil(abs(angle) / LARGEST_TURN - 1e-9))
     whole = angle / threes
     middle = 2.0 * float(np.arcsin(0.5 * np.sin(0.5 * whole)))
     outer = 0.5 * (whole - middle)

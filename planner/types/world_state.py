@@ -199,6 +199,16 @@ class TableState:
     y_min: float
     y_max: float
 
+    @property
+    def middle(self) -> NDArray[np.float64]:
+        """Its middle, shape (2,) [m]."""
+        return np.array([self.x_min + self.x_max, self.y_min + self.y_max]) / 2.0
+
+    def corners_within(self, margin: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Lowest and highest corner of what lies a margin within its edge, shape (2,) each [m]."""
+        low = np.array([self.x_min, self.y_min]) + margin
+        return low, np.array([self.x_max, self.y_max]) - margin
+
 
 @dataclass(frozen=True)
 class Held:
