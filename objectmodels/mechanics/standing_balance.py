@@ -153,12 +153,8 @@ def pinch_margin(body: PushedBody, thumb: Array, press: float, fingers: Array) -
     length = float(np.hypot(*line))
     along = float((q - start) @ line) / length
     off = np.hypot(max(0.0, -along, along - length), float(cross(line, q - start)) / length)
-    return float(_friction_reach(body, press) - off)
-
-
-def _friction_reach(body: PushedBody, press: float) -> float:
-    """The way h μ_f N / (G + N) by which the friction of a thumb moves q [m]."""
-    return body.top * body.finger_friction * press / (body.weight + press)
+    # The friction of a thumb moves q by h μ_f N / (G + N).
+    return float(body.top * body.finger_friction * press / (body.weight + press) - off)
 
 
 def _support(body: PushedBody, edge: TableEdge) -> tuple[Array, Array]:

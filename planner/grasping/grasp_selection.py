@@ -737,22 +737,18 @@ class _GraspBeliefs:
         """All that a hold depends on, and the object in the hand."""
         if bearing not in self._keyed:
             lifted = bearing.lifted_object(self._model)
-            self._keyed[bearing] = self._key_of(lifted), lifted
+            # All of it in the frame of the grasp.
+            R, model = lifted.R_BG, lifted.model
+            parts = (
+                lifted.contacts.places,
+                (np.array(model.com) - lifted.p_BG) @ R,
+                R.T @ np.diag(np.square(model.com_sd)) @ R,
+                lifted.down_B @ R,
+                np.array([model.mass, model.mass_sd, *vars(lifted.contacts.press).values()]),
+            )
+            key = b"".join((np.round(part, 7) + 0.0).tobytes() for part in parts)
+            self._keyed[bearing] = key, lifted
         return self._keyed[bearing]
-
-    @staticmethod
-    def _key_of(lifted: Lifted) -> bytes:
-        """All that a hold depends on, in the frame of the grasp."""
-        R, model = lifted.R_BG, lifted.model
-        spread = R.T @ np.diag(np.square(model.com_sd)) @ R
-        parts = (
-            lifted.contacts.places,
-            (np.array(model.com) - lifted.p_BG) @ R,
-            spread,
-            lifted.down_B @ R,
-            np.array([model.mass, model.mass_sd, *vars(lifted.contacts.press).values()]),
-        )
-        return b"".join((np.round(part, 7) + 0.0).tobytes() for part in parts)
 
 
 def friction(model: ObjectModel) -> float:

@@ -10,14 +10,14 @@ Frames: W is the world, B the object.
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
 from objectmodels.containers.lids import FlipArc, Loosening, flip, is_off, lift_off, unscrew
-from objectmodels.geometry.base_shapes import Array, Disc, hull_polygon
+from objectmodels.geometry.base_shapes import Disc, hull_polygon
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.models.object_parts import FlipLid, LiftOffLid, ScrewCap
 from planner.grasping.grasp_plans import MotionDraft, each_with_each, first_reachable_plan
@@ -45,12 +45,12 @@ from planner.types.actions import (
     SetDown,
     TurnCap,
     TurnPrediction,
+    finite_or_none,
 )
 from planner.types.defaults import Defaults
 from planner.types.plan import DefaultUsed, Plan, PlanTask, Reached
 from planner.types.world_state import SeenObject
 
-_ASIDE = 6  # places beside it that are looked at for its lid
 _RINGS = np.arange(0.0, 0.25, 0.04)  # beyond the nearest place [m]
 _AROUND = np.arange(12) * math.tau / 12.0
 _ROOM = 0.05  # between a lid and what stands near it, for the fingers that let go of it [m]
@@ -143,8 +143,8 @@ def _plan_flip(problem: GraspProblem, lid: FlipLid, action: PlanTask, end: float
             lid_force=arc.largest_force,
             nearest_angle=float(arc.angles[near]),
             nearest_force=float(arc.force[near]),
-            slide_force=slide if math.isfinite(slide) else None,
-            topple_force=topple if math.isfinite(topple) else None,
+            slide_force=finite_or_none(slide),
+            topple_force=finite_or_none(topple),
             lid_angle=end,
         ),
     )
@@ -193,7 +193,7 @@ def _plan_pull_off(problem: GraspProblem, lid: LiftOffLid) -> Plan:
     found = lift_off(problem.target.model, lid, fixed=problem.target.fixed)
     _require_still(problem, found)
     load = Load(found.needed, lid.retention_sd)
-    pull = PullPrediction(lid_force=found.needed, lifting_force=_finite_or_none(found.held))
+    pull = PullPrediction(lid_force=found.needed, lifting_force=finite_or_none(found.held))
     ways = _lid_holds(problem, lid, load)
     return _plan_take_off(problem, lid, ways, found.probability, pull=pull)
 
@@ -272,12 +272,8 @@ def _lid_holds(problem: GraspProblem, lid: LiftOffLid | ScrewCap, load: Load) ->
 
 def _turn_step(problem: GraspProblem, cap: ScrewCap, angle: float, found: Loosening) -> TurnCap:
     limit = (1.0 + problem.defaults.force_reserve) * cap.friction_torque
-    prediction = TurnPrediction(lid_torque=found.needed, turning_torque=_finite_or_none(found.held))
+    prediction = TurnPrediction(lid_torque=found.needed, turning_torque=finite_or_none(found.held))
     return TurnCap(angle=angle, torque_limit=limit, prediction=prediction)
-
-
-def _finite_or_none(value: float) -> float | None:
-    return value if math.isfinite(value) else None
 
 
 # -- where a lid is put aside -------------------------------------------------------------------
@@ -285,39 +281,23 @@ def _finite_or_none(value: float) -> float | None:
 
 def _free_lid_places(problem: GraspProblem, radius: float) -> list[tuple[Aim, float]]:
     """Free places for a disc [m], the nearest first, and what is tallest on the way to each [m]."""
-    free = (found for found in _places_around(problem, radius) if _is_free(problem, found, radius))
-    return [
-        (Aim(x=float(at[0]), y=float(at[1])), _tallest_on_way(problem, at, radius))
-        for _, at in zip(range(_ASIDE), free, strict=False)
-    ]
-
-
-def _places_around(problem: GraspProblem, radius: float) -> Iterator[Array]:
-    """Places around the object, ring after ring, shape (2,) [m]."""
-    own = footprint(problem.target)
-    middle = problem.target.pose.p_WB[:2]
-    nearest = float(np.linalg.norm(own - middle, axis=1).max()) + radius + _ROOM
-    for ring in _RINGS:
-        for angle in _AROUND:
-            yield middle + (nearest + ring) * np.array([math.cos(angle), math.sin(angle)])
-
-
-def _disc_at(at: Array, radius: float) -> Array:
-    return np.asarray(at + Disc(radius).corners)
-
-
-def _is_free(problem: GraspProblem, at: Array, radius: float) -> bool:
-    lid, d = _disc_at(at, radius), problem.defaults
-    if room_to_edge(lid, problem.state.table, d.clearance) < 0.0:
-        return False
-    return all(gap(lid, footprint(seen)) >= _ROOM for seen in problem.state.objects.values())
-
-
-def _tallest_on_way(problem: GraspProblem, at: Array, radius: float) -> float:
-    start = _disc_at(problem.target.pose.p_WB[:2], radius)
-    way = hull_polygon(np.vstack([start, _disc_at(at, radius)])).vertices
-    return max(
-        seen.top_height
-        for seen in problem.state.objects.values()
-        if seen is problem.target or gap(way, footprint(seen)) < problem.defaults.clearance
-    )
+    target, d, disc = problem.target, problem.defaults, Disc(radius).corners
+    middle, others = target.pose.p_WB[:2], problem.state.objects.values()
+    nearest = float(np.linalg.norm(footprint(target) - middle, axis=1).max()) + radius + _ROOM
+    found: list[tuple[Aim, float]] = []
+    for ring, angle in itertools.product(_RINGS, _AROUND):
+        at = middle + (nearest + ring) * np.array([math.cos(angle), math.sin(angle)])
+        if room_to_edge(at + disc, problem.state.table, d.clearance) < 0.0:
+            continue
+        if any(gap(at + disc, footprint(seen)) < _ROOM for seen in others):
+            continue
+        way = hull_polygon(np.vstack([middle + disc, at + disc])).vertices
+        tallest = max(
+            seen.top_height
+            for seen in others
+            if seen is target or gap(way, footprint(seen)) < d.clearance
+        )
+        found.append((Aim(x=float(at[0]), y=float(at[1])), tallest))
+        if len(found) == 6:  # places are enough to look at
+            break
+    return found

@@ -413,7 +413,12 @@ def _motion_draft(problem: GraspProblem, rest: Resting, hold: StableGrasp) -> Mo
     aim = Aim(x=float(p_WB[0]), y=float(p_WB[1]), yaw=heading_of(R_WB[:, 0]))
     require_room(problem, standing_object(target, aim), {})
     here = Aim(x=target.pose.x, y=target.pose.y)
-    up = clearance_height(problem, here) + _room_below(target, middle, hold.turned)
+    # Lifted so, it clears the table while it turns.
+    ways = axis_rotation(hold.turned / angle, np.linspace(0.0, angle, _SAMPLES))
+    outline, top = target.model.outline, target.model.top
+    corners = np.array([(x, y, z) for z in (0.0, top) for x, y in outline])
+    lowest = float(((corners - middle) @ ways[:, 2].T).min())
+    up = clearance_height(problem, here) + max(0.0, -lowest - float(middle[2]))
     x, y, z = axis.tolist()
     steps: tuple[Action, ...] = (
         *lift_steps(problem, up),
@@ -421,19 +426,3 @@ def _motion_draft(problem: GraspProblem, rest: Resting, hold: StableGrasp) -> Mo
         SetDown(),
     )
     return MotionDraft(steps, aim=aim)
-
-
-def _room_below(target: SeenObject, middle: Array, turned: Array) -> float:
-    """Height by which it is lifted so that it clears the table while it turns [m].
-
-    Args:
-        target: what is turned.
-        middle: the point in N that stays where it is, shape (3,) [m].
-        turned: rotation vector in N, shape (3,) [rad].
-    """
-    angle = float(np.linalg.norm(turned))
-    ways = axis_rotation(turned / angle, np.linspace(0.0, angle, _SAMPLES))
-    outline, top = target.model.outline, target.model.top
-    corners = np.array([(x, y, z) for z in (0.0, top) for x, y in outline])
-    lowest = float(((corners - middle) @ ways[:, 2].T).min())
-    return max(0.0, -lowest - float(middle[2]))

@@ -43,7 +43,15 @@ from planner.pushing.contact_sampling import (
 from planner.pushing.reach_search import ContactQueries, ReachSearch
 from planner.pushing.turn_planner import turning_push
 from planner.refusals.no_plan import no_plan, no_push_reached, refusal
-from planner.types.actions import FALLING, Margins, Prediction, Push, PushAction, Vector3
+from planner.types.actions import (
+    FALLING,
+    Margins,
+    Prediction,
+    Push,
+    PushAction,
+    Vector3,
+    finite_or_none,
+)
 from planner.types.defaults import Defaults
 from planner.types.refusal import (
     Alternatives,
@@ -102,10 +110,10 @@ def prediction(problem: PushProblem, step: PushStep, contact: Contact) -> Predic
     predicted = Prediction(
         outcome=step.outcome,
         onset=float(nominal.onset[0]),
-        slide_force=_finite_or_none(nominal.slide[0]),
-        topple_force=_finite_or_none(nominal.topple[0]),
-        critical_height=_finite_or_none(cone.critical_height[i]),
-        critical_height_worst=_finite_or_none(worst),
+        slide_force=finite_or_none(nominal.slide[0]),
+        topple_force=finite_or_none(nominal.topple[0]),
+        critical_height=finite_or_none(cone.critical_height[i]),
+        critical_height_worst=finite_or_none(worst),
         probability=probability(problem, step, contact),
         stay_on_base_angle=model.angle_of_no_return(inward),
         tier="exact",
@@ -239,10 +247,6 @@ def margins(problem: PushProblem, step: PushStep, contact: Contact, force_limit:
         sigmas=contact.among.sigmas,
         force_limit=force_limit - needed_force(problem, step, contact),
     )
-
-
-def _finite_or_none(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None
 
 
 def selection_notes(

@@ -28,7 +28,7 @@ from planner.pushing.push_paths import Obstructions, PathSegment, free_length_ma
 from planner.pushing.push_sequence import path_clearances
 from planner.pushing.reach_search import ReachSearch
 from planner.refusals.no_plan import no_plan, no_push_reached
-from planner.types.actions import Aim, Margins, Prediction, Push, PushAction
+from planner.types.actions import Aim, Margins, Prediction, Push, PushAction, finite_or_none
 from planner.types.plan import Reached
 from planner.types.refusal import NoPlanError
 from planner.types.world_state import plain_vector
@@ -158,7 +158,7 @@ def _drag_along(problem: PushProblem, segment: PathSegment) -> PushAction:
         outcome="slide",
         onset=needed,
         slide_force=needed,
-        topple_force=tips if math.isfinite(tips) else None,
+        topple_force=finite_or_none(tips),
         critical_height=None,
         critical_height_worst=None,
         probability=probability,

@@ -346,15 +346,13 @@ def _joint_plan(problem: PushProblem, found: list[PushCandidate], aim: Aim | Non
         defaults=problem.defaults_used,
         considered=sum(each.considered for each in found),
         satisfying=sum(each.satisfying for each in found),
-        notes=tuple(_numbered_notes(found)),
+        # Of several pushes each note has the number of its push.
+        notes=tuple(
+            note if len(found) == 1 else f"push {number}: {note}"
+            for number, each in enumerate(found, start=1)
+            for note in each.notes
+        ),
     )
-
-
-def _numbered_notes(found: list[PushCandidate]) -> Iterator[str]:
-    """Notes on each push; of several with the number of the push."""
-    for number, each in enumerate(found, start=1):
-        for note in each.notes:
-            yield note if len(found) == 1 else f"push {number}: {note}"
 
 
 # -- poses at the edge of the tolerance ---------------------------------------------------------

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
 from dataclasses import replace
 
 from planner.problem.planning_problem import PushProblem, PushStep
@@ -128,7 +127,11 @@ class TopplePlanner:
         margin = problem.defaults.clearance + _FORESIGHT
         way = Obstructions(problem.target, problem.state, path_clearances(problem), margin)
         places = Alternatives()
-        for segment in _segments_aside(problem.target):
+        # Pushes square to its faces, the shortest first.
+        target = problem.target
+        ahead = Aim(x=target.pose.x + 1.0, y=target.pose.y, yaw=target.pose.yaw)
+        for distance, heading in itertools.product(_ASIDE, push_headings(target, ahead)):
+            segment = PathSegment(heading, distance)
             if way.first_stop((segment,)) is not None:
                 continue
             with places:
@@ -138,10 +141,3 @@ class TopplePlanner:
                 )
                 return [best_push(few, aside, self._search), then]
         raise places.first if places else no_plan("no_way", object=problem.target.name)
-
-
-def _segments_aside(target: SeenObject) -> Iterator[PathSegment]:
-    """Pushes square to its faces, the shortest first."""
-    ahead = Aim(x=target.pose.x + 1.0, y=target.pose.y, yaw=target.pose.yaw)
-    for distance, heading in itertools.product(_ASIDE, push_headings(target, ahead)):
-        yield PathSegment(heading, distance)

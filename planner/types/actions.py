@@ -186,6 +186,11 @@ class Prediction(Value):
     friction: Literal["static", "kinetic"]
 
 
+def finite_or_none(value: float) -> float | None:
+    """A force or a height of a prediction; None of what never happens."""
+    return float(value) if math.isfinite(value) else None
+
+
 class Margins(Value):
     """Distances of a push from the nearest forbidden outcome, in the worst case considered.
 
