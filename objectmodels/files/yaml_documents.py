@@ -240,9 +240,9 @@ class _Loader(_Parser):
             self._refuse(event, f"nested too deeply, more than {LIMITS['yaml_depth'].most} times")
         if isinstance(event, yaml.NodeEvent):
             # No tags, and no text that is very long or would steer a terminal.
-            if getattr(event, "tag", None) is not None:
-                self._refuse(event, f"the tag {event.tag[:60]} is not read here")
-            text = getattr(event, "value", "")
+            tag, text = getattr(event, "tag", None), getattr(event, "value", "")
+            if tag is not None:
+                self._refuse(event, f"the tag {tag[:60]} is not read here")
             if len(text) > LIMITS["yaml_text"].most:
                 self._refuse(event, f"a text of more than {LIMITS['yaml_text'].most} characters")
             odd = (
@@ -302,17 +302,14 @@ def parse_yaml(text: str) -> object:
     try:
         return yaml.load(text, Loader=_Loader)
     except (yaml.YAMLError, RecursionError, ValueError) as error:
+        hint = "text with ': ', '#' or a bracket in it needs quotes"
+        if isinstance(error, ConstructorError):
+            hint = "take it out of the file"
         raise ModelError(
             "bad_yaml",
             f"is not valid YAML here: {_parser_complaint(error)}",
-            suggestions=(_hint(error), _EXAMPLES),
+            suggestions=(hint, _EXAMPLES),
         ) from error
-
-
-def _hint(error: Exception) -> str:
-    if isinstance(error, ConstructorError):
-        return "take it out of the file"
-    return "text with ': ', '#' or a bracket in it needs quotes"
 
 
 _EXAMPLES = "docs/models.md and docs/scenes.md have files to begin with"

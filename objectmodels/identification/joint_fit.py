@@ -46,7 +46,6 @@ from objectmodels.identification.measurement_model import (
     MASS,
     RADIUS,
     Balance,
-    Mask,
     coordinate_units,
     coordinates_of,
     correlation_of,
@@ -181,8 +180,11 @@ def best_support(
     for support, price in tried.items():
         balance = Balance(_standing_on(model, support), trials, exact=True)
         solution = solve_least_squares(balance, first.values, first.free, belief, prior=prior)
+        # Rows that no support can be blamed for missing are left out.
         rows = robust_rows(balance, solution)
-        found.append((_support_misfit(balance, solution, rows) + price, solution, balance))
+        rest, variance = (balance.observed - solution.at.predicted)[rows], solution.variance[rows]
+        misfit = float((rest**2 / variance + np.log(variance)).sum())
+        found.append((misfit + price, solution, balance))
     best = min(found, key=lambda one: one[0])
     return best[1], best[2], _between_supports(found, best), _comparison_note(found, best[2])
 
@@ -230,12 +232,6 @@ def _has_turning_slide(balance: Balance, values: Array) -> bool:
     i = t.kind == "slide"
     arm = yaw_arm(t.p[i], t.u[i], values[COM_X:])
     return bool((np.abs(arm) > _OFF_CENTRE * values[RADIUS]).any() or balance.turns.any())
-
-
-def _support_misfit(balance: Balance, solution: Solution, rows: Mask) -> float:
-    """Misfit of the rows that no support can be blamed for missing left out."""
-    rest = (balance.observed - solution.at.predicted)[rows]
-    return float((rest**2 / solution.variance[rows] + np.log(solution.variance[rows])).sum())
 
 
 @dataclass(frozen=True)

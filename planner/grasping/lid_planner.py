@@ -69,9 +69,20 @@ def open_lid(problem: GraspProblem) -> Plan | Reached:
                 return Reached(lid=seen)
             return _plan_flip(problem, lid, "open", min(problem.defaults.lid_open, lid.opens_to))
         case LiftOffLid():
-            return Reached(lid=seen) if is_off(lid, seen) else _plan_pull_off(problem, lid)
+            if is_off(lid, seen):
+                return Reached(lid=seen)
+            found = lift_off(problem.target.model, lid, fixed=problem.target.fixed)
+            _require_still(problem, found)
+            pull = PullPrediction(lid_force=found.needed, lifting_force=finite_or_none(found.held))
+            ways = _lid_holds(problem, lid, Load(found.needed, lid.retention_sd))
+            return _plan_take_off(problem, lid, ways, found.probability, pull=pull)
         case ScrewCap():
-            return Reached(lid=seen) if is_off(lid, seen) else _plan_screw_off(problem, lid)
+            if is_off(lid, seen):
+                return Reached(lid=seen)
+            found = unscrew(problem.target.model, lid, fixed=problem.target.fixed)
+            _require_still(problem, found)
+            turn = _turn_step(problem, lid, math.tau * lid.turns - seen, found)
+            return _plan_take_off(problem, lid, _cap_holds(problem, lid), found.probability, turn)
     raise no_plan("no_lid", object=problem.target.name)
 
 
@@ -187,23 +198,6 @@ def _require_stand(problem: GraspProblem, arc: FlipArc) -> None:
 
 
 # -- lids that come off -------------------------------------------------------------------------
-
-
-def _plan_pull_off(problem: GraspProblem, lid: LiftOffLid) -> Plan:
-    found = lift_off(problem.target.model, lid, fixed=problem.target.fixed)
-    _require_still(problem, found)
-    load = Load(found.needed, lid.retention_sd)
-    pull = PullPrediction(lid_force=found.needed, lifting_force=finite_or_none(found.held))
-    ways = _lid_holds(problem, lid, load)
-    return _plan_take_off(problem, lid, ways, found.probability, pull=pull)
-
-
-def _plan_screw_off(problem: GraspProblem, cap: ScrewCap) -> Plan:
-    found = unscrew(problem.target.model, cap, fixed=problem.target.fixed)
-    _require_still(problem, found)
-    rest = math.tau * cap.turns - (problem.target.lid or 0.0)
-    turn = _turn_step(problem, cap, rest, found)
-    return _plan_take_off(problem, cap, _cap_holds(problem, cap), found.probability, turn)
 
 
 def _plan_take_off(

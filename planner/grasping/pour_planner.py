@@ -327,7 +327,9 @@ class _Pouring:
         problem, into, d = self._problem, self._into.seen, self._problem.defaults
         pose, held = problem.target.pose, problem.state.held is not None
         heading = math.remainder(pose.yaw + turn + motion.lean, math.tau)
-        lip = self._opening_W() - motion.ahead * unit(heading)
+        # The stream falls into the middle of the opening below, at height 0.
+        below = np.array([*self._into.container.opening.centre, 0.0])
+        lip = into.pose.p_WB + into.pose.R_WB @ below - motion.ahead * unit(heading)
         behind = float(np.linalg.norm(self._source.vessel.lip_point(motion.lean)[:2]))
         x, y, _ = (lip - behind * unit(heading)).tolist()
         up = max(
@@ -350,25 +352,15 @@ class _Pouring:
         if turn:
             turned, back = (Aim(x=pose.x, y=pose.y, yaw=pose.yaw + by) for by in (turn, 0.0))
             steps = (*lift_planner.lift_steps(problem, up), Carry(to=turned), out, Carry(to=back))
+        used = DefaultUsed(name="pour_rate", value=d.pour_rate, unit="rad/s", reason="no rate said")
+        by_default = () if self._rate < d.pour_rate else (used,)
         return MotionDraft(
             steps if held else (*steps, SetDown()),
             motion.probability,
             aim=None if held else Aim(x=pose.x, y=pose.y, yaw=pose.yaw),
-            defaults=(*self._wanted.defaults, *self._defaults_used()),
+            defaults=(*self._wanted.defaults, *by_default),
             notes=(f"the stream lands {1e3 * motion.ahead:.0f} mm ahead of the lip",),
         )
-
-    def _opening_W(self) -> Array:
-        """Middle of the opening that is poured into, at height 0, shape (3,) [m]."""
-        pose = self._into.seen.pose
-        centre = np.array([*self._into.container.opening.centre, 0.0])
-        return np.asarray(pose.p_WB + pose.R_WB @ centre)
-
-    def _defaults_used(self) -> tuple[DefaultUsed, ...]:
-        rate = self._problem.defaults.pour_rate
-        if self._rate < rate:
-            return ()
-        return (DefaultUsed(name="pour_rate", value=rate, unit="rad/s", reason="no rate said"),)
 
 
 def _lean_key(lean: float | None) -> int:

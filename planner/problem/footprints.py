@@ -277,7 +277,10 @@ def shortest_detour(
     lines = [_grid_lines(a, b) for a, b in zip(start, end, strict=True)]
     grid = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1) @ axes.T
     free = _free_places(grid, target, state, clearances, margin)
-    here, there = (_nearest_lines(lines, p) for p in (start, end))
+    here, there = (
+        (int(np.argmin(np.abs(lines[0] - x))), int(np.argmin(np.abs(lines[1] - y))))
+        for x, y in (start, end)
+    )
     steps = {
         heading: move
         for heading, move in (
@@ -299,12 +302,6 @@ def _grid_lines(a: float, b: float) -> Array:
     lines = b + STEP * count
     apart = np.abs(lines - a).min()
     return np.asarray(np.sort(np.append(lines, a)) if apart > 1e-9 else lines)
-
-
-def _nearest_lines(lines: list[Array], p: Array) -> tuple[int, int]:
-    """The lines through a point."""
-    i, j = (int(np.argmin(np.abs(line - x))) for line, x in zip(lines, p, strict=True))
-    return i, j
 
 
 def _free_places(

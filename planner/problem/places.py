@@ -512,7 +512,8 @@ def table_region(name: str, table: TableState, d: Defaults) -> Region:
     if name in OTHER_HALF:
         return InHalf(table, name, d.edge_tolerance)
     if name == "center":
-        return Spot(*table.middle.tolist(), d.centre_tolerance)
+        x, y = table.middle.tolist()
+        return Spot(x, y, d.centre_tolerance)
     return AtEdge(table, _EDGES[name], d.edge_gap, d.edge_tolerance)
 
 

@@ -302,7 +302,11 @@ def _no_place(problem: PushProblem, sides: list[Side]) -> Refusal:
     size, lowest = target.model.top, limits.lowest_height
     highest = size - limits.fingertip_radius
     if max(asked.low, lowest) <= min(asked.high, highest):
-        return _too_narrow(problem, sides)
+        two = min(asked.fingers) == 2
+        needed = 2 * EDGE + (limits.finger_spreads[-1] if two else 0.0)
+        code = "too_narrow_for_two" if two else "too_narrow_for_one"
+        numbers = {"width": max(side.face.width for side in sides), "needed_width": needed}
+        return refusal(code, numbers, spans=asked.spans, object=target.name)
     numbers = {"lowest_height": lowest, "highest_height": highest}
     if asked.region is None:
         code = "out_of_fingers_reach"
@@ -322,16 +326,6 @@ def _no_place(problem: PushProblem, sides: list[Side]) -> Refusal:
         low=asked.low,
         high=asked.high,
     )
-
-
-def _too_narrow(problem: PushProblem, sides: list[Side]) -> Refusal:
-    asked, spreads = problem.contact, problem.robot.limits.finger_spreads
-    width = max(side.face.width for side in sides)
-    fingers = min(asked.fingers)
-    needed = 2 * EDGE + (spreads[-1] if fingers == 2 else 0.0)
-    code = "too_narrow_for_two" if fingers == 2 else "too_narrow_for_one"
-    numbers = {"width": width, "needed_width": needed}
-    return refusal(code, numbers, spans=asked.spans, object=problem.target.name)
 
 
 def contact_refusal(problem: PushProblem, step: PushStep, sides: list[Side]) -> Refusal:

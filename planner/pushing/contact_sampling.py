@@ -370,7 +370,9 @@ def touchable_sides(problem: PushProblem, step: PushStep) -> list[Side]:
         return [step.side]
     target, face_said, spans = problem.target, problem.contact.face, problem.contact.spans
     sides, unclear = [], None
-    for face in target.model.faces(_push_headings(step) - target.pose.yaw):
+    # Along these a round object may be pushed.
+    headings = np.array([*HEADINGS.values()] if step.heading is None else [step.heading])
+    for face in target.model.faces(headings - target.pose.yaw):
         outward = target.pose.R_WB @ np.array(face.normal)
         name, off = face_name(outward)
         if face_said is not None:
@@ -419,13 +421,6 @@ def straightest_side(target: SeenObject, heading: float) -> Side:
 
 def _most_square(sides: list[Side], heading: float) -> Side:
     return min(sides, key=lambda side: abs(angle_between(side.heading, heading)))
-
-
-def _push_headings(step: PushStep) -> np.ndarray:
-    """Headings in W along which a round object may be pushed, shape (k,) [rad]."""
-    if step.heading is not None:
-        return np.array([step.heading])
-    return np.array(list(HEADINGS.values()))
 
 
 def push_direction(step: PushStep, side: Side) -> np.ndarray:

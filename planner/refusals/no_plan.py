@@ -197,7 +197,7 @@ def _marks(
 
 def not_capable(capability: str, message: str, spans: Spans, *instead: str) -> NoPlanError:
     """Dead end because this robot, or this version, lacks a capability."""
-    words: dict[str, Any] = {"capability": capability, "message": message}
+    words = {"capability": capability, "message": message}
     return no_plan("not_capable", spans=spans, instead=instead, **words)
 
 
