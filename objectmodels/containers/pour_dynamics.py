@@ -36,9 +36,6 @@ _ANGLES = 24  # among which the one for a volume is interpolated
 _TINY = 1e-12
 
 
-# -- the stream --------------------------------------------------------------------------------
-
-
 def outflow_rate(head: ArrayLike, tilt: ArrayLike, radius: float) -> Array:
     """Flow out of a round opening of a radius [m], shape (...) [m³/s].
 
@@ -78,9 +75,6 @@ def landing_distance(head: ArrayLike, tilt: ArrayLike, fall: ArrayLike) -> Array
     """
     ahead, down = exit_velocity(head, tilt)
     return np.asarray(ahead * fall_time(down, fall))
-
-
-# -- out of the vessel -------------------------------------------------------------------------
 
 
 def tilt_for(vessel: Vessel, volume: ArrayLike, out: ArrayLike, heading: ArrayLike) -> Array:
@@ -244,9 +238,6 @@ def angle_for(
     angles = np.linspace(least, max(np.radians(130.0), least), _ANGLES)
     total = pour(vessel, volume, heading=heading, angle=angles, rate=rate, wait=wait).total_volume
     return float(np.interp(out, np.maximum.accumulate(total), angles))
-
-
-# -- into another one --------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)

@@ -519,8 +519,6 @@ class Vessel:
         """Volume that it holds standing upright [m³]."""
         return section_area(self.section) * (self.top - self.floor)
 
-    # -- the lip ---------------------------------------------------------------------------------
-
     def lip_point(self, heading: ArrayLike) -> Array:
         """The lowest point of the opening's rim when it leans, in B, shape (..., 3) [m]."""
         u = _unit_vector(heading)
@@ -532,8 +530,6 @@ class Vessel:
         u, tilt = _unit_vector(heading), np.asarray(tilt, float)
         along = u @ np.array(self.opening.centre) + self.opening.radius
         return np.asarray(self.top * np.cos(tilt) - along * np.sin(tilt))
-
-    # -- volumes and levels ----------------------------------------------------------------------
 
     def brim(self, tilt: ArrayLike, heading: ArrayLike) -> Array:
         """Volume that it holds when it leans so [m³]."""

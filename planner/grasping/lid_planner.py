@@ -125,9 +125,6 @@ def is_open(seen: SeenObject, defaults: Defaults) -> bool:
     return is_off(lid, angle)
 
 
-# -- flip lids ----------------------------------------------------------------------------------
-
-
 def _plan_flip(problem: GraspProblem, lid: FlipLid, action: PlanTask, end: float) -> Plan:
     target = problem.target
     start = target.lid or 0.0
@@ -195,9 +192,6 @@ def _require_stand(problem: GraspProblem, arc: FlipArc) -> None:
         asked = problem.effort.probability
         sure = {"probability": arc.probability, "asked_probability": asked}
         raise no_plan("may_give_way", {**numbers, **sure}, **words)
-
-
-# -- lids that come off -------------------------------------------------------------------------
 
 
 def _plan_take_off(
@@ -268,9 +262,6 @@ def _turn_step(problem: GraspProblem, cap: ScrewCap, angle: float, found: Loosen
     limit = (1.0 + problem.defaults.force_reserve) * cap.friction_torque
     prediction = TurnPrediction(lid_torque=found.needed, turning_torque=finite_or_none(found.held))
     return TurnCap(angle=angle, torque_limit=limit, prediction=prediction)
-
-
-# -- where a lid is put aside -------------------------------------------------------------------
 
 
 def _free_lid_places(problem: GraspProblem, radius: float) -> list[tuple[Aim, float]]:

@@ -242,8 +242,6 @@ class _Pouring:
         found = [way for _, way in sorted(ranked, key=lambda each: each[0])]
         return first_reachable_plan(self._problem, "pour", found)
 
-    # -- how it is tilted -----------------------------------------------------------------------
-
     def _grasp_loads(self, each: list[Candidate], motions: dict[int, Motion]) -> list[GraspLoad]:
         """All ways to hold it through its motion."""
         found = []
@@ -319,8 +317,6 @@ class _Pouring:
             enough = poured.received >= wanted.volume - missing
         clean = poured.spilled <= d.spill_tolerance * poured.poured
         return Motion(lean, angle, wait, ahead, poured, float((enough & clean).mean()))
-
-    # -- where it is held -----------------------------------------------------------------------
 
     def _motion_draft(self, motion: Motion, turn: float) -> MotionDraft:
         """The steps after the grasp, with the container turned about the vertical before."""

@@ -381,9 +381,6 @@ def _with_tilt(problem: PushProblem, tilt: float) -> PushProblem:
     return replace(problem, motion=replace(problem.motion, tilt=narrowest))
 
 
-# -- tilting, turning, sliding ----------------------------------------------------------------
-
-
 def _stay_on_base(problem: PushProblem, clause: g.NoTopple | g.NoTilt | g.MaxTilt) -> PushProblem:
     """An object that slides stays on its base, one that is tilted comes back."""
     defaults, goal = problem.defaults, problem.goal
@@ -466,9 +463,6 @@ def _keep_contents(problem: PushProblem, clause: g.NoSpill) -> PushProblem:
     raise _contradiction(f"{begins}; {does}", clause.spans, **numbers)
 
 
-# -- others -----------------------------------------------------------------------------------
-
-
 def _keep_clear(problem: PlanningProblem[GoalT], clause: g.NoTouch) -> PlanningProblem[GoalT]:
     """The problem with objects from which a distance is kept, on the way and by a guard."""
     others = list(problem.others)
@@ -488,9 +482,6 @@ def _push_clear(problem: PushProblem, clause: g.NoTouch) -> PushProblem:
     if meets in others:
         raise _contradiction(f"it cannot touch the {meets} and not touch it", clause.spans)
     return limited
-
-
-# -- force ------------------------------------------------------------------------------------
 
 
 def _push_at_most(problem: PushProblem, clause: g.MaxForce | g.Force) -> PushProblem:
@@ -520,9 +511,6 @@ def _grasp_gently(problem: GraspProblem, clause: g.Gentle) -> GraspProblem:
     reserve = min(problem.force.reserve, problem.defaults.grasp_reserve_gentle)
     force = replace(problem.force, reserve=reserve)
     return _limit_speed(replace(problem, force=force), problem.defaults.carry_speed_gentle)
-
-
-# -- speed and time ---------------------------------------------------------------------------
 
 
 def _limit_speed(problem: PlanningProblem[GoalT], speed: float) -> PlanningProblem[GoalT]:
@@ -567,9 +555,6 @@ def _push_within(problem: PushProblem, clause: g.MaxDuration) -> PushProblem:
 def _push_exactly(problem: PushProblem, clause: g.Duration) -> PushProblem:
     what = "pushing for an exact time"
     raise not_capable(what, f"this version of the robot is not capable of {what}", clause.spans)
-
-
-# -- how far ----------------------------------------------------------------------------------
 
 
 def _push_near(problem: PushProblem, clause: g.MaxDistance) -> PushProblem:

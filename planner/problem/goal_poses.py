@@ -165,9 +165,6 @@ def pose_as_aim(target: SeenObject, x: float | None = None, y: float | None = No
     return Aim(x=pose.x if x is None else x, y=pose.y if y is None else y, yaw=yaw)
 
 
-# -- moving -----------------------------------------------------------------------------------
-
-
 def _displacement_poses(problem: PlanningProblem[GoalT], goal: g.Displace) -> GoalPoses:
     defaults, constraints = problem.defaults, problem.frame.constraints
     heading, used = _motion_heading(problem, goal)
@@ -212,9 +209,6 @@ def _tap_poses(problem: PlanningProblem[GoalT]) -> GoalPoses:
     return _until_it_moves(_pose_along(problem.target, HEADINGS[push], problem.defaults.tap))
 
 
-# -- until something happens ------------------------------------------------------------------
-
-
 def _until_it_moves(found: GoalPoses) -> GoalPoses:
     return replace(found, goal=replace(found.goal, until="moves"))
 
@@ -251,9 +245,6 @@ def _event_poses(problem: PlanningProblem[GoalT], goal: g.Displace, until: g.Unt
     if along <= 0.0:
         raise no_plan("never_met", spans=until.spans, object=target.name, other=other.name)
     return _pose_along(target, heading, along, used)
-
-
-# -- placing and turning ----------------------------------------------------------------------
 
 
 def _place_poses(problem: PlanningProblem[GoalT], goal: g.Place) -> GoalPoses:
@@ -315,9 +306,6 @@ def _rotation_poses(problem: PlanningProblem[GoalT], goal: g.Rotate) -> GoalPose
     pose = problem.target.pose
     aims = tuple(Aim(x=pose.x, y=pose.y, yaw=pose.yaw + sign * angle) for sign in signs)
     return GoalPoses(PushGoal(aims=aims, rotates=True), tuple(used))
-
-
-# -- displacements ----------------------------------------------------------------------------
 
 
 def goal_heading(goal: g.Displace, own: SeenObject, state: WorldState, d: Defaults) -> float | None:

@@ -460,9 +460,6 @@ def _cannot_topple(problem: PushProblem, critical: float) -> Refusal:
     return refusal("may_not_topple", numbers, spans=spans, instead=higher, object=name)
 
 
-# -- which doubt leaves the outcome open ---------------------------------------------------------
-
-
 @dataclass(frozen=True)
 class Touch:
     """A contact from which something is wanted.
@@ -634,9 +631,6 @@ def _rated_cases(
                 break
 
 
-# -- how fast and how hard --------------------------------------------------------------------
-
-
 def _in_time(problem: PushProblem, step: PushStep) -> PushProblem:
     """The problem with a speed that is high enough for the time that the push may take."""
     motion, defaults = problem.motion, problem.defaults
@@ -670,9 +664,6 @@ def _strong_enough(
         if enough.any():
             strong.append(contacts.only(enough))
     return strong, least
-
-
-# -- the push ---------------------------------------------------------------------------------
 
 
 def _in_order(problem: PushProblem, step: PushStep, rated: list[Contacts]) -> list[Contact]:
@@ -747,9 +738,6 @@ def _stroke_length(problem: PushProblem, step: PushStep, contact: Contact) -> fl
     angle = model.angle_of_no_return(inward, sigmas=-contact.among.sigmas) + FALLING
     height = float(contact.point[2])
     return min(model.topple_stroke(inward, height, min(angle, _FLAT)) + _SLACK, step.distance)
-
-
-# -- the candidate ----------------------------------------------------------------------------
 
 
 def _push_candidate(

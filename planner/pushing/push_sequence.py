@@ -135,8 +135,6 @@ class PushSequencePlanner:
         """Angle by which it has to turn [rad]."""
         return 0.0 if self._aim.yaw is None else self._aim.yaw - target.pose.yaw
 
-    # -- turning -------------------------------------------------------------------------------
-
     def _turn_pushes(
         self, target: SeenObject, turn: float
     ) -> tuple[list[PushCandidate], SeenObject]:
@@ -235,8 +233,6 @@ class PushSequencePlanner:
                 raise attempt.last
             target = stroke.target_after(target)
         return found, target
-
-    # -- going straight ------------------------------------------------------------------------
 
     def _straight_pushes(self, target: SeenObject) -> list[PushCandidate]:
         """The pushes of the first path that the hand can make."""

@@ -306,9 +306,6 @@ def plan_pushes(
     raise NoPlanError(deciding_refusal(so_far))
 
 
-# -- several pushes as one plan -----------------------------------------------------------------
-
-
 def _foreseen_pushes(problem: PushProblem) -> tuple[Push, ...]:
     """Remaining pushes of the previous plan, tried first."""
     return () if problem.previous is None else problem.previous.pushes[1:]
@@ -353,9 +350,6 @@ def _joint_plan(problem: PushProblem, found: list[PushCandidate], aim: Aim | Non
             for note in each.notes
         ),
     )
-
-
-# -- poses at the edge of the tolerance ---------------------------------------------------------
 
 
 def nearly_goal_poses(problem: PushProblem) -> Iterator[tuple[Aim, str]]:

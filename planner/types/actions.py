@@ -102,9 +102,6 @@ class Limits(Value):
     clear_of: tuple[tuple[str, float], ...] = ()
 
 
-# -- pushes -------------------------------------------------------------------------------------
-
-
 class Push(Value):
     """One push, as the executor's contract needs it.
 
@@ -222,9 +219,6 @@ class PushAction(Push):
     prediction: Prediction
     margins: Margins
     displacement: Vector3 | None = None
-
-
-# -- hands --------------------------------------------------------------------------------------
 
 
 class Grasp(Value):
