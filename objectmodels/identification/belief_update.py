@@ -71,7 +71,8 @@ class Update:
     Attributes:
         model: the belief with the trials taken in.
         surprise: how far the trials were from what was predicted, in standard deviations of the
-            prediction: the root of the normalised innovation squared over the number of figures.
+            prediction: the root of the normalised innovation squared over the number of figures;
+            of a load that was withstood, how far it was above what was believed to resist.
     """
 
     model: ObjectModel
@@ -325,22 +326,9 @@ def standing_belief(rest: Resting, lying: ObjectModel) -> ObjectModel:
 _DOUBTED = 0.1  # least relative standard deviation of what has withstood more than was believed
 
 
-@dataclass(frozen=True)
-class RevisedBelief:
-    """Belief after something withstood a load.
-
-    Attributes:
-        model: the belief.
-        surprise: how far the load was above what was believed to resist, in standard deviations.
-    """
-
-    model: ObjectModel
-    surprise: float
-
-
 def belief_of_stiffer_lid(
     model: ObjectModel, load: float, *, angle: float = 0.0, opens: bool = True
-) -> RevisedBelief:
+) -> Update:
     """The belief of an object whose lid did not give way.
 
     Args:
@@ -367,10 +355,10 @@ def belief_of_stiffer_lid(
     means, sds, surprise = _above(means, np.maximum(sds, _DOUBTED * means), weights, load - rest)
     values = zip(names, means.tolist(), sds.tolist(), strict=True)
     changed = {key: v for name, m, sd in values for key, v in ((name, m), (f"{name}_sd", sd))}
-    return RevisedBelief(model.model_copy(update={"lid": lid.model_copy(update=changed)}), surprise)
+    return Update(model.model_copy(update={"lid": lid.model_copy(update=changed)}), surprise)
 
 
-def belief_of_slipperier_object(model: ObjectModel, share: float) -> RevisedBelief:
+def belief_of_slipperier_object(model: ObjectModel, share: float) -> Update:
     """The belief of an object that slipped through fingers: it is more slippery than that.
 
     The squeeze was this `share` of the one that just holds by what is believed; the logarithm of
@@ -383,7 +371,7 @@ def belief_of_slipperier_object(model: ObjectModel, share: float) -> RevisedBeli
     changed = {"finger_friction": less * friction, "finger_friction_sd": less * friction * sd}
     if model.finger_friction_kinetic is not None:
         changed["finger_friction_kinetic"] = less * model.finger_friction_kinetic
-    return RevisedBelief(model.model_copy(update=changed), surprise)
+    return Update(model.model_copy(update=changed), surprise)
 
 
 def _above(means: Array, sds: Array, weights: Array, load: float) -> tuple[Array, Array, float]:

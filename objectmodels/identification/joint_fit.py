@@ -473,17 +473,12 @@ class Estimates:
     com_z: float | None = None
     notes: tuple[str, ...] = ()
 
-    def value(self, name: str) -> float | None:
-        """The value of a parameter of `UNCERTAIN`."""
-        found: float | None = getattr(self, name)
-        return found
-
 
 def repetition_table(estimates: Iterable[Estimates]) -> dict[str, Statistics]:
     """Table I: statistics over repetitions of every parameter that was found, by its name."""
     repetitions = list(estimates)
     found = {
-        name: [value for one in repetitions if (value := one.value(name)) is not None]
+        name: [value for one in repetitions if (value := getattr(one, name)) is not None]
         for name in UNCERTAIN
     }
     return {name: _statistics(np.array(values)) for name, values in found.items() if values}
