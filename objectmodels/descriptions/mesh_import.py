@@ -285,8 +285,7 @@ def _standing_solid(mesh: Any, points: Array, scale: float, up: Array) -> Solid:
     normal, stood = standing_face(points, com)
     R = turning_down(normal)
     points, com = points @ R.T, R @ com
-    low = points[:, 2].min()
-    on_table = points[points[:, 2] <= low + _FLAT * np.ptp(points[:, 2]), :2]
+    low, on_table = lowest_places(points)
     origin = np.append(hull_polygon(on_table).centroid, low)
     vertices = np.round(thin_vertices(points - origin), 6)
     return Solid(vertices, com - origin, volume, closed, stood)

@@ -30,8 +30,6 @@ Array = NDArray[np.float64]
 # Corners nearer to the line through their neighbours than this share of the base count as on it.
 _FLAT = 1e-9
 
-# Moment by weight and size of the base that holds nothing: the centre of mass is over an edge.
-
 # Sides of the polygon that stands for a round base where points are needed.
 ROUND_CORNERS = 24
 
@@ -217,6 +215,7 @@ class Polygon(Base):
     ) -> Array:
         """`topple_force` for one m of all, shape (2,): the largest 1/s_k is a matrix product."""
         room = self.offsets - np.abs(self.normals) @ np.broadcast_to(shift, 2)
+        # So little holds nothing: the centre of mass is over an edge.
         holding = np.maximum(weight * room - self.normals @ m, 1e-100 * weight * self.size)
         rates = np.column_stack((self.normals, self.offsets)) / holding[:, None]
         push = np.stack((e[..., 0], e[..., 1], np.broadcast_to(w, e.shape[:-1])))

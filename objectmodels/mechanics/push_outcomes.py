@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array, Base
 from objectmodels.geometry.pushed_body import UNCERTAIN
-from objectmodels.geometry.rotations import require_amount
+from objectmodels.geometry.rotations import left_of, require_amount
 from objectmodels.html_table import html_table
 from objectmodels.mechanics.push_thresholds import (
     Figures,
@@ -151,7 +151,7 @@ class Thresholds:
         """
         omega, v = self.twist[:, 2], self.twist[:, 3:5]
         with np.errstate(divide="ignore", invalid="ignore"):
-            centre = np.column_stack((-v[:, 1], v[:, 0])) / omega[:, None]
+            centre = left_of(v) / omega[:, None]
         still = np.abs(omega) * self.body[0].size < 1e-12 * np.hypot(*v.T)
         centre = np.where(still[:, None], np.inf, centre)
         return np.where((self.code == 1)[:, None], centre, np.nan)
@@ -326,7 +326,7 @@ def sudden_push(model: PushedBody, p: Array, f: Array) -> SuddenPush:
     # Across the edge that it would topple over first, if it topples first; else along the force.
     tips = (t.code == 2)[:, None]
     along = np.where(tips, t.tipping_normal, level)
-    across = np.column_stack((-along[:, 1], along[:, 0]))
+    across = left_of(along)
     fx, fz = np.sum(f[:, :2] * along, axis=1), f[:, 2]
     r = p - c
     x, z = np.sum(r[:, :2] * along, axis=1), r[:, 2]

@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array, Base
-from objectmodels.geometry.rotations import cross, require_amount
+from objectmodels.geometry.rotations import cross, left_of, require_amount
 
 if TYPE_CHECKING:
     from objectmodels.geometry.pushed_body import PushedBody
@@ -46,8 +46,6 @@ LAST_STEP = 1e-8
 _STEEP = 0.01
 """Least slope of the quartic at its root, by v³: where it is flatter, another may lie near."""
 
-# More than enough for a bracketed Newton iteration in double precision; usually five are used.
-
 
 def push_moment(p: Array, u: Array) -> Array:
     """Moment p_z u_xy − u_z p_xy that a unit push adds to load times place, shape (..., 2) [m]."""
@@ -61,7 +59,7 @@ def push_axes(u: Array) -> tuple[Array, Array, Array]:
     h = np.hypot(u[:, 0], u[:, 1])
     with np.errstate(invalid="ignore", divide="ignore"):
         along = np.where(h[:, None] > 0.0, u[:, :2] / h[:, None], [1.0, 0.0])
-    return h, along, np.column_stack((-along[:, 1], along[:, 0]))
+    return h, along, left_of(along)
 
 
 def topple_threshold(
@@ -217,6 +215,7 @@ def _solve_load_ratio(h: Array, w: Array, a: Array, mu: Array, flat: Array) -> A
     hi = np.where(passed, np.minimum(hi, peak), hi)
     jams = ~pull & ~passed & (h <= -mu * w)
     r = 0.5 * (lo + hi)
+    # More than enough for a bracketed iteration in double precision; usually five are used.
     for _ in range(100):
         y = 1.0 + r * w
         q = np.sqrt(h * h + (y * a) ** 2)

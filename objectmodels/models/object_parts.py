@@ -37,7 +37,7 @@ from objectmodels.files.yaml_documents import (
     Volume,
 )
 from objectmodels.geometry.base_shapes import Array, Base, Disc, Polygon, is_within
-from objectmodels.geometry.rotations import as_tuple
+from objectmodels.geometry.rotations import as_tuple, left_of
 
 Point2 = Annotated[tuple[Coordinate, Coordinate], BeforeValidator(as_tuple)]
 
@@ -422,8 +422,7 @@ def _section_chords(section: Disc | Polygon, along: Array, u: Array) -> tuple[Ar
     if isinstance(section, Disc):
         half = np.sqrt(np.maximum(section.radius**2 - along * along, 0.0))
         return 2.0 * half, np.zeros_like(half)
-    v = np.stack([-u[..., 1], u[..., 0]], axis=-1)
-    ahead, aside = (w @ section.normals.T for w in (u, v))
+    ahead, aside = (w @ section.normals.T for w in (u, left_of(u)))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         bound = (section.offsets - along[..., None] * ahead[..., None, :]) / aside[..., None, :]
     left = np.where(aside[..., None, :] > 1e-12, bound, np.inf).min(axis=-1)
@@ -533,7 +532,7 @@ class Vessel:
 
     def brim(self, tilt: ArrayLike, heading: ArrayLike) -> Array:
         """Volume that it holds when it leans so [m³]."""
-        tilt, heading = np.broadcast_arrays(np.asarray(tilt, float), np.asarray(heading, float))
+        tilt, heading = _broadcast_arrays(tilt, heading)
         lip = self.lip_height(tilt, heading)
         return self.strips(heading).at_tilt(tilt).volume_below(lip)[0]
 
@@ -588,12 +587,12 @@ class Vessel:
 
     def spill_angle(self, volume: ArrayLike, heading: ArrayLike) -> Array:
         """Tilt at which a volume begins to run out; π if there is nothing in it [rad]."""
-        volume, heading = np.broadcast_arrays(np.asarray(volume, float), np.asarray(heading, float))
+        volume, heading = _broadcast_arrays(volume, heading)
         return np.asarray(np.where(volume > 0.0, self.tilt_holding(volume, heading), np.pi))
 
     def tilt_holding(self, volume: ArrayLike, heading: ArrayLike) -> Array:
         """Least tilt at which it holds no more than a volume [rad]."""
-        volume, heading = np.broadcast_arrays(np.asarray(volume, float), np.asarray(heading, float))
+        volume, heading = _broadcast_arrays(volume, heading)
         strips = self.strips(heading)
 
         def holds_more(tilt: Array) -> NDArray[np.bool_]:
