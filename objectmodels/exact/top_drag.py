@@ -59,9 +59,9 @@ if TYPE_CHECKING:
 #
 # - under a force along a line the motion is that of the friction limit
 #   (`objectmodels.mechanics.friction_limit`);
-# - a contact at r that is led at d leaves the turning rate ω unknown. Σ N_i |d + ω ẑ × (x_i − r)|
-# is
-#   convex in it, and where it is least the friction has no moment about the contact.
+# - a contact at r that is led at d leaves the turning rate ω unknown. The sum
+#   Σ N_i |d + ω ẑ × (x_i − r)| is convex in it, and where it is least the friction has no moment
+#   about the contact.
 #
 # A friction radius other than the support's own scales the points' distances from the centre of
 # pressure.

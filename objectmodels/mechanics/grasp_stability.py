@@ -312,7 +312,8 @@ def _hold_probability(lifted: Lifted, squeeze: float) -> float:
     return float(np.mean(normal_cdf((mean - critical) / sd)))
 
 
-def least_squeezes(grasps: Sequence[Lifted]) -> tuple[Array, Array]:
+@functools.lru_cache(maxsize=64)  # the same are asked for in one plan after the other
+def least_squeezes(grasps: tuple[Lifted, ...]) -> tuple[Array, Array]:
     """Least squeezes that hold through each motion, as believed and at worst, each (n,) [N].
 
     All grasps are searched together, which takes hardly longer than one. The worst case is two
@@ -321,12 +322,6 @@ def least_squeezes(grasps: Sequence[Lifted]) -> tuple[Array, Array]:
     Args:
         grasps: n objects in a hand.
     """
-    return _least_squeezes(tuple(grasps))
-
-
-@functools.lru_cache(maxsize=64)
-def _least_squeezes(grasps: tuple[Lifted, ...]) -> tuple[Array, Array]:
-    """See `least_squeezes`; kept, as the same are asked for in one plan after the other."""
     found = np.zeros(2 * len(grasps))
     for k in {len(each.contacts.shares) for each in grasps}:
         parts, friction, group = [], [], []

@@ -129,7 +129,6 @@ class OutcomeMap:
         return np.select([np.isinf(self.force), close], ["none", "undecided"], names)
 
     def _repr_html_(self) -> str:
-
         return map_svg(self)
 
     def is_safe(self, outcome: str, probability: float) -> NDArray[np.bool_]:

@@ -716,7 +716,7 @@ class _GraspBeliefs:
         for key, each in map(self._key_and_object, bearings):
             distinct.setdefault(key, each)
         where = {key: i for i, key in enumerate(distinct)}
-        needed, worst = least_squeezes(list(distinct.values()))
+        needed, worst = least_squeezes(tuple(distinct.values()))
         at = [where[self._key_and_object(bearing)[0]] for bearing in bearings]
         return needed[at], worst[at]
 
