@@ -144,6 +144,12 @@ def require_normals(n: Array) -> None:
         )
 
 
+def vector_tuple(v: Array) -> tuple[float, float, float]:
+    """Three plain numbers of an array, shape (3,)."""
+    x, y, z = v.tolist()
+    return x, y, z
+
+
 def as_tuple(value: Any) -> Any:
     """A list or an array as a tuple; anything else as it is."""
     if isinstance(value, np.ndarray):

@@ -21,6 +21,7 @@ import numpy as np
 from objectmodels.errors import ModelError, suggest
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.pushed_body import UNCERTAIN
+from objectmodels.geometry.rotations import cross
 from objectmodels.identification.belief_update import belief_of, kalman_gain, updated_covariance
 from objectmodels.identification.measurement_model import (
     COM_X,
@@ -283,8 +284,7 @@ def _of_radius(balance: Balance, values: Array) -> tuple[str, tuple[str, ...]]:
     """Reason that slides do not show the friction radius."""
     t = balance.touches
     i = t.kind == "slide"
-    r = t.p[i] - values[COM_X:]
-    arm = np.abs(r[:, 0] * t.u[i, 1] - r[:, 1] * t.u[i, 0])
+    arm = np.abs(cross(t.p[i] - values[COM_X:], t.u[i]))
     if (arm < _OFF_CENTRE * values[RADIUS]).all():
         return "all slides went through the centre, which does not turn it", ("off-centre slide",)
     return (

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.rotations import rotate
+from objectmodels.geometry.rotations import rotate, vector_tuple
 from objectmodels.identification.trial import ContactPath, Moved, Trial, Vector
 
 if TYPE_CHECKING:
@@ -334,9 +334,3 @@ def _slide_motion(
 def _held_tilt(recording: Recording) -> bool:
     # A recording in which the object tilts by this is of a topple, else of a slide [rad].
     return recording.tilt is not None and float(recording.tilt[-1]) > radians(2.0)
-
-
-def vector_tuple(values: Array) -> Vector:
-    """Three numbers of an array, shape (3,)."""
-    x, y, z = (float(v) for v in values)
-    return (x, y, z)

@@ -21,6 +21,7 @@ import numpy as np
 from objectmodels.errors import ModelError, suggest
 from objectmodels.files.yaml_documents import LIMITS, read_text
 from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.rotations import vector_tuple
 from objectmodels.identification.onset_detection import (
     LEAST_SAMPLES,
     LEAST_TRAVEL,
@@ -28,7 +29,6 @@ from objectmodels.identification.onset_detection import (
     Recording,
     tilted_trial,
     trial_from_series,
-    vector_tuple,
 )
 from objectmodels.identification.trial import (
     ContactPath,

@@ -29,7 +29,9 @@ from objectmodels.geometry.rotations import (
     require_finite,
     require_normals,
     rotate,
+    vector_tuple,
 )
+from objectmodels.lazy import remember_answers
 from objectmodels.mechanics.friction_limit import (
     Ellipsoid,
     Slide,
@@ -474,13 +476,9 @@ def turning_motion(
     return Turning(pose, travel, pivot, slant, turns, sticks)
 
 
-def best_turn(
-    model: PushedBody,
-    face: Face,
-    angle: float,
-    height: float,
-) -> TurningPush | None:
-    """The push on a face that turns the object with the least translation.
+@remember_answers(1024)
+def best_turn(model: PushedBody, face: Face, angle: float, height: float) -> TurningPush | None:
+    """The push on a face that turns the object with the least translation, kept.
 
     Its contact lies far out on the face, and its force is slanted outwards as far as friction
     surely holds for the largest friction radius; farther in where it would slip for the smallest.
@@ -520,13 +518,13 @@ def best_turn(
     slowest = contacts.sticking_motion(d, widest)[1][best]
     direction = contacts.in_B(d)[best]
     return TurningPush(
-        point=_vector_tuple(p[best]),
-        normal=_vector_tuple(n[best]),
-        direction=_vector_tuple(np.append(direction, 0.0)),
+        point=vector_tuple(p[best]),
+        normal=vector_tuple(n[best]),
+        direction=vector_tuple(np.append(direction, 0.0)),
         turn=angle,
         travel=float(predicted.travel[best]),
         stroke=float(max(angle / slowest, predicted.travel[best])) + STROKE_SLACK,
-        pose=_vector_tuple(predicted.pose[best]),
+        pose=vector_tuple(predicted.pose[best]),
     )
 
 
@@ -606,8 +604,3 @@ def _shifted_radius(model: PushedBody, sigmas: float) -> float:
     most = max(believed, friction_radius("corners", model.footprint))
     least = 0.3 * believed  # share of the friction radius that no doubt takes away
     return float(np.clip(believed + sigmas * model.friction_radius_sd, least, most))
-
-
-def _vector_tuple(v: Array) -> Vector3:
-    x, y, z = v.tolist()
-    return x, y, z

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from objectmodels import ObjectModel, Thresholds
 from objectmodels.geometry.base_shapes import Array, Disc
 from objectmodels.mechanics.friction_cone import contact_forces
+from objectmodels.mechanics.push_motion import best_turn
 from objectmodels.mechanics.push_outcomes import OUTCOMES, circle_corners
 from objectmodels.mechanics.push_thresholds import slide_threshold, yaw_arm
 from objectmodels.models.predictor import own_predictions
@@ -41,7 +42,6 @@ from planner.pushing.contact_sampling import (
     touchable_sides,
 )
 from planner.pushing.reach_search import ContactQueries, ReachSearch
-from planner.pushing.turn_planner import turning_push
 from planner.refusals.no_plan import no_plan, no_push_reached, refusal
 from planner.types.actions import (
     FALLING,
@@ -703,9 +703,7 @@ def _push_at(problem: PushProblem, step: PushStep, contact: Contact) -> Push:
         limits=problem.motion.guards,
     )
     if step.swing:
-        found = turning_push(
-            problem.target.model, contact.among.side.face, step.swing, push.p_BC[2]
-        )
+        found = best_turn(problem.target.model, contact.among.side.face, step.swing, push.p_BC[2])
         assert found is not None, "its side was chosen for that"
         changes = {
             "p_BC": found.point,
@@ -770,6 +768,6 @@ def _predicted_displacement(
     if push.ends_on != "turned":
         return None
     target = problem.target
-    found = turning_push(target.model, contact.among.side.face, step.swing, float(contact.point[2]))
+    found = best_turn(target.model, contact.among.side.face, step.swing, float(contact.point[2]))
     assert found is not None, "its side was chosen for that"
     return plain_vector(target.pose.R_WB @ np.array([*found.pose[:2], 0.0]))

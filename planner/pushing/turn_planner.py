@@ -21,7 +21,6 @@ Frames: W, its table plane; pivots in B.
 
 from __future__ import annotations
 
-import functools
 import itertools
 import math
 from collections.abc import Iterator
@@ -29,7 +28,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from objectmodels import Face, ObjectModel
+from objectmodels import Face
 from objectmodels.geometry.base_shapes import Disc
 from objectmodels.mechanics.push_motion import TurningPush, best_turn
 from planner.problem.directions import heading_of
@@ -52,15 +51,6 @@ _CORRECTION = 2.2, 0.1  # pushes that a correction takes, and one more for each 
 _ROUND_HEADINGS = np.radians(np.arange(-180.0, 180.0, 30.0))
 
 
-@functools.lru_cache(maxsize=1024)
-def turning_push(model: ObjectModel, face: Face, angle: float, height: float) -> TurningPush | None:
-    """The push on a face that turns an object best; see `best_turn`.
-
-    It is kept: the ways to part a turn share most of their pushes.
-    """
-    return best_turn(model, face, angle, height)
-
-
 @dataclass(frozen=True)
 class TurnStroke:
     """A push that turns the object.
@@ -77,7 +67,7 @@ class TurnStroke:
 
     def push(self, target: SeenObject, height: float = 0.0) -> TurningPush:
         """The push that does it best at a height."""
-        found = turning_push(target.model, self.side.face, self.angle, height)
+        found = best_turn(target.model, self.side.face, self.angle, height)
         assert found is not None, "its side was chosen for that"
         return found
 
@@ -189,7 +179,7 @@ def _turnable_sides(target: SeenObject, angle: float) -> list[tuple[TurnStroke, 
 
 
 def _turn_stroke(side: Side, target: SeenObject, angle: float) -> TurnStroke | None:
-    pushed = turning_push(target.model, side.face, angle, 0.0)
+    pushed = best_turn(target.model, side.face, angle, 0.0)
     if pushed is None:
         return None
     x, y, turned = pushed.pose
