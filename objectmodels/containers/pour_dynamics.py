@@ -120,7 +120,6 @@ class Pour:
     @property
     def end_time(self) -> Array:
         """Time when all but a hundredth has run out, shape (...) [s]."""
-        # Share of what runs out after which it counts as having run out.
         return self._time_beyond(0.99)
 
     def _time_beyond(self, share: float) -> Array:

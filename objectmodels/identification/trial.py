@@ -175,7 +175,6 @@ class Touches:
         size = np.linalg.norm(force, axis=1)
         ratios = np.array([_slip_ratio(trial) for trial in trials])
         rates = [(trial.turn_rate, trial.turn_rate_sd) for trial in trials]
-        # Standard deviation of a turn rate that comes without one [rad/m].
         return cls(
             kind=np.array([trial.moved for trial in trials]),
             p=np.array([trial.point for trial in trials]),
@@ -185,6 +184,7 @@ class Touches:
             tilt=np.array([trial.tilt for trial in trials]),
             tilt_sd=np.array([trial.tilt_sd for trial in trials]),
             turn=np.array([np.nan if rate is None else rate for rate, _ in rates]),
+            # A turn rate that comes without a standard deviation has this one [rad/m].
             turn_sd=np.array([0.5 if sd is None else sd for _, sd in rates]),
             ratio=ratios[:, 0],
             ratio_sd=ratios[:, 1],
