@@ -20,16 +20,9 @@ from objectmodels.containers.lids import FlipArc, Loosening, flip, is_off, lift_
 from objectmodels.geometry.base_shapes import Disc, hull_polygon
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.models.object_parts import FlipLid, LiftOffLid, ScrewCap
+from planner.grasping.grasp_candidates import held_part, lid_candidates, lid_middle
 from planner.grasping.grasp_plans import MotionDraft, each_with_each, first_reachable_plan
-from planner.grasping.grasp_selection import (
-    GraspLoad,
-    Load,
-    StableGrasp,
-    held_part,
-    lid_candidates,
-    lid_middle,
-    stable_grasps,
-)
+from planner.grasping.grasp_selection import GraspLoad, Load, StableGrasp, stable_grasps
 from planner.problem.footprints import footprint, gap, room_to_edge
 from planner.problem.planning_problem import GraspProblem
 from planner.refusals.no_plan import no_plan

@@ -20,20 +20,14 @@ from objectmodels.geometry.base_shapes import Array, Polygon, hull_polygon
 from objectmodels.geometry.rotations import axis_and_angle, axis_rotation
 from objectmodels.mechanics.standing_balance import stack_margins, standing_probability
 from objectmodels.models.object_model import Resting
+from planner.grasping.grasp_candidates import Candidate, body_candidates
 from planner.grasping.grasp_plans import (
     MotionDraft,
     each_with_each,
     first_plan_of_groups,
     first_reachable_plan,
 )
-from planner.grasping.grasp_selection import (
-    Candidate,
-    GraspLoad,
-    StableGrasp,
-    body_candidates,
-    held_already,
-    stable_grasps,
-)
+from planner.grasping.grasp_selection import GraspLoad, StableGrasp, held_already, stable_grasps
 from planner.problem.directions import heading_of
 from planner.problem.footprints import footprint, gap, room_to_edge
 from planner.problem.goal_poses import find_goal_poses, pose_as_aim

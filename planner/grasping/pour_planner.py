@@ -22,15 +22,9 @@ from objectmodels.containers.pour_dynamics import Catch, Poured, UncertainPour, 
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.models.object_parts import Container, Vessel
 from planner.grasping import lift_planner
+from planner.grasping.grasp_candidates import Candidate, body_candidates
 from planner.grasping.grasp_plans import MotionDraft, first_plan_of_groups, first_reachable_plan
-from planner.grasping.grasp_selection import (
-    Candidate,
-    GraspLoad,
-    StableGrasp,
-    body_candidates,
-    held_already,
-    stable_grasps,
-)
+from planner.grasping.grasp_selection import GraspLoad, StableGrasp, held_already, stable_grasps
 from planner.grasping.lid_planner import is_open
 from planner.problem.directions import heading_of, unit
 from planner.problem.planning_problem import GraspProblem
