@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from objectmodels import BoxModel, ObjectModel, Registry
 from objectmodels.exact.exact_thresholds import thresholds_of_sample
 from objectmodels.mechanics.friction_cone import contact_forces
-from objectmodels.mechanics.push_outcomes import Sample, sample_parameters
+from objectmodels.mechanics.outcome_probability import Sample, sample_parameters
 
 Array = NDArray[np.float64]
 

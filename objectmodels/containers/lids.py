@@ -35,7 +35,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from objectmodels.geometry.base_shapes import Array, Base, Disc, Polygon
-from objectmodels.mechanics.push_outcomes import Sample, sample_parameters
+from objectmodels.mechanics.outcome_probability import Sample, sample_parameters
 from objectmodels.mechanics.push_thresholds import (
     GRAVITY,
     slide_threshold,

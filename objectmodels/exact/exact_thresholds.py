@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from objectmodels.geometry.pushed_body import Friction, PushedBody
-    from objectmodels.mechanics.push_outcomes import Sample
+    from objectmodels.mechanics.outcome_probability import Sample
 
 
 # Thresholds of the exact tier, for an object that stands on springs.

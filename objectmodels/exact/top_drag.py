@@ -42,7 +42,7 @@ from objectmodels.geometry.rotations import (
     require_units,
 )
 from objectmodels.mechanics.friction_limit import Slide, friction_limit
-from objectmodels.mechanics.push_outcomes import draw_parameters, friction_below, normal_nodes
+from objectmodels.mechanics.outcome_probability import draw_parameters, friction_below, normal_nodes
 
 if TYPE_CHECKING:
     from collections.abc import Callable

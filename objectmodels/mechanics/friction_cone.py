@@ -28,17 +28,15 @@ import numpy as np
 from objectmodels.geometry.base_shapes import Array, Base
 from objectmodels.geometry.rotations import unique_rows
 from objectmodels.lazy import remember_answers
-from objectmodels.mechanics.push_outcomes import (
+from objectmodels.mechanics.outcome_probability import (
     BLOCK,
     NODES,
     Draws,
-    MarginSearch,
-    circle_corners,
     class_probabilities,
     draw_parameters,
-    force_gap,
     normal_nodes,
 )
+from objectmodels.mechanics.push_outcomes import MarginSearch, circle_corners, force_gap
 from objectmodels.mechanics.push_thresholds import (
     push_moment,
     slide_threshold,

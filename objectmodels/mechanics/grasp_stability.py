@@ -30,7 +30,7 @@ from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.side_faces import FLAT, SidePress
 from objectmodels.mechanics.friction_limit import friction_limit
-from objectmodels.mechanics.push_outcomes import (
+from objectmodels.mechanics.outcome_probability import (
     NODES,
     SMALLEST_SHARE,
     normal_cdf,

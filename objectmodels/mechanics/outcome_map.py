@@ -23,7 +23,8 @@ from objectmodels.geometry.pushed_body import PushedBody
 from objectmodels.geometry.side_faces import Face
 
 if TYPE_CHECKING:
-    from objectmodels.mechanics.push_outcomes import Likelihood, Thresholds
+    from objectmodels.mechanics.outcome_probability import Likelihood
+    from objectmodels.mechanics.push_outcomes import Thresholds
 
 
 BAND = 0.05

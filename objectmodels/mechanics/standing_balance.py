@@ -31,7 +31,7 @@ import numpy as np
 
 from objectmodels.geometry.base_shapes import Array, Polygon, hull_polygon
 from objectmodels.geometry.rotations import cross
-from objectmodels.mechanics.push_outcomes import normal_cdf
+from objectmodels.mechanics.outcome_probability import normal_cdf
 from objectmodels.mechanics.push_thresholds import centre_of_pressure
 
 if TYPE_CHECKING:

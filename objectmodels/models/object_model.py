@@ -50,8 +50,9 @@ from objectmodels.models.parameters import RADIUS_SHARE_SD, Parameters
 if TYPE_CHECKING:
     from objectmodels.exact.exact_thresholds import ExactThresholds
     from objectmodels.geometry.pushed_body import PushedBody
+    from objectmodels.mechanics.outcome_probability import Likelihood
     from objectmodels.mechanics.push_motion import Stroke
-    from objectmodels.mechanics.push_outcomes import Likelihood, SuddenPush
+    from objectmodels.mechanics.push_outcomes import SuddenPush
     from objectmodels.models.predictor import SeenPushes
 
 
@@ -487,7 +488,7 @@ class ObjectModel(Parameters, ABC):
             from objectmodels.exact.exact_probability import exact_likelihood
 
             return exact_likelihood(self, p, u, force)
-        from objectmodels.mechanics.push_outcomes import outcome_likelihood
+        from objectmodels.mechanics.outcome_probability import outcome_likelihood
 
         return outcome_likelihood(self, p, u, force)
 

@@ -19,8 +19,9 @@ from objectmodels.geometry.base_shapes import Array
 if TYPE_CHECKING:
     from objectmodels.geometry.pushed_body import Friction
     from objectmodels.mechanics.friction_cone import ConeThresholds
+    from objectmodels.mechanics.outcome_probability import Likelihood
     from objectmodels.mechanics.push_motion import Stroke
-    from objectmodels.mechanics.push_outcomes import Likelihood, Prediction, Thresholds
+    from objectmodels.mechanics.push_outcomes import Prediction, Thresholds
 
 
 class Predictor(Protocol):

@@ -20,7 +20,7 @@ import numpy as np
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.rotations import axis_rotation, spatial_cross
 from objectmodels.mechanics.grasp_stability import Contacts, Lifted, least_squeezes
-from objectmodels.mechanics.push_outcomes import normal_cdf
+from objectmodels.mechanics.outcome_probability import normal_cdf
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.models.object_model import ObjectModel
 from planner.grasping.grasp_candidates import Candidate

@@ -21,7 +21,7 @@ from objectmodels.geometry.base_shapes import Array, is_within
 from objectmodels.mechanics.standing_balance import TopLoad
 from objectmodels.models.shapes import top_face
 from planner.problem.directions import unit
-from planner.problem.places import Overhang, most_overhang, overhangs, table_with_room
+from planner.problem.overhangs import Overhang, most_overhang, overhangs, table_with_room
 from planner.problem.planning_problem import PushProblem
 from planner.pushing.contact_planner import PushCandidate
 from planner.pushing.push_paths import Obstructions, PathSegment, free_length_mark
