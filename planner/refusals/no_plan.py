@@ -197,8 +197,9 @@ def _marks(
 
 def not_capable(capability: str, message: str, spans: Spans, *instead: str) -> NoPlanError:
     """Dead end because this robot, or this version, lacks a capability."""
-    words = {"capability": capability, "message": message}
-    return no_plan("not_capable", spans=spans, instead=instead, **words)
+    return no_plan(
+        "not_capable", spans=spans, instead=instead, capability=capability, message=message
+    )
 
 
 def unsupported_while(what: str, doing: str, spans: Spans) -> NoPlanError:
