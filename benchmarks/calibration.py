@@ -22,7 +22,7 @@ from objectmodels.exact.exact_thresholds import BORDER, ExactThresholds, thresho
 from objectmodels.geometry.base_shapes import Array, Support, mean_distance, support_points
 from objectmodels.mechanics.friction_cone import contact_forces
 from objectmodels.mechanics.outcome_map import BAND
-from objectmodels.mechanics.push_outcomes import sample_parameters
+from objectmodels.mechanics.outcome_probability import sample_parameters
 from tests.physics.bodies import Cases, edges
 from tests.physics.oracle import edge_force, verdict
 

@@ -14,11 +14,6 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 __all__ = ["cached_property", "lazy_names", "remember_answers"]
 
 
-# --- cached values --------------------------------------------------------------------------------
-#
-# Values that are computed once, in words that type checkers match with protocols.
-
-
 if TYPE_CHECKING:  # a property that is cached does not fit a protocol's
     from builtins import property as cached_property
 else:
@@ -31,9 +26,6 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 def remember_answers(most: int) -> Callable[[Function], Function]:
     """Has a function remember its answers to so many arguments, all of which can be hashed."""
     return cast("Callable[[Function], Function]", lru_cache(maxsize=most))
-
-
-# --- lazy -----------------------------------------------------------------------------------------
 
 
 def lazy_names(package: str, homes: Mapping[str, Sequence[str]]) -> Callable[[str], object]:

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from grammar.frames import command as g
 from objectmodels import Face
+from objectmodels.geometry.rotations import cross
 from objectmodels.mechanics.outcome_map import OutcomeMap, outcome_map
 from planner.planning import plan
 from planner.problem.directions import HEADINGS, angle_between, face_name, heading_of
@@ -116,7 +117,8 @@ def hand_affordances(
 def _push_affordances(
     target: SeenObject, state: WorldState, robot: Robot, defaults: Defaults
 ) -> Iterator[Affordance]:
-    faces = _faces_by_direction(target)
+    found = {way: pushed_face(target, heading) for way, heading in HEADINGS.items()}
+    faces = {way: face for way, face in found.items() if face is not None}
     if not faces:
         message = f"the {target.name} has no side that is wide enough for a fingertip"
         none = False, None, None, None, False, "impossible", message
@@ -140,12 +142,6 @@ def _push_affordances(
         yield _push_affordance("turn", sense, name, on_it, target, state, robot, defaults)
 
 
-def _faces_by_direction(target: SeenObject) -> dict[str, tuple[FaceName, Face]]:
-    """The face to push for each of the robot's directions, with its name."""
-    found = {way: pushed_face(target, heading) for way, heading in HEADINGS.items()}
-    return {way: face for way, face in found.items() if face is not None}
-
-
 def pushed_face(target: SeenObject, heading: float) -> tuple[FaceName, Face] | None:
     """The face that a push along a heading in W [rad] touches, with its name; None without one."""
     outward = [
@@ -167,8 +163,7 @@ def turning_map(
 ) -> tuple[OutcomeMap, NDArray[np.bool_]]:
     """Outcomes over a face of an object that may turn, and where a slide turns it."""
     chart = outcome_map(target.model, face, spacing=SPACING)
-    r = chart.points - np.array(target.model.com)
-    arm = r[:, 0] * chart.directions[:, 1] - r[:, 1] * chart.directions[:, 0]
+    arm = cross(chart.points - np.array(target.model.com), chart.directions)
     turned = {"left": arm, "right": -arm, None: np.abs(arm)}[sense]
     return chart, turned > TURNING_ARM * target.model.friction_radius
 
@@ -263,15 +258,12 @@ def _command_frame(outcome: str, way: str, name: str) -> g.Frame:
     return g.Frame(action="turn", object=ref, goal=g.Rotate.model_validate({"sense": sense}))
 
 
-# --- feasible amounts -----------------------------------------------------------------------------
-#
 # How much of what a frame asks can be done: the largest amount of its goal that has a plan.
 #
 # What has a plan is taken to have one for less as well. First comes what people mean if they say
 # no amount. It is doubled while there is a plan; if there is none, the least amount decides
 # whether to look on. What lies between an amount that has a plan and one that has none is then
 # bracketed.
-
 
 _POURED_TO = DEFAULTS.tolerance_share * DEFAULTS.pour_margin  # so that the margin is the least
 
@@ -285,9 +277,6 @@ UNITS: dict[str, tuple[str, Callable[[int], float], float, float]] = {
 }
 """Field of a goal that says how much, by its kind, how many of the units in which people say that
 are how much, a usual amount, and to what the robot does it [SI]."""
-
-BRACKETS = 2
-"""Times that the bracket is halved by its ratio: between n and 2 n, to a fifth of the most."""
 
 
 def frame_with_less(frame: g.Frame, is_planned: Callable[[g.Frame], bool]) -> g.Frame | None:
@@ -323,7 +312,8 @@ def frame_with_less(frame: g.Frame, is_planned: Callable[[g.Frame], bool]) -> g.
         least, most = first, least
     else:
         return None
-    for _ in range(BRACKETS):
+    # Times that the bracket is halved by its ratio: between n and 2 n, to a fifth of the most.
+    for _ in range(2):
         middle = round(math.sqrt(least * most))
         if not least < middle < most:
             break

@@ -210,7 +210,12 @@ def _ways_out(
 def _free_ways(seen: SeenObject, state: WorldState, defaults: Defaults) -> Obstructions:
     """What stands in the ways of an object."""
     others = (other for name, other in state.objects.items() if name != seen.name)
-    kept = {other.name: _kept_apart(seen, other, defaults) for other in others}
+    usual = {True: defaults.clearance_fragile, False: defaults.clearance}
+    # What stands closer keeps less.
+    kept = {
+        other.name: kept_gap(footprint(seen), footprint(other), usual[other.fragile])
+        for other in others
+    }
     return Obstructions(seen, state, kept, defaults.clearance)
 
 
@@ -241,12 +246,6 @@ def _room_around(outline: Array, seen: SeenObject, state: WorldState) -> float:
 def _leaves_way(before: float, after: float) -> bool:
     """Return True if what stood in a way leaves it; what stood beside it is in the hand's way."""
     return after >= _BESIDE and (before < _BESIDE or after >= before + _HAND)
-
-
-def _kept_apart(seen: SeenObject, other: SeenObject, defaults: Defaults) -> float:
-    """Distance that what is cleared keeps from another object; less where it stands closer [m]."""
-    usual = defaults.clearance_fragile if other.fragile else defaults.clearance
-    return kept_gap(footprint(seen), footprint(other), usual)
 
 
 def _lanes(frame: g.Frame, state: WorldState, defaults: Defaults) -> list[Array]:

@@ -31,14 +31,11 @@ if TYPE_CHECKING:
     from planner.types.world_state import SeenObject, WorldState
 
 
-# --- rows -----------------------------------------------------------------------------------------
-#
 # The parts of a frame and the rows that explain them: words, field, parameter, value.
 #
 # A row goes from the words over the field of the frame to the parameter of the controller and its
 # value. The parts bear the names of Figure 2 of the paper "Prediction of action outcomes using an
 # object model". Values are SI inside; people read millimetres, degrees and newtons.
-
 
 PartName = Literal[
     "push controller",
@@ -244,9 +241,6 @@ def si_text(value: float, unit: str) -> str:
     return f"{math.degrees(value):.0f}°" if unit == "rad" else f"{value:g} {unit}".rstrip()
 
 
-# --- plan explanation -----------------------------------------------------------------------------
-
-
 @dataclass(frozen=True)
 class Basis:
     """Knowledge with which a frame was planned or answered.
@@ -422,7 +416,16 @@ def _constraint_values(clause: Any, plan: Plan, basis: Basis) -> Iterator[Value]
             yield Value("free way", f"{si_text(defaults.clearance, 'm')} or more from the {other}")
         case g.ContactRegion():
             yield Value("contact", _contact_text(plan))
-            yield from _height_values(clause, basis)
+            top, height = basis.target.model.top, clause.height
+            if clause.region is not None:
+                third = ("bottom", "middle", "top").index(clause.region)
+                low, high = (f"{1e3 * top * k / 3:.0f}" for k in (third, third + 1))
+                yield Value("heights allowed", f"{low} to {high} mm, a third of its side")
+            if height is not None and isinstance(height.value, float):
+                at = height.value if height.origin == "table" else top - height.value
+                upwards = (height.bound == "at_least") == (height.origin == "table")
+                bound = "" if height.bound == "exact" else f"at {'least' if upwards else 'most'} "
+                yield Value("heights allowed", f"{bound}{si_text(at, 'm')}")
         case g.Effector():
             yield Value("fingers", _fingers(plan))
         case g.Gentle():
@@ -484,20 +487,6 @@ def _margin_text(plan: Plan) -> str:
     return f"{si_text(plan.push.margins.height, 'm')} below where it may tip"
 
 
-def _height_values(clause: g.ContactRegion, basis: Basis) -> Iterator[Value]:
-    """The heights that a clause allows."""
-    top, height = basis.target.model.top, clause.height
-    if clause.region is not None:
-        third = ("bottom", "middle", "top").index(clause.region)
-        low, high = (f"{1e3 * top * k / 3:.0f}" for k in (third, third + 1))
-        yield Value("heights allowed", f"{low} to {high} mm, a third of its side")
-    if height is not None and isinstance(height.value, float):
-        at = height.value if height.origin == "table" else top - height.value
-        upwards = (height.bound == "at_least") == (height.origin == "table")
-        bound = "" if height.bound == "exact" else f"at {'least' if upwards else 'most'} "
-        yield Value("heights allowed", f"{bound}{si_text(at, 'm')}")
-
-
 def _speed_value(plan: Plan, basis: Basis, degree: str) -> Value:
     told = si_text(plan.push.speed, "m/s")
     if not math.isclose(plan.push.speed, basis.defaults.speed_gentle):
@@ -528,11 +517,6 @@ def _contact_text(plan: Plan) -> str:
 
 def _force_text(plan: Plan) -> str:
     return f"{plan.push.force_limit:.1f} N"
-
-
-# --- grasp explanation ----------------------------------------------------------------------------
-#
-# Which words became which parameters of the hand: the rows of `push_explanation` for its plans.
 
 
 def explain_hand(frame: g.Frame, plan: Plan, text: str, basis: Basis) -> tuple[Row, ...]:

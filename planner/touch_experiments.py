@@ -53,9 +53,6 @@ TILT = np.radians(8.0)
 TILT_SHARE = 0.4
 """A tilt stays below this share of the angle of no return, in the worst case believed."""
 
-LEAST_OFF = 0.002
-"""Distance from the middle of a side from which on a slide is off-centre [m]."""
-
 SPEED: Mapping[Kind, float] = {
     "tilt": 0.008,
     "slide": 0.005,
@@ -72,11 +69,6 @@ PRESS, RAISED = 0.003, 0.0015
 """Way of a press, and how far it raises an edge of the base at least if the object tilts [m]."""
 
 _SIGMAS = 2.0
-_FORCE_SD = 0.01  # of a felt force, as a share of it
-_TURN_SD = 0.4  # of a turn rate [rad/m]
-_BALANCES = (0.2, 0.85)  # shares of the largest tilt at which the balance is read
-_MAY_TILT = 0.02  # least believed probability of a tilt worth a trial
-_RUB_HEIGHT = 0.4  # share of the height
 _SURE, _HEIGHTS = 0.99, 9  # believed probability of a slide that is sure, and heights tried
 
 
@@ -126,12 +118,16 @@ def experiments(seen: SeenObject, limits: RobotLimits) -> tuple[Experiment, ...]
         tilt = _tilt_experiment(seen, face, face.top - BELOW_TOP, limits)
         found += [tilt] if tilt is not None else []
         found.append(_slide_experiment(seen, face, 0.0, low, limits))
-        if not face.curvature and room > LEAST_OFF:
+        # Distance from the middle of a side from which on a slide is off-centre [m].
+        if not face.curvature and room > 0.002:
             high = _still_slides(seen.model, face, -room, low)
             found += [
                 _slide_experiment(seen, face, y, z, limits) for y, z in ((room, low), (-room, high))
             ]
-        found.append(_rub_experiment(seen, face, max(_RUB_HEIGHT * face.top, low), limits))
+        point, normal = face.points_at(0.0, max(0.4 * face.top, low))
+        found.append(
+            replace(_touch_experiment("rub", seen, point, normal, 0.0, limits), raised=RUB)
+        )
     return tuple(found)
 
 
@@ -155,16 +151,18 @@ def expected_trials(experiment: Experiment, model: ObjectModel) -> tuple[Trial, 
     R_WB = experiment.R_WB
     u = R_WB.T @ np.array(experiment.push.direction_W)
     x, y, z = (experiment.onset * u).tolist()
-    trial = Trial("slide", point, (x, y, z), _FORCE_SD * experiment.onset, source=experiment.name)
+    # A force is felt to a hundredth.
+    trial = Trial("slide", point, (x, y, z), 0.01 * experiment.onset, source=experiment.name)
     if experiment.kind == "tilt":
-        tilts = np.linspace(*_BALANCES, 2) * experiment.angle
+        # Shares of the largest tilt at which the balance is read.
+        tilts = np.linspace(0.2, 0.85, 2) * experiment.angle
         return tuple(replace(trial, moved="topple", tilt=float(tilt)) for tilt in tilts)
     if experiment.kind == "rub":
         n_x, n_y, _ = (-u).tolist()
         force = (x, y, z - model.finger_friction * experiment.onset)
         return (replace(trial, moved="slip", force=force, normal=(n_x, n_y, 0.0)),)
     turn = float(np.nan_to_num(model.thresholds([point], [u]).twist[0, 2]))
-    return (replace(trial, turn_rate=turn, turn_rate_sd=_TURN_SD),)
+    return (replace(trial, turn_rate=turn, turn_rate_sd=0.4),)  # [rad/m]
 
 
 def _tilt_experiment(
@@ -172,7 +170,8 @@ def _tilt_experiment(
 ) -> Experiment | None:
     model = seen.model
     point, normal = face.points_at(0.0, height)
-    if float(model.likelihood([point], [-normal], exact=False).topple[0]) < _MAY_TILT:
+    # Least believed probability of a tilt worth a trial.
+    if float(model.likelihood([point], [-normal], exact=False).topple[0]) < 0.02:
         return None
     fall = model.angle_of_no_return(-normal, sigmas=_SIGMAS)
     angle = float(min(TILT, TILT_SHARE * fall))
@@ -195,11 +194,6 @@ def _still_slides(model: ObjectModel, face: Face, lateral: float, low: float) ->
     sure = model.likelihood(points, -normals, exact=False).slide > _SURE
     sure[0] = True
     return float(heights[np.flatnonzero(np.logical_and.accumulate(sure))[-1]])
-
-
-def _rub_experiment(seen: SeenObject, face: Face, height: float, limits: RobotLimits) -> Experiment:
-    point, normal = face.points_at(0.0, height)
-    return replace(_touch_experiment("rub", seen, point, normal, 0.0, limits), raised=RUB)
 
 
 def _touch_experiment(

@@ -29,15 +29,11 @@ PlanFrom = Callable[[WorldState], PlanningResult]
 REASON_WORK = 0.15
 """Work of each plan by which a reason is tried, in that of the plan that was refused."""
 
-MOST_GONE = 3
-"""Obstacles that are taken away together."""
-
 _FACTS = frozenset({"carries", "stands_on", "contains", "stands_in", "in_the_way_so_far"})
 """Codes of refusals whose obstacle is a fact about a stack, or leaves room that is measured."""
 _BEYOND = frozenset({"no_push_reached", "no_grasp_reached"})
 """Codes of refusals that name nothing but the hand's reach."""
 _HALVINGS = 4  # of the way to the middle of the table
-_LEAST_WAY = 0.02  # to it over which a place is looked for [m]
 
 
 def true_refusal(
@@ -83,7 +79,7 @@ def _without_obstacles(
         left = [each for each in obstacles(made) if each not in spared and each not in gone]
         if not left:
             return made
-        if len(gone) == MOST_GONE:
+        if len(gone) == 3:  # Obstacles that are taken away together
             others = [each for each in state.objects if each != name and each not in spared]
             made = plan_from(_state_without(others, state))
             if isinstance(made, Refusal) and made.code != "work_used_up":
@@ -122,7 +118,7 @@ def _with_distance(
         return refusal
     lone = _state_without([n for n in state.objects if n != name and n not in spared], state)
     here = np.array([target.pose.x, target.pose.y])
-    way = 0.5 * np.array([table.x_min + table.x_max, table.y_min + table.y_max]) - here
+    way = table.middle - here
     length = float(np.linalg.norm(way))
 
     def is_planned(share: float) -> bool:
@@ -130,7 +126,7 @@ def _with_distance(
         made = plan_from(WorldState({**lone.objects, name: moved}, table))
         return not isinstance(made, Refusal)
 
-    if length < _LEAST_WAY or not is_planned(1.0):
+    if length < 0.02 or not is_planned(1.0):  # it stands in the middle as it is
         return refusal
     none, some = 0.0, 1.0
     for _ in range(_HALVINGS):

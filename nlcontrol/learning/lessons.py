@@ -20,7 +20,6 @@ from nlcontrol.learning.learning_reports import Change, Lesson
 from objectmodels.errors import ModelError
 from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.identification.belief_update import (
-    RevisedBelief,
     Update,
     belief_of_slipperier_object,
     belief_of_stiffer_lid,
@@ -326,7 +325,7 @@ def _pulled(model: ObjectModel, trace: Trace) -> bool:
     return isinstance(model.lid, LiftOffLid) and bool(measures.during(trace, ("lift",)).any())
 
 
-def _lid_lesson(made: Plan, model: ObjectModel, trace: Trace) -> tuple[float, RevisedBelief]:
+def _lid_lesson(made: Plan, model: ObjectModel, trace: Trace) -> tuple[float, Update]:
     """Load that a lid withstood, [N] or [N·m], and what is believed then."""
     step = made.steps[0]
     if isinstance(step, FlipOver):

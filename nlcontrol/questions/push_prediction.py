@@ -19,7 +19,7 @@ from nlcontrol.errors import error
 from nlcontrol.json_document import Document, finite_or_none
 from nlcontrol.text_format import aside_text
 from objectmodels import Face, ObjectModel
-from objectmodels.mechanics.push_outcomes import sample_at
+from objectmodels.mechanics.outcome_probability import sample_at
 from planner.problem.directions import HEADINGS, angle_between, heading_of
 from planner.types.refusal import probability_text
 

@@ -35,7 +35,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from objectmodels.geometry.base_shapes import Array, Base, Disc, Polygon
-from objectmodels.mechanics.push_outcomes import Sample, sample_parameters
+from objectmodels.mechanics.outcome_probability import Sample, sample_parameters
 from objectmodels.mechanics.push_thresholds import (
     GRAVITY,
     slide_threshold,
@@ -46,8 +46,6 @@ from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.object_parts import FlipLid, Lid, LiftOffLid, ScrewCap
 from objectmodels.models.shapes import CylinderModel
 
-# --- lid geometry ---------------------------------------------------------------------------------
-#
 # Places of lids on their objects, closed and open.
 #
 # A closed lid lies on the object's top: a flip lid is a disc of `THICKNESS` with a tab, a
@@ -55,7 +53,6 @@ from objectmodels.models.shapes import CylinderModel
 # at the height of the top, across B's z axis; the lid's lower side turns about it.
 #
 # Frame: B, at the centre of the base, z up.
-
 
 THICKNESS = 0.003
 """Of a flip lid and its tab [m]."""
@@ -185,9 +182,6 @@ def lid_centre(lid: Lid, rim: Base, top: float) -> Array:
     return np.array([0.0, 0.0, top + 0.5 * lid.height])
 
 
-# --- lids -----------------------------------------------------------------------------------------
-
-
 STEPS = 41
 """Angles at which the arc of a flip lid is looked at."""
 
@@ -279,7 +273,6 @@ def flip(
     *,
     start: float = 0.0,
     end: float | None = None,
-    distance: float | None = None,
     fixed: bool = False,
 ) -> FlipArc:
     """Arc of a fingertip that moves a flip lid from one angle to another.
@@ -289,13 +282,12 @@ def flip(
         lid: its lid.
         start: of the way [rad].
         end: of the way [rad]; all the way open if not given.
-        distance: of the fingertip from the hinge [m]; on the tab if not given.
         fixed: whether a holder keeps the object where it is.
     """
     angles = np.linspace(start, lid.opens_to if end is None else end, STEPS)
     opens = bool(angles[-1] >= angles[0])
     hinge = lid_hinge(lid, lid_rim(model), model.top)
-    lever = grip_distance(lid, hinge) if distance is None else distance
+    lever = grip_distance(lid, hinge)
     points = hinge.lid_point(angles, lever, 0.0 if opens else THICKNESS)
     directions = (1.0 if opens else -1.0) * hinge.opening_direction(angles)
 

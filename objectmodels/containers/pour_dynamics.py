@@ -26,15 +26,6 @@ from objectmodels.geometry.base_shapes import Array
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.models.object_parts import Vessel
 
-DISCHARGE = 0.6
-"""Share c of the ideal flow over a weir or through a hole with a sharp edge."""
-
-RUN_OUT = 0.99
-"""Share of what runs out after which it counts as having run out."""
-
-FARTHEST = np.radians(130.0)
-"""Tilt at which a pour ends at the latest [rad]."""
-
 _NODES = np.polynomial.legendre.leggauss(12)
 _X: Array = 0.5 * (_NODES[0] + 1.0)
 _W: Array = 0.5 * _NODES[1]
@@ -43,9 +34,6 @@ _TILTING, _WAITING, _BACK = 80, 40, 30  # steps of time of a pour
 _CONTENTS, _AIMS = 7, 15  # nodes of the contents, and of the aim along each axis
 _ANGLES = 24  # among which the one for a volume is interpolated
 _TINY = 1e-12
-
-
-# -- the stream --------------------------------------------------------------------------------
 
 
 def outflow_rate(head: ArrayLike, tilt: ArrayLike, radius: float) -> Array:
@@ -63,7 +51,8 @@ def outflow_rate(head: ArrayLike, tilt: ArrayLike, radius: float) -> Array:
     rim = 2.0 * radius * wet * (_W * forwards * depth**1.5).sum(axis=-1)
     fall = np.sqrt(2.0 * GRAVITY)
     hole = np.pi * radius**2 * np.sqrt(h)
-    return np.asarray(DISCHARGE * fall * np.minimum(2.0 / 3.0 * rim, hole))
+    # Share c of the ideal flow over a weir or through a hole with a sharp edge.
+    return np.asarray(0.6 * fall * np.minimum(2.0 / 3.0 * rim, hole))
 
 
 def exit_velocity(head: ArrayLike, tilt: ArrayLike) -> tuple[Array, Array]:
@@ -86,9 +75,6 @@ def landing_distance(head: ArrayLike, tilt: ArrayLike, fall: ArrayLike) -> Array
     """
     ahead, down = exit_velocity(head, tilt)
     return np.asarray(ahead * fall_time(down, fall))
-
-
-# -- out of the vessel -------------------------------------------------------------------------
 
 
 def tilt_for(vessel: Vessel, volume: ArrayLike, out: ArrayLike, heading: ArrayLike) -> Array:
@@ -134,7 +120,7 @@ class Pour:
     @property
     def end_time(self) -> Array:
         """Time when all but a hundredth has run out, shape (...) [s]."""
-        return self._time_beyond(RUN_OUT)
+        return self._time_beyond(0.99)
 
     def _time_beyond(self, share: float) -> Array:
         beyond = self.poured > share * self.total_volume[..., None]
@@ -247,12 +233,10 @@ def angle_for(
         wait: see there.
     """
     least = float(tilt_for(vessel, volume, out, heading))
-    angles = np.linspace(least, max(FARTHEST, least), _ANGLES)
+    # Tilt at which a pour ends at the latest [rad].
+    angles = np.linspace(least, max(np.radians(130.0), least), _ANGLES)
     total = pour(vessel, volume, heading=heading, angle=angles, rate=rate, wait=wait).total_volume
     return float(np.interp(out, np.maximum.accumulate(total), angles))
-
-
-# -- into another one --------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)

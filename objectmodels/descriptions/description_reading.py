@@ -31,11 +31,6 @@ if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel
 
 
-# --- mjcf link ------------------------------------------------------------------------------------
-#
-# The one body of an MJCF file. Frame L is the body's, wherever it stands in the world.
-
-
 _TURNED = ("axisangle", "xyaxes", "zaxis", "fromto")  # ways to orient a geom that are not read
 
 
@@ -142,11 +137,6 @@ def _mesh(name: str | None, root: Element, folder: Path) -> LinkShape:
     raise description_error(f"there is no mesh {name!r} among its assets", "add it to <asset>")
 
 
-# --- sdf link -------------------------------------------------------------------------------------
-#
-# The one link of an SDF file. Frame L is that of the model, in which its link has a pose.
-
-
 Pose = tuple[Array, Array]
 
 
@@ -213,11 +203,6 @@ def _sdf_solid(geometry: Element | None, folder: Path) -> LinkShape:
             raise unsupported_shape(str(other))
 
 
-# --- urdf link ------------------------------------------------------------------------------------
-#
-# The one link of a URDF file.
-
-
 def urdf_link(root: Element, folder: Path) -> LinkDescription:
     """The link of a `<robot>`; its shapes are those of `<collision>`, else of `<visual>`.
 
@@ -276,9 +261,6 @@ def _urdf_solid(geometry: Element | None, folder: Path) -> LinkShape:
             raise unsupported_shape(str(other))
 
 
-# --- description reading --------------------------------------------------------------------------
-
-
 READERS = {"robot": urdf_link, "sdf": sdf_link, "mujoco": mjcf_link}
 """Readers by the name of the outermost element."""
 
@@ -325,11 +307,6 @@ def read_link(path: Path) -> LinkDescription:
             error.code, error.message, path=str(path), suggestions=error.suggestions
         ) from error
     return link
-
-
-# --- description files ----------------------------------------------------------------------------
-#
-# Files that describe a model to another simulator.
 
 
 Format = Literal["mjcf", "sdf", "urdf"]

@@ -13,10 +13,6 @@ from objectmodels.descriptions.rigid_body import FOOT, RELAXATION, RigidBody, So
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.mechanics.push_thresholds import GRAVITY
 
-# --- hull mesh ------------------------------------------------------------------------------------
-#
-# A convex hull as a mesh file (Wavefront OBJ), which SDF and URDF refer to.
-
 
 def obj_text(vertices: Array) -> str:
     """The hull of vertices, shape (n, 3) [m], as triangles that look outwards."""
@@ -32,8 +28,6 @@ def obj_text(vertices: Array) -> str:
     return "\n".join(lines) + "\n"
 
 
-# --- mjcf description -----------------------------------------------------------------------------
-#
 # MJCF, the model files of MuJoCo.
 #
 # A constraint's force f is (k r − b v − a) / R, with penetration r, speed v, acceleration a and
@@ -47,7 +41,6 @@ def obj_text(vertices: Array) -> str:
 # takes k and b from what is stated by dividing by d.
 #
 # Friction of a pair is that of the geom of higher priority, which the feet and the solid have.
-
 
 _IMPEDANCE = 0.5
 _FREQUENCY = 450.0
@@ -107,9 +100,6 @@ def _asset(solid: Solid) -> str:
         return ""
     corners = "  ".join(numbers_text(vertex) for vertex in solid.vertices)
     return f'\n  <asset>\n    <mesh name="hull" vertex="{corners}"/>\n  </asset>'
-
-
-# --- description writing --------------------------------------------------------------------------
 
 
 def sdf_text(body: RigidBody, mesh: str) -> str:
@@ -189,11 +179,6 @@ def _sdf_shape(solid: Solid, mesh: str) -> tuple[str, Array]:
         return f"<cylinder>{size}</cylinder>", solid.middle
     uri = f"<uri>{mesh}</uri><drake:declare_convex/>"
     return f"<mesh>{uri}</mesh>", 0.0 * solid.middle
-
-
-# --- urdf description -----------------------------------------------------------------------------
-#
-# URDF, the model files of ROS; it knows friction only by the tags of Drake and Gazebo.
 
 
 def urdf_text(body: RigidBody, mesh: str) -> str:

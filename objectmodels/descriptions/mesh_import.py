@@ -34,19 +34,14 @@ from objectmodels.models.shapes import (
     volume_and_centre,
 )
 
-# --- solid recognition ----------------------------------------------------------------------------
-#
 # The plain solid that a convex hull nearly is: a box, a cylinder or a prism.
 #
 # A hull counts as one if nowhere the one sticks out of the other by more than `LARGEST_RESIDUAL`,
 # measured along the normals of the faces that it sticks out of.
 
-
 LARGEST_RESIDUAL = 0.02
 """Share of the smallest extent: edges of usual roundness stay below it."""
 
-_MOST_CORNERS = 12  # of a prism; what has more is better told by its hull
-_FOOT = 0.15  # share of the height below which a cylinder may be narrower
 _ROUND = 48  # corners of the polygon that stands for a circle
 
 
@@ -115,7 +110,8 @@ def _candidates(vertices: Array, most: float) -> Iterator[PlainSolid]:
     if round(min(box.shape["size"][:2]), 6) >= WIDE:
         yield box
     yield _cylinder(vertices, outline, height, most)
-    if len(outline) <= _MOST_CORNERS and _has_wide_sides(outline):
+    # Of a prism; what has more is better told by its hull.
+    if len(outline) <= 12 and _has_wide_sides(outline):
         outer = hull_polygon(outline)
         origin = outer.centroid if (outer.offsets <= 0.0).any() else np.zeros(2)
         shape = {"corners": (outline - origin).tolist(), "height": height}
@@ -157,7 +153,8 @@ def _cylinder(vertices: Array, outline: Array, height: float, most: float) -> Pl
     shape: dict[str, Any] = {"radius": radius, "height": height}
     foot = np.hypot(*(hull_polygon(lowest_places(vertices)[1]).vertices - origin).T)
     begins = vertices[np.hypot(*(vertices[:, :2] - origin).T) >= radius - most, 2].min()
-    if np.ptp(foot) > most or foot.max() > radius - most or begins > _FOOT * height:
+    # Share of the height below which a cylinder may be narrower.
+    if np.ptp(foot) > most or foot.max() > radius - most or begins > 0.15 * height:
         return PlainSolid(CylinderModel, shape, _ends(rim, 0.0, height), origin)
     shape["base_radius"] = float(foot.max())
     base = origin + foot.max() / radius * (rim - origin)
@@ -183,9 +180,6 @@ def _turn(yaw: float) -> Array:
     """Rotation by an angle: rows times it are in axes that are turned so, shape (2, 2)."""
     c, s = np.cos(yaw), np.sin(yaw)
     return np.array([[c, -s], [s, c]])
-
-
-# --- mesh import ----------------------------------------------------------------------------------
 
 
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
@@ -216,10 +210,8 @@ FINGER, FINGER_SHARE_SD = 0.6, 0.2
 COM_SHARE_SD = 0.08
 """Standard deviation of a centre of mass at uniform density, as a share of the extents."""
 
-_DOWNWARDS = np.cos(np.radians(10.0))  # a face this near to looking down is what it stands on
 _LARGEST_NUMBER = 1e9  # of an argument; formulae would overflow with some
 _MOST_VERTICES = 400
-_MOST_POINTS = 20_000  # of more, those extreme in so many directions are looked at
 _DIRECTIONS = 1000
 _FLAT = 1e-6
 
@@ -293,8 +285,7 @@ def _standing_solid(mesh: Any, points: Array, scale: float, up: Array) -> Solid:
     normal, stood = standing_face(points, com)
     R = turning_down(normal)
     points, com = points @ R.T, R @ com
-    low = points[:, 2].min()
-    on_table = points[points[:, 2] <= low + _FLAT * np.ptp(points[:, 2]), :2]
+    low, on_table = lowest_places(points)
     origin = np.append(hull_polygon(on_table).centroid, low)
     vertices = np.round(thin_vertices(points - origin), 6)
     return Solid(vertices, com - origin, volume, closed, stood)
@@ -366,7 +357,7 @@ def _mesh_error(path: Path, what: str, hint: str) -> ModelError:
 
 def _outermost(points: Array) -> Array:
     """The points, or of very many those extreme in many directions, shape (k, 3)."""
-    if len(points) <= _MOST_POINTS:
+    if len(points) <= 20_000:  # of more, those extreme in so many directions are looked at
         return points
     columns = np.ascontiguousarray(points.T)
     kept = [int(np.argmax(direction @ columns)) for direction in _directions(_DIRECTIONS)]
@@ -395,7 +386,8 @@ def standing_face(points: Array, com: Array) -> tuple[Array, str]:
             suggestions=("cut the mesh flat where it stands on the table",),
         )
     down = max(faces, key=lambda face: -face[0][2])[0]
-    if -down[2] >= _DOWNWARDS:
+    # A face this near to looking down is what it stands on.
+    if -down[2] >= np.cos(np.radians(10.0)):
         return down, "the face below"
     return faces[0][0], "its largest face; none looks down"
 

@@ -154,13 +154,10 @@ def _raised(vertices: Array) -> Array:
     return np.column_stack((vertices[:, :2], np.maximum(vertices[:, 2], GAP)))
 
 
-# --- link description -----------------------------------------------------------------------------
-#
 # One link as a simulator's file describes it, before it is known what model that is.
 #
 # Frame L is the link's, z up. Files of URDF, SDF and MJCF differ in their words for the same: a
 # mass, a centre of mass, and shapes that touch.
-
 
 Element = ElementTree.Element
 

@@ -1,6 +1,6 @@
 """Probability that an uncertain object slides first, topples first, or stays, by the exact tier.
 
-Model: as `objectmodels.mechanics.push_outcomes`, with the critical friction μ* of the exact
+Model: as `objectmodels.mechanics.outcome_probability`, with the critical friction μ* of the exact
 tier: given the centre of mass and the friction radius the loads do not depend on the friction, so
 that this integrates in closed form again. The others are averaged over a fixed sequence. A given
 force ends the push before it topples: then μ* is the friction that is used up to there, and the
@@ -20,7 +20,7 @@ from objectmodels.exact.slide_search import SlideSearch, Standing, push_blocks
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.rotations import require_amount
 from objectmodels.mechanics.friction_cone import cone_directions, contact_forces
-from objectmodels.mechanics.push_outcomes import (
+from objectmodels.mechanics.outcome_probability import (
     Draws,
     Likelihood,
     draw_parameters,

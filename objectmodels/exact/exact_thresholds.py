@@ -48,11 +48,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from objectmodels.geometry.pushed_body import Friction, PushedBody
-    from objectmodels.mechanics.push_outcomes import Sample
+    from objectmodels.mechanics.outcome_probability import Sample
 
 
-# --- exact thresholds -----------------------------------------------------------------------------
-#
 # Thresholds of the exact tier, for an object that stands on springs.
 #
 # Model: toppling is the closed form's, exact for a rigid base. For sliding, the support points
@@ -65,7 +63,6 @@ if TYPE_CHECKING:
 #
 # Every answer is certified: `residual` says how far loads and friction forces are from balancing
 # the push, and from Coulomb's law.
-
 
 BORDER = 0.4
 """Relative distance of the closed form's thresholds within which its class may be wrong."""
@@ -258,21 +255,11 @@ def exact_near_the_border(model: PushedBody, p: Array, u: Array, friction: Frict
     return replace(t, slide=slide)
 
 
-# --- load sharing bounds --------------------------------------------------------------------------
-
-
 BLOCK, TRIANGLES = 512, 20_000
 """Pushes, and triples of points times pushes, that are treated at once."""
 
-MOST_POINTS = 24
-"""More points than these are an area, for the pessimistic bound."""
-
-_STEEPER = 8.0  # by which the barrier's weight grows
 _PRECISE = 1e-9  # relative gap at which the barrier method stops
-_CENTRING = 4  # Newton steps for each weight, at most
-_RIDGE = 1e-14
 _THIN = 1e-9  # area of triples that count as on a line, of the support's size squared
-_NO_LOAD = 1e-12
 _STEPS, _ROOT = 60, 1e-11
 
 
@@ -335,8 +322,8 @@ def _largest_ratio(points: Array, com: Array, p: Array, u: Array, mu: float) -> 
     x[:, 2] = 2.0  # sliding along the push, lifted more than it slips
     weight = 1.0
     while 2.0 * k / weight > _PRECISE:
-        weight *= _STEEPER
-        for _ in range(_CENTRING):
+        weight *= 8.0  # by which the barrier's weight grows
+        for _ in range(4):  # Newton steps for each weight, at most
             step, decrement = _newton_step(x, weight, cost, lift, v_x, v_y)
             x = x + _interior_shares(x, step, lift, v_x, v_y) * step
             if decrement.max() < 1e-3:
@@ -364,7 +351,7 @@ def _newton_step(
     hessian += np.einsum("kni,knj->nij", grown, grown)
     # Near an optimum that is an edge the equations lose rank but for rounding.
     scale = 1.0 / np.sqrt(np.einsum("nii->ni", hessian))
-    scaled = hessian * scale[:, :, None] * scale[:, None, :] + _RIDGE * np.eye(5)
+    scaled = hessian * scale[:, :, None] * scale[:, None, :] + 1e-14 * np.eye(5)
     step = -scale * np.linalg.solve(scaled, (scale * gradient)[..., None])[..., 0]
     return step, -(gradient * step).sum(axis=1)
 
@@ -386,7 +373,7 @@ def worst_case_onset(t: ExactThresholds) -> Array:
     _require_known(t)
     (p, u), (base, c, _, weight) = t.push, t.body
     points = t.support[0]
-    if len(points) > MOST_POINTS:
+    if len(points) > 24:  # More points than these are an area, for the pessimistic bound
         return np.minimum(_onset_on_a_spot(t), t.topple)
     threes = _support_triangles(points)
     worst = np.full(len(p), np.inf)
@@ -471,7 +458,7 @@ def _first_root(
 
     def excess(r: Array, i: NDArray[np.intp]) -> tuple[Array, Array]:
         # A point without load has no friction, yet the equations need all three.
-        loads = np.maximum(n0[:, i] + r * n1[:, i], _NO_LOAD)
+        loads = np.maximum(n0[:, i] + r * n1[:, i], 1e-12)
         limit = friction_limit(loads, xi[:, i], eta[:, i])
         slope = (n1[:, i] * np.hypot(*limit.slip_velocities(xi[:, i], eta[:, i]))).sum(axis=0)
         return kappa[i] * limit.ratio - r, kappa[i] * slope - 1.0

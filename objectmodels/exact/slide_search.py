@@ -28,8 +28,6 @@ from objectmodels.mechanics.friction_limit import (
 )
 from objectmodels.mechanics.push_thresholds import push_axes, push_moment
 
-# --- loaded stretch -------------------------------------------------------------------------------
-#
 # Slides of pushes while the same points stay loaded: motion and load ratio found together.
 #
 # Model: see `objectmodels.exact.exact_thresholds`. On such a stretch the loads grow
@@ -38,7 +36,6 @@ from objectmodels.mechanics.push_thresholds import push_axes, push_moment
 # |v_i|: by Newton's method, or in closed form if the body turns about one of the points.
 #
 # Arrays are laid out with the k points first and the n pushes last.
-
 
 # Slip speed below which friction is smoothed at first, share that is left by each step, and steps.
 _QUICK, _PATIENT = (0.01, 0.03, 8), (1.0, 0.3, 24)
@@ -186,11 +183,6 @@ def _joint_step(
     return new, slope, across + b, turn + w, d_x, d_y
 
 
-# --- standing -------------------------------------------------------------------------------------
-#
-# An object as it stands, before anybody pushes.
-
-
 @dataclass(frozen=True, eq=False)
 class Standing:
     """An object as it stands; the last three for all pushes, or one for each of n.
@@ -218,9 +210,6 @@ class Standing:
         return loaded
 
 
-# --- slide search ---------------------------------------------------------------------------------
-
-
 BLOCK = 16384
 """Points of pushes treated at once, so that the arrays stay in the processor's cache."""
 
@@ -234,7 +223,6 @@ _NEARER = 0.75
 _CLOSE = 1e-8  # residual above which what was found at once is sought in brackets too
 _STEPS = 100
 _MORE = 1e-8  # share by which more friction is used, beyond the precision of its limit
-_NEWTON = 12  # steps after which every other one halves the bracket
 _PRECISE = 1e-12  # of the load ratio
 _LOOKS = 16  # even steps in which slides before the one found are looked for
 _FEW = 24  # points up to which all changes of the loaded ones are looked at instead
@@ -434,7 +422,8 @@ class SlideSearch:
                 step = x - value / look.slope
             inside = (step > low) & (step < high)
             last = inside & ~done & (np.abs(value) <= _LAST_STEP * self.h[pushes] * x)
-            inside &= number < _NEWTON or number % 2 == 0
+            # Steps after which every other one halves the bracket.
+            inside &= number < 12 or number % 2 == 0
             met = high - low <= _PRECISE * high
             far = ~slides & ((step >= high) | met) & (high >= self.last[pushes])
             at[open_] = np.where(far, high, np.where(inside, step, 0.5 * (low + high)))

@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 from objectmodels.exact.exact_thresholds import springs_of
 from objectmodels.exact.top_drag import LoadedPoints
 from objectmodels.geometry.base_shapes import Array
+from objectmodels.mechanics.outcome_probability import draw_parameters, normal_nodes
 from objectmodels.mechanics.push_motion import MODES, integrate_stroke
-from objectmodels.mechanics.push_outcomes import draw_parameters, normal_nodes
 
 if TYPE_CHECKING:
     from objectmodels.geometry.pushed_body import PushedBody

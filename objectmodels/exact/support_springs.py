@@ -23,11 +23,8 @@ from objectmodels.geometry.rotations import total
 _QUICK = 15  # guesses of the loaded points before they are searched
 _STEPS = 80  # of the search for the loaded points; a handful suffices
 _HALVINGS = 60
-_SOFT = 1e-9  # stiffness added, for where too few points are loaded to fix the base
 _TOUCHING = 1e-10  # share of the most pressed point's depth that counts as none
 _AFTER = 1e-7  # step beyond a change, as a share of the way, to learn which points are loaded then
-_MOST_CHANGES = 3  # for each point; loads come and go at most once or twice
-_DEEP = 1e3  # no base presses a point in so far, in units of a mean load
 _BALANCED = 1e-9  # imbalance up to which a set of loaded points counts as the right one
 _SETTLED = 1e-13  # imbalance at which loads are found
 
@@ -127,7 +124,8 @@ class Springs:
         n, loaded = last.size, loaded.copy()
         r, found = np.zeros(n), []
         open_ = np.arange(n)
-        for _ in range(_MOST_CHANGES * len(self.points)):
+        # For each point; loads come and go at most once or twice.
+        for _ in range(3 * len(self.points)):
             here, on = r[open_], loaded[:, open_]
             inverse = self._inverse_stiffness(on)
             depth = self._plane_depth(_times(inverse, _with_row(1.0, start[:, open_])))
@@ -187,7 +185,8 @@ class Springs:
             depth = self._plane_depth(here)
             down = -self._imbalance(depth, aim)
             settled = np.abs(down).max(axis=0) <= _SETTLED
-            step = _times(self._inverse_stiffness(depth > 0.0, soft=_SOFT), down)
+            # Stiffness added, for where too few points are loaded to fix the base.
+            step = _times(self._inverse_stiffness(depth > 0.0, soft=1e-9), down)
             plane[:, open_] = here + np.where(
                 settled, 0.0, self._step_share(here, step, aim) * step
             )
@@ -239,4 +238,5 @@ def _times(inverse: Array, v: Array) -> Array:
 
 def _is_pressing(depth: Array) -> NDArray[np.bool_]:
     """Return True for loaded points; those that just touch count, so that there are three."""
-    return np.asarray(depth > -_TOUCHING * np.minimum(np.abs(depth).max(axis=0), _DEEP))
+    # No base presses a point in so far, in units of a mean load.
+    return np.asarray(depth > -_TOUCHING * np.minimum(np.abs(depth).max(axis=0), 1e3))

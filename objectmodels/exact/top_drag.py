@@ -42,7 +42,7 @@ from objectmodels.geometry.rotations import (
     require_units,
 )
 from objectmodels.mechanics.friction_limit import Slide, friction_limit
-from objectmodels.mechanics.push_outcomes import draw_parameters, friction_below, normal_nodes
+from objectmodels.mechanics.outcome_probability import draw_parameters, friction_below, normal_nodes
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -50,8 +50,6 @@ if TYPE_CHECKING:
     from objectmodels.geometry.pushed_body import PushedBody
 
 
-# --- loaded points --------------------------------------------------------------------------------
-#
 # Sliding of an object on its loaded points, under one finger.
 #
 # Model: the support points carry what springs carry
@@ -61,16 +59,14 @@ if TYPE_CHECKING:
 #
 # - under a force along a line the motion is that of the friction limit
 #   (`objectmodels.mechanics.friction_limit`);
-# - a contact at r that is led at d leaves the turning rate ω unknown. Σ N_i |d + ω ẑ × (x_i − r)|
-# is
-#   convex in it, and where it is least the friction has no moment about the contact.
+# - a contact at r that is led at d leaves the turning rate ω unknown. The sum
+#   Σ N_i |d + ω ẑ × (x_i − r)| is convex in it, and where it is least the friction has no moment
+#   about the contact.
 #
 # A friction radius other than the support's own scales the points' distances from the centre of
 # pressure.
 
-
 _STEPS = 60  # of Newton's method for the turning rate, bisections included
-_SETTLED_LOADS = 1e-12  # step of the turning rate, relative to the largest that there can be
 _STILL = 1e-7  # speed of a point, of the contact's, below which its friction counts as less
 
 
@@ -166,7 +162,8 @@ class LoadedPoints:
             # A point that hardly slips bends the moment sharply: then the middle is safer.
             ahead = np.where((ahead > low) & (ahead < high), ahead, 0.5 * (low + high))
             found[left_over] = ahead
-            (i,) = np.nonzero(np.abs(ahead - turn) > _SETTLED_LOADS * most)
+            # Step of the turning rate, relative to the largest that there can be.
+            (i,) = np.nonzero(np.abs(ahead - turn) > 1e-12 * most)
             if not i.size:
                 break
             turn, low, high, most = ahead[i], low[i], high[i], most[i]
@@ -197,18 +194,13 @@ class LoadedPoints:
         )
 
 
-# --- top drag -------------------------------------------------------------------------------------
-
-
 DragOutcome = Literal["drags", "slips", "tips"]
 
 DRAWS = 64
 """Points of the sequence that a probability is averaged over."""
 
 _SETTLING = 12  # looks at how the force shifts the load; each leaves a share of about h / size
-_SETTLED_DRAG = 1e-9  # change of the force, as a share of the grip
 _SHORT = 1e-6  # share of its way by which the centre of pressure stays short of the edge
-_LEAST_SHARE = 1e-3  # least pressing force that is looked at, as a share of the largest
 _FORCES, _HALVINGS = 16, 14  # forces between those two, and steps to the limit between two of them
 
 
@@ -325,7 +317,8 @@ def press_range(
             return np.asarray(top_drag(model, at, along, forces).outcome == "drags")
         return np.asarray(drag_probability(model, at, along, forces) >= probability)
 
-    forces = np.geomspace(_LEAST_SHARE * most, most, _FORCES)
+    # Least pressing force that is looked at, as a share of the largest.
+    forces = np.geomspace(1e-3 * most, most, _FORCES)
     good = drags(forces)
     if not good.any():
         return None
@@ -450,7 +443,8 @@ class _Pressed:
             share, turn = slide.force, slide.turn
             size, before = np.hypot(*share.T), force
             force = (np.minimum(limit * size, self.grip) / size)[:, None] * share
-            if (np.hypot(*(force - before).T) <= _SETTLED_DRAG * self.grip).all():
+            # Change of the force, as a share of the grip.
+            if (np.hypot(*(force - before).T) <= 1e-9 * self.grip).all():
                 break
         tip_ratio = self._tip_ratio(self.base, self.com, force)
         return share, turn, np.where(self.tips_at_once, 0.0, tip_ratio)

@@ -30,8 +30,6 @@ from yaml.constructor import ConstructorError
 
 from objectmodels.errors import ModelError, printable, suggest
 
-# --- limits ---------------------------------------------------------------------------------------
-#
 # Limits of what comes from outside: sizes of files, counts and ranges of numbers.
 #
 # The one table of them; docs/limits.md shows it, and a test holds the two together. Ranges of
@@ -108,13 +106,10 @@ LIMITS: Mapping[str, Limit] = MappingProxyType(
 """Every limit by its key."""
 
 
-# --- file reading ---------------------------------------------------------------------------------
-#
 # Reading of files that others made: regular files alone, and no more of them than a limit.
 #
 # What may be wrong with a file, whatever its bytes, ends in a `ModelError` with the file, what
 # was found, what was expected and what to do.
-
 
 _HINTS = {
     errno.ENOENT: "check the path; it begins at the folder that you are in",
@@ -198,9 +193,6 @@ def read_text(path: Path, kind: str) -> str:
         ) from error
 
 
-# --- yaml documents -------------------------------------------------------------------------------
-
-
 if TYPE_CHECKING or not yaml.__with_libyaml__:
     _Parser = yaml.SafeLoader
 else:
@@ -247,23 +239,22 @@ class _Loader(_Parser):
         if self._depth > LIMITS["yaml_depth"].most:
             self._refuse(event, f"nested too deeply, more than {LIMITS['yaml_depth'].most} times")
         if isinstance(event, yaml.NodeEvent):
-            self._check_node(event)
+            # No tags, and no text that is very long or would steer a terminal.
+            tag, text = getattr(event, "tag", None), getattr(event, "value", "")
+            if tag is not None:
+                self._refuse(event, f"the tag {tag[:60]} is not read here")
+            if len(text) > LIMITS["yaml_text"].most:
+                self._refuse(event, f"a text of more than {LIMITS['yaml_text'].most} characters")
+            odd = (
+                None if text.isprintable() else next((c for c in text if not _is_written(c)), None)
+            )
+            if odd is not None:
+                self._refuse(event, f"the sign U+{ord(odd):04X}, which cannot be printed")
         node = super().compose_node(parent, index)
         self._depth -= 1
         if isinstance(event, yaml.NodeEvent) and event.anchor is not None:
             self._counts.setdefault(event.anchor, self._count - before)
         return node
-
-    def _check_node(self, event: Any) -> None:
-        """Refuses tags, and text that is very long or would steer a terminal."""
-        if getattr(event, "tag", None) is not None:
-            self._refuse(event, f"the tag {event.tag[:60]} is not read here")
-        text = getattr(event, "value", "")
-        if len(text) > LIMITS["yaml_text"].most:
-            self._refuse(event, f"a text of more than {LIMITS['yaml_text'].most} characters")
-        odd = None if text.isprintable() else next((c for c in text if not _is_written(c)), None)
-        if odd is not None:
-            self._refuse(event, f"the sign U+{ord(odd):04X}, which cannot be printed")
 
     def _refuse(self, event: Any, problem: str) -> None:
         raise ConstructorError(None, None, problem, event.start_mark)
@@ -311,17 +302,14 @@ def parse_yaml(text: str) -> object:
     try:
         return yaml.load(text, Loader=_Loader)
     except (yaml.YAMLError, RecursionError, ValueError) as error:
+        hint = "text with ': ', '#' or a bracket in it needs quotes"
+        if isinstance(error, ConstructorError):
+            hint = "take it out of the file"
         raise ModelError(
             "bad_yaml",
             f"is not valid YAML here: {_parser_complaint(error)}",
-            suggestions=(_hint(error), _EXAMPLES),
+            suggestions=(hint, _EXAMPLES),
         ) from error
-
-
-def _hint(error: Exception) -> str:
-    if isinstance(error, ConstructorError):
-        return "take it out of the file"
-    return "text with ': ', '#' or a bracket in it needs quotes"
 
 
 _EXAMPLES = "docs/models.md and docs/scenes.md have files to begin with"
@@ -370,15 +358,9 @@ def kind_text(content: object) -> str:
     return "nothing" if content is None else f"a {type(content).__name__}"
 
 
-# --- file writing ---------------------------------------------------------------------------------
-#
-# Writing of files: whole or not at all, and on the disk when it is said to be done.
-
-
 PREFIX = ".nlcontrol-"
 """Beginning of the names of temporary files."""
 
-_STALE = 600.0  # age from which on nobody writes a temporary file any more [s]
 _PATIENCE, _PAUSE = 60.0, 0.02  # waiting for another process that changes the same folder [s]
 
 
@@ -405,7 +387,11 @@ def replace_file(path: Path, *, private: bool = False) -> Iterator[Path]:
         )
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        _remove_leftovers(path.parent)
+        for left in path.parent.glob(f"{PREFIX}*"):
+            with contextlib.suppress(OSError):
+                # Age from which on nobody writes a temporary file any more [s].
+                if time.time() - left.stat().st_mtime > 600.0:
+                    left.unlink()
         handle, name = tempfile.mkstemp(prefix=PREFIX, suffix=path.suffix, dir=path.parent)
         os.close(handle)
         temporary = Path(name)
@@ -473,14 +459,6 @@ def _try_lock(handle: int) -> bool:
     return True
 
 
-def _remove_leftovers(folder: Path) -> None:
-    """Removes temporary files that nobody writes any more."""
-    for left in folder.glob(f"{PREFIX}*"):
-        with contextlib.suppress(OSError):
-            if time.time() - left.stat().st_mtime > _STALE:
-                left.unlink()
-
-
 def _sync(path: Path) -> None:
     """Waits until a file, or the entries of a folder, are on the disk."""
     handle = os.open(path, os.O_RDONLY)
@@ -488,11 +466,6 @@ def _sync(path: Path) -> None:
         os.fsync(handle)
     finally:
         os.close(handle)
-
-
-# --- validation faults ----------------------------------------------------------------------------
-#
-# Complaints of pydantic about a file, in the words of the file's author.
 
 
 _LONGEST = 80
@@ -540,16 +513,16 @@ def first_fault(error: ValidationError, cls: type[BaseModel]) -> Fault:
         hint = f"add `{key.rpartition('.')[2]}: …`"
         return Fault("missing_key", key, "is required, but not given", (hint, _KEYS_HINT))
     if first["type"] == "extra_forbidden":
-        return Fault("unknown_key", key, "is not a key of this format", _meant_keys(key, cls))
+        wrong, known = key.rpartition(".")[2], sorted(_all_keys(cls))
+        near = suggest(wrong, known) or [name for name in known if name.startswith(wrong + "_")]
+        hints = tuple(f"did you mean '{name}'?" for name in near[:1])
+        return Fault(
+            "unknown_key",
+            key,
+            "is not a key of this format",
+            hints or (f"known: {', '.join(file_keys(cls))}" if "." not in key else _KEYS_HINT,),
+        )
     return _value_fault(first, key, cls)
-
-
-def _meant_keys(key: str, cls: type[BaseModel]) -> tuple[str, ...]:
-    """Keys that may have been meant by an unknown one."""
-    wrong, known = key.rpartition(".")[2], sorted(_all_keys(cls))
-    near = suggest(wrong, known) or [name for name in known if name.startswith(wrong + "_")]
-    hints = tuple(f"did you mean '{name}'?" for name in near[:1])
-    return hints or (f"known: {', '.join(file_keys(cls))}" if "." not in key else _KEYS_HINT,)
 
 
 def _value_fault(complaint: Any, key: str, cls: type[BaseModel]) -> Fault:
@@ -559,19 +532,20 @@ def _value_fault(complaint: Any, key: str, cls: type[BaseModel]) -> Fault:
     if isinstance(inner, ModelError):
         expected = inner.message
         if inner.path is not None:
-            return Fault("bad_value", _file_key(inner.path, cls), expected, hints or (_KEYS_HINT,))
+            # The place in a file has the field's key in place of its name.
+            name, dot, rest = inner.path.partition(".")
+            field = cls.model_fields.get(name)
+            return Fault(
+                "bad_value",
+                (field.alias if field and field.alias else name) + dot + rest,
+                expected,
+                hints or (_KEYS_HINT,),
+            )
     ranges = complaint["type"].startswith(("less_", "greater_", "too_", "string_too_", "finite_"))
     hints = hints or (_RANGES_HINT if ranges else _KEYS_HINT,)
     if complaint["loc"] and not isinstance(complaint["input"], dict):
         expected = f"found {short_text(complaint['input'])}, expected {expected}"
     return Fault("bad_value", key, expected, hints)
-
-
-def _file_key(path: str, cls: type[BaseModel]) -> str:
-    """The place of a field in a file: its key in place of its name."""
-    name, dot, rest = path.partition(".")
-    field = cls.model_fields.get(name)
-    return (field.alias if field and field.alias else name) + dot + rest
 
 
 def file_keys(cls: type[BaseModel]) -> list[str]:
@@ -599,11 +573,6 @@ def short_text(value: object) -> str:
     """A value as it would be written in Python, cut if it is long."""
     text = _short.repr(value)
     return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
-
-
-# --- value types ----------------------------------------------------------------------------------
-#
-# Types of the values in files from outside, with the ranges of the table of limits.
 
 
 def range_of(key: str) -> Any:

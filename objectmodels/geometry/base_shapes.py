@@ -30,9 +30,6 @@ Array = NDArray[np.float64]
 # Corners nearer to the line through their neighbours than this share of the base count as on it.
 _FLAT = 1e-9
 
-# Moment by weight and size of the base that holds nothing: the centre of mass is over an edge.
-_NO_HOLD = 1e-100
-
 # Sides of the polygon that stands for a round base where points are needed.
 ROUND_CORNERS = 24
 
@@ -218,7 +215,8 @@ class Polygon(Base):
     ) -> Array:
         """`topple_force` for one m of all, shape (2,): the largest 1/s_k is a matrix product."""
         room = self.offsets - np.abs(self.normals) @ np.broadcast_to(shift, 2)
-        holding = np.maximum(weight * room - self.normals @ m, _NO_HOLD * weight * self.size)
+        # So little holds nothing: the centre of mass is over an edge.
+        holding = np.maximum(weight * room - self.normals @ m, 1e-100 * weight * self.size)
         rates = np.column_stack((self.normals, self.offsets)) / holding[:, None]
         push = np.stack((e[..., 0], e[..., 1], np.broadcast_to(w, e.shape[:-1])))
         growth = (rates @ push.reshape(3, -1)).max(axis=0, initial=0.0)
@@ -276,7 +274,11 @@ class Polygon(Base):
         centre = np.broadcast_to(self.centroid, v.shape)
         triangles = np.stack((centre, v, np.roll(v, -1, axis=0)), axis=1)
         for _ in range(3 if len(v) <= 4 else 2):
-            triangles = _quarter_triangles(triangles)
+            # Each triangle (n, 3, 2) cut into four at the middles of its sides.
+            a, b, c = triangles.transpose(1, 0, 2)
+            ab, bc, ca = (a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0
+            parts = ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))
+            triangles = np.concatenate([np.stack(part, axis=1) for part in parts])
         area = np.repeat(cross(*(triangles[:, 1:] - triangles[:, :1]).transpose(1, 0, 2)), 3)
         points = triangles.reshape(-1, 2)
         cell = 1e-9 * self.size  # corners that triangles share differ by rounding
@@ -394,16 +396,6 @@ def _leaves_circle(m: Array, e: Array, room: Array | float, shrink: Array) -> Ar
     return np.where(np.isnan(s), np.inf, s)
 
 
-def _quarter_triangles(triangles: Array) -> Array:
-    """Each triangle (n, 3, 2) cut into four at the middles of its sides."""
-    a, b, c = triangles.transpose(1, 0, 2)
-    ab, bc, ca = (a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0
-    parts = ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))
-    return np.concatenate([np.stack(part, axis=1) for part in parts])
-
-
-# --- support points -------------------------------------------------------------------------------
-#
 # Support of an object: the points on which it stands, and its friction radius.
 #
 # Model: the points are springs of given weights (`objectmodels.exact.support_springs`),
@@ -411,7 +403,6 @@ def _quarter_triangles(triangles: Array) -> Array:
 # one number of them only, the friction radius c̄ = m_max / f_max [m]: the largest friction moment
 # about the vertical over the largest friction force, with the centre of pressure in the middle
 # (Howe and Cutkosky 1996).
-
 
 SupportPoint = tuple[Coordinate, Coordinate] | tuple[Coordinate, Coordinate, Weight]
 Points = Annotated[tuple[SupportPoint, ...], BeforeValidator(as_tuples), length_of("support")]

@@ -149,8 +149,6 @@ def _even_steps(low: float, high: float, spacing: float) -> Array:
     return np.linspace(low, high, n + 1)
 
 
-# --- side press -----------------------------------------------------------------------------------
-#
 # How fingertips side by side press on a side that may be round.
 #
 # Model: the middle finger touches the side in its middle, the outer ones as far to its left and

@@ -71,7 +71,8 @@ class Update:
     Attributes:
         model: the belief with the trials taken in.
         surprise: how far the trials were from what was predicted, in standard deviations of the
-            prediction: the root of the normalised innovation squared over the number of figures.
+            prediction: the root of the normalised innovation squared over the number of figures;
+            of a load that was withstood, how far it was above what was believed to resist.
     """
 
     model: ObjectModel
@@ -137,7 +138,8 @@ def update_belief(
     x, P = coordinates_of(model.means), belief_of(model, spread)
     at = _logarithmic_predictions(balance, model.means, spread)
     require_possible(balance, at)
-    observed = _logarithmic_observations(balance)
+    # Measured values, forces by their logarithm.
+    observed = np.where(balance.turns, balance.observed, np.log(np.abs(balance.observed)))
     missed = observed - at.predicted
     S = at.jacobian @ P @ at.jacobian.T + np.diag(at.sd**2)
     surprise = sqrt(float(missed @ np.linalg.solve(S, missed)) / len(missed))
@@ -178,22 +180,15 @@ def belief_of(model: ObjectModel, spread: float = 0.0) -> Array:
     if spread > 0.0 and P[FRICTION, FRICTION] > 0.0:
         # Correlations stay as they are: taking the spread out may not make them impossible.
         share = max(1.0 - spread**2 / P[FRICTION, FRICTION], 1e-4)
-        least = _given_others(P) / P[FRICTION, FRICTION]
+        # Variance of the friction if all others were known.
+        others = np.arange(len(P)) != FRICTION
+        cross = P[FRICTION, others]
+        inverse = np.linalg.pinv(P[np.ix_(others, others)], hermitian=True)
+        least = (
+            float(max(P[FRICTION, FRICTION] - cross @ inverse @ cross, 0.0)) / P[FRICTION, FRICTION]
+        )
         P[FRICTION, FRICTION] *= max(share, 1.0 - 0.99 * least)
     return np.asarray(P)
-
-
-def _given_others(P: Array) -> float:
-    """Variance of the friction if all others were known."""
-    others = np.arange(len(P)) != FRICTION
-    cross = P[FRICTION, others]
-    inverse = np.linalg.pinv(P[np.ix_(others, others)], hermitian=True)
-    return float(max(P[FRICTION, FRICTION] - cross @ inverse @ cross, 0.0))
-
-
-def _logarithmic_observations(balance: Balance) -> Array:
-    """Measured values, forces by their logarithm."""
-    return np.where(balance.turns, balance.observed, np.log(np.abs(balance.observed)))
 
 
 def _logarithmic_predictions(balance: Balance, values: Array, spread: float) -> Linear:
@@ -292,8 +287,6 @@ def normal_hazard(z: float) -> float:
     return exp(-0.5 * z * z) / sqrt(2.0 * pi) / (0.5 * erfc(z / sqrt(2.0)))
 
 
-# --- lying belief ---------------------------------------------------------------------------------
-#
 # Belief of an object on its bottom from what was learned of it as it lies on another face.
 #
 # With N the frame of that face and B that of the bottom, p_BC = R_BN p_NC + p_BN for the centre
@@ -321,8 +314,6 @@ def standing_belief(rest: Resting, lying: ObjectModel) -> ObjectModel:
     return with_belief(with_values(standing, values), P)
 
 
-# --- withstood loads ------------------------------------------------------------------------------
-#
 # Beliefs about what withstood a load: a lid that did not open, a hold that slipped.
 #
 # Model: what resists is a sum w·x of uncertain quantities x ≥ 0, independent and normal by what
@@ -332,26 +323,12 @@ def standing_belief(rest: Resting, lying: ObjectModel) -> ObjectModel:
 # `objectmodels.identification.belief_update`). What withstood more than was thought possible was
 # believed too surely: it is widened first, until the load is just surprising.
 
-
 _DOUBTED = 0.1  # least relative standard deviation of what has withstood more than was believed
-
-
-@dataclass(frozen=True)
-class RevisedBelief:
-    """Belief after something withstood a load.
-
-    Attributes:
-        model: the belief.
-        surprise: how far the load was above what was believed to resist, in standard deviations.
-    """
-
-    model: ObjectModel
-    surprise: float
 
 
 def belief_of_stiffer_lid(
     model: ObjectModel, load: float, *, angle: float = 0.0, opens: bool = True
-) -> RevisedBelief:
+) -> Update:
     """The belief of an object whose lid did not give way.
 
     Args:
@@ -378,10 +355,10 @@ def belief_of_stiffer_lid(
     means, sds, surprise = _above(means, np.maximum(sds, _DOUBTED * means), weights, load - rest)
     values = zip(names, means.tolist(), sds.tolist(), strict=True)
     changed = {key: v for name, m, sd in values for key, v in ((name, m), (f"{name}_sd", sd))}
-    return RevisedBelief(model.model_copy(update={"lid": lid.model_copy(update=changed)}), surprise)
+    return Update(model.model_copy(update={"lid": lid.model_copy(update=changed)}), surprise)
 
 
-def belief_of_slipperier_object(model: ObjectModel, share: float) -> RevisedBelief:
+def belief_of_slipperier_object(model: ObjectModel, share: float) -> Update:
     """The belief of an object that slipped through fingers: it is more slippery than that.
 
     The squeeze was this `share` of the one that just holds by what is believed; the logarithm of
@@ -394,7 +371,7 @@ def belief_of_slipperier_object(model: ObjectModel, share: float) -> RevisedBeli
     changed = {"finger_friction": less * friction, "finger_friction_sd": less * friction * sd}
     if model.finger_friction_kinetic is not None:
         changed["finger_friction_kinetic"] = less * model.finger_friction_kinetic
-    return RevisedBelief(model.model_copy(update=changed), surprise)
+    return Update(model.model_copy(update=changed), surprise)
 
 
 def _above(means: Array, sds: Array, weights: Array, load: float) -> tuple[Array, Array, float]:

@@ -21,6 +21,7 @@ import numpy as np
 from objectmodels.errors import ModelError, suggest
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.pushed_body import UNCERTAIN
+from objectmodels.geometry.rotations import cross
 from objectmodels.identification.belief_update import belief_of, kalman_gain, updated_covariance
 from objectmodels.identification.measurement_model import (
     COM_X,
@@ -39,8 +40,6 @@ from objectmodels.identification.measurement_model import (
 from objectmodels.identification.trial import Trial
 from objectmodels.models.object_model import ObjectModel
 
-# --- identifiability ------------------------------------------------------------------------------
-#
 # Parameters that trials identify, and the experiments that are missing for the others.
 #
 # A parameter counts as identified if the trials alone, with everything else that is sought
@@ -52,7 +51,6 @@ from objectmodels.models.object_model import ObjectModel
 # standard deviation of zero is one of certainty where the model states it, else of knowing
 # nothing.
 
-
 UNKNOWN = 0.5
 """Standard deviation of a logarithm from which on a parameter counts as not found. Of the
 horizontal centre of mass, half of this share of the base's size."""
@@ -61,10 +59,7 @@ HANGS, HANGS_WHEN_ASKED = 0.05, 0.1
 """Largest standard deviation of a value, relative to it, that may come from what is believed of
 others. Of the horizontal centre of mass, as a share of the base's size."""
 
-_WEAK = 2.0  # standard deviation of a logarithm of which nothing is known, a factor of seven
 _OFF_CENTRE = 0.1  # arm from which on a slide counts as off-centre, as a share of c̄
-_SAME_ANGLE = 0.02  # tilts that differ by less count as at one angle [rad]
-_TIED = 0.2  # share of a wide direction that counts as part of it
 _GIVEN_UP = (FINGER, COM_Z, COM_Y, COM_X, RADIUS, FRICTION, MASS)
 
 
@@ -186,7 +181,8 @@ def not_identifiable_error(lost: Sequence[Missing]) -> ModelError:
 
 def _weak_deviations(balance: Balance) -> Array:
     """Standard deviations of coordinates of which nothing is known, shape (7,)."""
-    return np.where(LOGARITHMIC, _WEAK, balance.model.base.size)
+    # Standard deviation of a logarithm of which nothing is known, a factor of seven.
+    return np.where(LOGARITHMIC, 2.0, balance.model.base.size)
 
 
 def open_covariance(balance: Balance, at: Linear, free: Mask) -> Array:
@@ -221,13 +217,6 @@ def _shift_by_beliefs(balance: Balance, at: Linear, free: Mask) -> Array:
     return np.asarray(open_covariance(balance, at, free) @ J[:, free].T @ J[:, ~free])
 
 
-def _hung_on(balance: Balance, at: Linear, k: int, free: Mask, belief: Array) -> str:
-    """The kept parameter on whose belief parameter k hangs most."""
-    row = np.flatnonzero(free).tolist().index(k)
-    shares = np.abs(_shift_by_beliefs(balance, at, free)[row]) * np.sqrt(np.diag(belief)[~free])
-    return UNCERTAIN[int(np.flatnonzero(~free)[np.argmax(shares)])]
-
-
 def missing_parameter(
     balance: Balance, at: Linear, k: int, free: Mask, kept: Array | None = None
 ) -> Missing:
@@ -260,11 +249,14 @@ def missing_parameter(
         return Missing(name, why, experiments)
     if k == COM_Z or (k in (MASS, FRICTION) and COM_Z in tied and not _one_sided(balance)):
         why = "the tilts are at one angle, which gives only mass times the weight's lever arm there"
-        if COM_Z in tied and np.ptp(t.tilt[tilts]) > _SAME_ANGLE:
+        # Tilts that differ by less count as at one angle [rad].
+        if COM_Z in tied and np.ptp(t.tilt[tilts]) > 0.02:
             why = "the tilts do not tell it from the mass and the rest of the centre of mass"
         return Missing(name, why, ("tilt to a second angle",))
     if not _one_sided(balance) and kept is not None:
-        other = _hung_on(balance, at, k, free, kept)
+        row = np.flatnonzero(free).tolist().index(k)
+        shares = np.abs(_shift_by_beliefs(balance, at, free)[row]) * np.sqrt(np.diag(kept)[~free])
+        other = UNCERTAIN[int(np.flatnonzero(~free)[np.argmax(shares)])]
         return Missing(name, f"it hangs on what is believed of {other}", (f"find {other} too",))
     if not _one_sided(balance) and k in (MASS, FRICTION):
         why = "the forces are too noisy, or too few, to tell it from the centre of mass"
@@ -284,15 +276,15 @@ def _tied_parameters(balance: Balance, at: Linear, k: int, free: Mask) -> set[in
     variance, directions = np.linalg.eigh(open_covariance(balance, at, free) / np.outer(weak, weak))
     row = np.flatnonzero(free).tolist().index(k)
     widest = directions[:, np.argmax(variance * directions[row] ** 2)]
-    return set(np.flatnonzero(free)[np.abs(widest) > _TIED].tolist())
+    # Share of a wide direction that counts as part of it.
+    return set(np.flatnonzero(free)[np.abs(widest) > 0.2].tolist())
 
 
 def _of_radius(balance: Balance, values: Array) -> tuple[str, tuple[str, ...]]:
     """Reason that slides do not show the friction radius."""
     t = balance.touches
     i = t.kind == "slide"
-    r = t.p[i] - values[COM_X:]
-    arm = np.abs(r[:, 0] * t.u[i, 1] - r[:, 1] * t.u[i, 0])
+    arm = np.abs(cross(t.p[i] - values[COM_X:], t.u[i]))
     if (arm < _OFF_CENTRE * values[RADIUS]).all():
         return "all slides went through the centre, which does not turn it", ("off-centre slide",)
     return (
@@ -312,13 +304,6 @@ def _least_lever(balance: Balance, values: Array) -> float:
     n = balance.normals[balance.touches.kind == "topple"]
     b = balance.model.base.extent(n) - n @ values[[COM_X, COM_Y]]
     return max(float(np.min(b)), 1e-6)
-
-
-# --- experiment design ----------------------------------------------------------------------------
-
-
-LEAST = 1e-9
-"""Precision that no experiment reaches: for a parameter that is wanted as well as it can be."""
 
 
 @dataclass(frozen=True)
@@ -405,29 +390,23 @@ def rank_candidates(
             suggestions=("1 for each, if they cost the same",),
         )
     require_names(tuple(asked))
-    goal = dict(asked) if isinstance(asked, Mapping) else dict.fromkeys(asked, LEAST)
+    # Precision that no experiment reaches: for a parameter that is wanted as well as it can be.
+    goal = dict(asked) if isinstance(asked, Mapping) else dict.fromkeys(asked, 1e-9)
     before = belief_of(model, spread)
     lacking = _missing_precision(_precisions_from(model, before, tuple(goal)), goal)
     worths = []
     for candidate in candidates:
+        balance = Balance(model, candidate.trials)
+        at = balance.linear_predictions(model.means)
+        tells = np.isfinite(at.predicted)  # what would never move tells nothing
+        H, R = at.jacobian[tells], at.sd[tells] ** 2
+        R = R + np.where(balance.slides[tells], spread * H[:, FRICTION], 0.0) ** 2
         known = _precisions_from(
-            model, _covariance_after(model, before, candidate.trials, spread), tuple(goal)
+            model, updated_covariance(before, H, R, kalman_gain(before, H, R)), tuple(goal)
         )
         gain = (lacking - _missing_precision(known, goal)) / candidate.cost
         worths.append(Worth(candidate, gain, known))
     return sorted(worths, key=lambda worth: -worth.gain)
-
-
-def _covariance_after(
-    model: ObjectModel, P: Array, trials: Sequence[Trial], spread: float
-) -> Array:
-    """Covariance after trials, in coordinates, shape (7, 7)."""
-    balance = Balance(model, trials)
-    at = balance.linear_predictions(model.means)
-    tells = np.isfinite(at.predicted)  # what would never move tells nothing
-    H, R = at.jacobian[tells], at.sd[tells] ** 2
-    R = R + np.where(balance.slides[tells], spread * H[:, FRICTION], 0.0) ** 2
-    return updated_covariance(P, H, R, kalman_gain(P, H, R))
 
 
 def _precisions_from(model: ObjectModel, P: Array, wanted: Sequence[str]) -> dict[str, float]:

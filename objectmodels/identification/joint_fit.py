@@ -46,7 +46,6 @@ from objectmodels.identification.measurement_model import (
     MASS,
     RADIUS,
     Balance,
-    Mask,
     coordinate_units,
     coordinates_of,
     correlation_of,
@@ -59,8 +58,6 @@ from objectmodels.mechanics.push_thresholds import GRAVITY, yaw_arm
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.parameters import Provenance
 
-# --- pressure points ------------------------------------------------------------------------------
-#
 # Points that carry an object, found from how it moved under known pushes.
 #
 # Model: a point of load N_i resists along its slip ŝ_i with μ N_i, whatever the others do. So the
@@ -73,14 +70,10 @@ from objectmodels.models.parameters import Provenance
 # among these stand for one foot between them. A push that is high up shifts the loads, which is
 # left out here.
 
-
 LEAST_TRIALS = 12
 """Slides of known motion from which on carrying points are sought; each has three figures."""
 
-_NOISE = 0.02  # of a motion, as a share of it: how well the direction of a slow slip is known
 _BALANCED = 10.0  # weight of the balance about the centre of mass, of that of a trial
-_NEIGHBOURS = 0.5  # distance of places that stand for one foot, of that of all from their middle
-_CARRIES = 0.02  # least share of the load that counts
 
 
 def pressure_points(model: ObjectModel, trials: Sequence[Trial]) -> tuple[SupportPoint, ...] | None:
@@ -96,7 +89,8 @@ def pressure_points(model: ObjectModel, trials: Sequence[Trial]) -> tuple[Suppor
     c, radius = np.array(model.com[:2]), friction_radius("uniform", model.footprint)
     places = support_points("uniform", model.footprint)[0] - c
     loads = _carried_loads(known, model.weight, c, places, radius)
-    apart = _NEIGHBOURS * mean_distance(places, loads / loads.sum())
+    # Distance of places that stand for one foot, of that of all from their middle.
+    apart = 0.5 * mean_distance(places, loads / loads.sum())
     points, share = _merged_neighbours(places, loads, apart)
     found = tuple(
         (float(x), float(y), float(w)) for (x, y), w in zip(points + c, share, strict=True)
@@ -124,7 +118,8 @@ def _carried_loads(
     v = u + drift[:, None] * left_of(u) - turn[:, None] * left_of(r)
     speed = np.sqrt(dot(v, v) + (radius * turn) ** 2)
     slip = (v[:, None] + turn[:, None, None] * left_of(places)) / speed[:, None, None]
-    slip /= np.sqrt(dot(slip, slip) + _NOISE**2)[..., None]
+    # Of a motion, as a share of it: how well the direction of a slow slip is known.
+    slip /= np.sqrt(dot(slip, slip) + 0.02**2)[..., None]
     balance = _BALANCED * np.sqrt(len(trials)) * places.T
     A = np.vstack((slip[..., 0], slip[..., 1], cross(places, slip) / radius, balance / radius))
     b = np.concatenate((push[:, 0], push[:, 1], cross(r, push) / radius, np.zeros(2)))
@@ -143,12 +138,10 @@ def _merged_neighbours(places: Array, loads: Array, apart: float) -> tuple[Array
         group += fclusterdata(places, apart, criterion="distance", method="average") - 1
     share = np.bincount(group, weights=loads)
     middle = np.column_stack([np.bincount(group, weights=loads * x) / share for x in places.T])
-    keep = share > _CARRIES * share.sum()
+    keep = share > 0.02 * share.sum()  # least share of the load that counts
     return middle[keep], share[keep] / share[keep].sum()
 
 
-# --- support choice -------------------------------------------------------------------------------
-#
 # Support that explains the trials best.
 #
 # How the base carries the object decides how it turns, so off-centre slides are tried with the
@@ -156,12 +149,7 @@ def _merged_neighbours(places: Array, loads: Array, apart: float) -> tuple[Array
 # these (`pressure_points`). The one that predicts best is taken; each point that was found counts
 # against it like a parameter (Akaike 1974).
 
-
-DIFFERENT = 4.0
-"""Difference of −2 log likelihood from which on one support surely predicts better than another."""
-
 _OFF_CENTRE = 0.1  # arm as a share of c̄
-_PER_POINT = 2.0  # what a point that was found must explain of −2 log likelihood
 
 
 _Tried = tuple[float, Solution, Balance]
@@ -186,13 +174,17 @@ def best_support(
         tried = {model.support: 0.0}
     if supports is None:
         points = pressure_points(with_values(model, first.values), trials)
-        tried |= {} if points is None else {points: _PER_POINT * len(points)}
+        # What a point that was found must explain of −2 log likelihood.
+        tried |= {} if points is None else {points: 2.0 * len(points)}
     found: list[_Tried] = []
     for support, price in tried.items():
         balance = Balance(_standing_on(model, support), trials, exact=True)
         solution = solve_least_squares(balance, first.values, first.free, belief, prior=prior)
+        # Rows that no support can be blamed for missing are left out.
         rows = robust_rows(balance, solution)
-        found.append((_support_misfit(balance, solution, rows) + price, solution, balance))
+        rest, variance = (balance.observed - solution.at.predicted)[rows], solution.variance[rows]
+        misfit = float((rest**2 / variance + np.log(variance)).sum())
+        found.append((misfit + price, solution, balance))
     best = min(found, key=lambda one: one[0])
     return best[1], best[2], _between_supports(found, best), _comparison_note(found, best[2])
 
@@ -223,7 +215,8 @@ def _comparison_note(found: Sequence[_Tried], taken: Balance) -> list[str]:
     misfits = sorted(misfit for misfit, _, _ in found)
     said = ", ".join(f"{_support_name(b.model.support)} {misfit:.1f}" for misfit, _, b in found)
     why = "it predicts better"
-    if misfits[1] - misfits[0] < DIFFERENT:
+    # Difference of −2 log likelihood from which on one support surely predicts better than another.
+    if misfits[1] - misfits[0] < 4.0:
         why = "though the trials hardly tell them apart"
     name = _support_name(taken.model.support)
     return [f"the support {name} was taken, {why} (−2 log likelihood: {said})"]
@@ -239,19 +232,6 @@ def _has_turning_slide(balance: Balance, values: Array) -> bool:
     i = t.kind == "slide"
     arm = yaw_arm(t.p[i], t.u[i], values[COM_X:])
     return bool((np.abs(arm) > _OFF_CENTRE * values[RADIUS]).any() or balance.turns.any())
-
-
-def _support_misfit(balance: Balance, solution: Solution, rows: Mask) -> float:
-    """Misfit of the rows that no support can be blamed for missing left out."""
-    rest = (balance.observed - solution.at.predicted)[rows]
-    return float((rest**2 / solution.variance[rows] + np.log(solution.variance[rows])).sum())
-
-
-# --- joint fit ------------------------------------------------------------------------------------
-
-
-TOLD_SPREAD = 0.005
-"""Spread of the friction from which on it is told."""
 
 
 @dataclass(frozen=True)
@@ -381,7 +361,7 @@ def _fit_from(
             f"the residuals are {solution.noise:.1f} times as large as stated; "
             "the standard deviations are scaled by that"
         )
-    if solution.spread >= TOLD_SPREAD:
+    if solution.spread >= 0.005:  # Spread of the friction from which on it is told
         notes.append(f"the friction differs by {solution.spread:.1%} from slide to slide")
     return Fit(
         model=_fitted_model(balance, solution, covariance, found),
@@ -443,8 +423,6 @@ def _interval_quantile(level: float, freedom: float) -> float:
     return float(ndtri(p)) if np.isinf(freedom) else float(stdtrit(freedom, p))
 
 
-# --- closed form estimates ------------------------------------------------------------------------
-#
 # Estimates in closed form, in the paper's order: weight, then friction; and its Table I.
 #
 # 1. *Weight and centre of mass* from tilts. About edge k each gives a moment M = s (u_n h − u_z x)
@@ -463,8 +441,6 @@ def _interval_quantile(level: float, freedom: float) -> float:
 # The ellipsoidal limit surface underlies 2 and 3; the joint fit (`fit`) does better where the
 # exact tier differs. "The paper" is "Prediction of action outcomes using an object model".
 
-
-_INDEPENDENT = 0.02  # least singular value of columns of unit length that are told apart
 _OPPOSITE = -0.5  # cosine between the ways of tilts to opposite sides
 _STRAIGHT = 0.1  # arm as a share of c̄ up to which a slide counts as straight
 _LOW = 1.5  # a slide moves the load by so many times as much as the lowest one, or less
@@ -497,17 +473,12 @@ class Estimates:
     com_z: float | None = None
     notes: tuple[str, ...] = ()
 
-    def value(self, name: str) -> float | None:
-        """The value of a parameter of `UNCERTAIN`."""
-        found: float | None = getattr(self, name)
-        return found
-
 
 def repetition_table(estimates: Iterable[Estimates]) -> dict[str, Statistics]:
     """Table I: statistics over repetitions of every parameter that was found, by its name."""
     repetitions = list(estimates)
     found = {
-        name: [value for one in repetitions if (value := one.value(name)) is not None]
+        name: [value for one in repetitions if (value := getattr(one, name)) is not None]
         for name in UNCERTAIN
     }
     return {name: _statistics(np.array(values)) for name, values in found.items() if values}
@@ -549,7 +520,7 @@ def estimates_from_trials(model: ObjectModel, trials: Sequence[Trial]) -> Estima
     notes: list[str] = []
     if (balance.touches.kind == "topple").any():
         found |= _of_tilts(balance, notes)
-    values = _fill_values(values, found)
+    values = np.array([found.get(name, v) for name, v in zip(UNCERTAIN, values, strict=True)])
     if (balance.touches.kind == "slide").any():
         if "mass" not in found:
             notes.append("nothing tilted: the friction is that for the believed mass")
@@ -558,10 +529,6 @@ def estimates_from_trials(model: ObjectModel, trials: Sequence[Trial]) -> Estima
     if slips.size:
         found["finger_friction"] = float(slips.mean())
     return Estimates(**found, notes=tuple(notes))
-
-
-def _fill_values(values: Array, found: dict[str, float]) -> Array:
-    return np.array([found.get(name, v) for name, v in zip(UNCERTAIN, values, strict=True)])
 
 
 def _of_tilts(balance: Balance, notes: list[str]) -> dict[str, float]:
@@ -621,7 +588,8 @@ def _are_independent(A: Array) -> bool:
     if A.shape[1] == 1:
         return True
     scaled = A / np.linalg.norm(A, axis=0)
-    return len(A) >= A.shape[1] and bool(np.linalg.svd(scaled)[1][-1] > _INDEPENDENT)
+    # Least singular value of columns of unit length that are told apart.
+    return len(A) >= A.shape[1] and bool(np.linalg.svd(scaled)[1][-1] > 0.02)
 
 
 def _of_slides(balance: Balance, values: Array) -> dict[str, float]:

@@ -31,17 +31,11 @@ from objectmodels.identification.measurement_model import (
     with_values,
 )
 
-SIGNIFICANT = 0.05
-"""Probability by chance below which squares that are too large count as more noise than stated."""
-
 _STEPS, _WHOLE = 60, 10  # and after how many they are halved
-_INNER = 50
 _SETTLED = 1e-3  # change of the variances, relative, and steps in standard deviations
-_BENT = 0.05  # the same for steps that have been swinging
 _LONGEST = 0.7  # step in a logarithm, a factor of two; along the base as a share of its size
 _HALVINGS = 12
 _HINTS = ("check where the contacts were, and the object's size",)
-_ROOTS = 40
 _NAMED = 3  # trials that are named if they contradict each other
 
 
@@ -105,7 +99,12 @@ def solve_least_squares(
     """
     rows = np.ones(len(balance.observed), dtype=bool) if rows is None else rows
     believed = coordinates_of(balance.model.means)
-    information = _prior_information(belief, free) if prior else np.zeros((free.sum(), free.sum()))
+    # Inverse covariance of the beliefs on the parameters sought, given that the others hold.
+    information = (
+        np.asarray(np.linalg.pinv(belief[np.ix_(free, free)], rcond=1e-12, hermitian=True))
+        if prior
+        else np.zeros((free.sum(), free.sum()))
+    )
     now = balance.linear_predictions(start)
     require_possible(balance, now, rows)
     guess = 0.0, 1.0
@@ -116,7 +115,8 @@ def solve_least_squares(
         sd = np.sqrt(np.diag(state.own))
         # Where a row bends sharply steps may swing to and fro; shorter ones settle there.
         step *= 0.5 ** (number // _WHOLE)
-        if (np.abs(step) <= (_SETTLED if number < _WHOLE else _BENT) * sd).all():
+        # Steps that have been swinging need not be as small.
+        if (np.abs(step) <= (_SETTLED if number < _WHOLE else 0.05) * sd).all():
             return _solution_at(balance, now, free, rows, belief, information, state)
         change = np.zeros(len(free))
         change[free] = step
@@ -166,11 +166,6 @@ class _Variances:
     own: Array
 
 
-def _prior_information(belief: Array, free: Mask) -> Array:
-    """Inverse covariance of the beliefs on the parameters sought, given that the others hold."""
-    return np.asarray(np.linalg.pinv(belief[np.ix_(free, free)], rcond=1e-12, hermitian=True))
-
-
 def _weighted_step(
     balance: Balance,
     at: Linear,
@@ -185,7 +180,7 @@ def _weighted_step(
     slides = balance.slides[rows]
     per_friction = np.where(slides, at.jacobian[rows, FRICTION], 0.0)
     spread, noise = guess
-    for _ in range(_INNER):
+    for _ in range(50):
         variance = (noise * at.sd[rows]) ** 2 + (spread * per_friction) ** 2
         weighted = J.T / variance
         own: Array = np.asarray(np.linalg.inv(weighted @ J + information))
@@ -212,7 +207,8 @@ def _excess_noise(z: Array, freedom: float) -> tuple[float, float]:
     from scipy.special import chdtrc
 
     squares = float(z @ z)
-    if freedom < 0.5 or chdtrc(freedom, squares) > SIGNIFICANT:
+    # Probability by chance below which squares that are too large count as more noise than stated.
+    if freedom < 0.5 or chdtrc(freedom, squares) > 0.05:
         return 1.0, np.inf
     return float(np.sqrt(squares / freedom)), freedom
 
@@ -222,7 +218,7 @@ def _friction_spread(left: Array, sd: Array, per_friction: Array, freedom: float
     if freedom < 0.5:
         return 0.0
     square, d2, r2 = 0.0, per_friction**2, left**2
-    for _ in range(_ROOTS):  # convex and falling: Newton's method rises to the root from below
+    for _ in range(40):  # convex and falling: Newton's method rises to the root from below
         variance = sd**2 + square * d2
         excess = float((r2 / variance).sum()) - freedom
         step = excess / float((r2 * d2 / variance**2).sum() + 1e-300)
@@ -311,8 +307,6 @@ def _solution_at(
     )
 
 
-# --- outlying trials ------------------------------------------------------------------------------
-#
 # Trials that the others contradict.
 #
 # A kind of measurement (forces of slides, of tilts, turn rates, ratios of slips) with five rows
@@ -321,15 +315,11 @@ def _solution_at(
 # that median is suspected; suspects are left out, the worst first and at most a fifth of all
 # trials, and stay out if the fit without them still misses them by so much.
 
-
 OUTLIER = 4.0
 """Robust standard deviations from which on a residual is an outlier."""
 
 MOST_DROPPED = 0.2
 """Share of the trials that may be left out."""
-
-_LEAST_ROWS = 5
-_TO_SD = 1.4826  # standard deviations of a normal distribution for each median distance
 
 
 def robust_rows(balance: Balance, solution: Solution) -> Mask:
@@ -343,10 +333,11 @@ def suspect_trials(balance: Balance, solution: Solution) -> list[tuple[int, floa
     z = (balance.observed - solution.at.predicted) / solution.at.sd
     worst = np.zeros(len(balance.touches.size))
     for rows in balance.groups:
-        if len(rows) < _LEAST_ROWS:
+        if len(rows) < 5:
             continue
         apart = np.abs(z[rows] - np.median(z[rows]))
-        apart /= max(_TO_SD * float(np.median(apart)), 1.0)
+        # Standard deviations of a normal distribution for each median distance.
+        apart /= max(1.4826 * float(np.median(apart)), 1.0)
         np.maximum.at(worst, balance.trial[rows], apart)
     order = np.argsort(-worst)
     most = int(MOST_DROPPED * len(worst))

@@ -56,8 +56,6 @@ from objectmodels.mechanics.push_thresholds import (
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.object_parts import Container
 
-# --- parameter coordinates ------------------------------------------------------------------------
-#
 # The uncertain parameters as vectors, models with other values of them, and their contents then.
 #
 # Vectors are in the order of `UNCERTAIN`. Steps make sense in logarithms of the positive
@@ -66,7 +64,6 @@ from objectmodels.models.object_parts import Container
 # Contents and shell of a container are believed independently of each other. So what all of it
 # weighs otherwise than believed is put down to the contents by their share of the variance, and
 # what is known better of the whole is known better of them by that share.
-
 
 Mask = NDArray[np.bool_]
 
@@ -198,9 +195,6 @@ def container_with_mass(model: ObjectModel, mass: float, mass_sd: float) -> Cont
     )
 
 
-# --- measurement model ----------------------------------------------------------------------------
-
-
 _STEP = 1e-6  # of a logarithm, and of the base's size, in differences
 
 _EXACT_STEP = 1e-5  # relative, in differences; the limits are precise to 1e-10
@@ -249,7 +243,10 @@ class Balance:
         self.turns = np.arange(len(self.observed)) >= len(first)
         self.slides = (t.kind[self.trial] == "slide") & ~self.turns
         self._turned = turned
-        self.normals = _tipping_normals(model, t)
+        # Outward normals of the edges that the object would topple over first, shape (n, 2).
+        normals = model.thresholds(t.p, t.u).tipping_normal
+        facing = [model.base.facing_normal(u[:2] / max(np.hypot(*u[:2]), 1e-300)) for u in t.u]
+        self.normals = np.where(np.isfinite(normals), normals, facing)
 
     @property
     def groups(self) -> list[NDArray[np.intp]]:
@@ -296,7 +293,15 @@ class Balance:
         now = predicted[0]
         if self.exact:
             self._take_exact(values, now, jacobian)
-        return Linear(values, now, jacobian, self._stated_deviations(values))
+        # Stated standard deviations; an error of the tilt counts by the force it makes.
+        t = self.touches
+        sd = np.where(t.kind == "slip", t.ratio_sd, t.size_sd)
+        (i,) = np.nonzero(t.tilt_sd > 0.0)
+        if i.size:
+            place = self.model.base, self.normals[i], t.p[i], t.u[i]
+            more, less = (topple_force(*place, t.tilt[i] + d, values) for d in (_STEP, -_STEP))
+            sd[i] = np.hypot(sd[i], (more - less) / (2.0 * _STEP) * t.tilt_sd[i])
+        return Linear(values, now, jacobian, np.concatenate((sd, t.turn_sd[self._turned])))
 
     def _take_exact(self, values: Array, predicted: Array, jacobian: Array) -> None:
         """Put the exact tier's slides in place of the closed form's."""
@@ -312,17 +317,6 @@ class Balance:
         has = found.sure & (turned[i] >= 0)
         rows = turned[i[has]]
         predicted[rows], jacobian[rows] = found.turn[has], found.turn_change[has]
-
-    def _stated_deviations(self, values: Array) -> Array:
-        """Stated standard deviations; an error of the tilt counts by the force it makes."""
-        t = self.touches
-        sd = np.where(t.kind == "slip", t.ratio_sd, t.size_sd)
-        (i,) = np.nonzero(t.tilt_sd > 0.0)
-        if i.size:
-            place = self.model.base, self.normals[i], t.p[i], t.u[i]
-            more, less = (topple_force(*place, t.tilt[i] + d, values) for d in (_STEP, -_STEP))
-            sd[i] = np.hypot(sd[i], (more - less) / (2.0 * _STEP) * t.tilt_sd[i])
-        return np.concatenate((sd, t.turn_sd[self._turned]))
 
 
 def slide_force(p: Array, u: Array, values: Array) -> tuple[Array, Array]:
@@ -346,7 +340,11 @@ def topple_force(base: Base, n: Array, p: Array, u: Array, tilt: Array, values: 
     """
     weight, c = GRAVITY * values[..., MASS, None], values[..., None, COM_X:]
     if isinstance(base, Disc):
-        n = _rim_normals(base, n, p, u, c)
+        # Directions in which the load reaches the rim, n where it never does, shape (..., n, 2).
+        s = base.topple_force(c[..., :2], push_moment(p, u), u[:, 2], 1.0)
+        q = c[..., :2] + np.where(np.isfinite(s), s, 0.0)[..., None] * push_moment(p, u)
+        found = q / np.maximum(np.hypot(q[..., 0], q[..., 1]), 1e-300)[..., None]
+        n = np.where(np.isfinite(s)[..., None], found, n)
     lever, d = tilt_arms(base, n, p, u, tilt)
     holding = (d - dot(n, c)) * np.cos(tilt) - c[..., 2] * np.sin(tilt)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -362,21 +360,6 @@ def tilt_arms(base: Base, n: Array, p: Array, u: Array, tilt: Array) -> tuple[Ar
     xi, cos, sin = dot(n, p) - d, np.cos(tilt), np.sin(tilt)
     x, h = xi * cos + p[:, 2] * sin, p[:, 2] * cos - xi * sin
     return dot(n, u) * h - u[:, 2] * x, d
-
-
-def _rim_normals(base: Disc, n: Array, p: Array, u: Array, c: Array) -> Array:
-    """Directions in which the load reaches the rim, n where it never does, shape (..., n, 2)."""
-    s = base.topple_force(c[..., :2], push_moment(p, u), u[:, 2], 1.0)
-    q = c[..., :2] + np.where(np.isfinite(s), s, 0.0)[..., None] * push_moment(p, u)
-    found = q / np.maximum(np.hypot(q[..., 0], q[..., 1]), 1e-300)[..., None]
-    return np.where(np.isfinite(s)[..., None], found, n)
-
-
-def _tipping_normals(model: ObjectModel, t: Touches) -> Array:
-    """Outward normals of the edges that the object would topple over first, shape (n, 2)."""
-    normals = model.thresholds(t.p, t.u).tipping_normal
-    facing = [model.base.facing_normal(u[:2] / max(np.hypot(*u[:2]), 1e-300)) for u in t.u]
-    return np.where(np.isfinite(normals), normals, facing)
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.rotations import rotate
+from objectmodels.geometry.rotations import rotate, vector_tuple
 from objectmodels.identification.trial import ContactPath, Moved, Trial, Vector
 
 if TYPE_CHECKING:
@@ -33,17 +33,12 @@ LEAST_TRAVEL = 0.001
 
 LEAST_SAMPLES = 12
 
-_TOUCHED = 0.05  # share of the largest force from which on the finger touches
-_CANDIDATES = 200
 _KINK = 3.0  # the finger is so many times as fast after the onset as before
 _EVEN = 1.5  # a finger that does not yield is slowed by less than this
 _LOADED = 0.5  # share of the largest force that belongs to the rise, and to its end
 _AFTER = 0.010  # travel after the onset over which the force is fitted [m]
 _RISE = 0.4  # last share of the rise that is fitted before the onset
 _STICKS, _STICKS_SURELY = 0.03, 4.0  # a drop counts from this share and so many sd on
-
-LEAST_TILT = radians(2.0)
-"""A recording in which the object tilts by this is of a topple, else of a slide [rad]."""
 
 _WAY = 0.010  # travel after the onset over which direction and turn are taken [m]
 _LAST = 0.1  # share of a recording, at its end, over which a held tilt is averaged
@@ -96,8 +91,12 @@ def detect_onset(time: ArrayLike, force: ArrayLike, travel: ArrayLike) -> Onset:
             "a recording must be finite, its times increasing",
             suggestions=("sort it by time, and leave out samples with nan and repeated times",),
         )
-    smooth = _running_mean(f, max(len(f) // 50, 3))
-    first = int(np.argmax(smooth > _TOUCHED * smooth.max()))
+    # Running mean; the ends repeat their outermost value.
+    width = max(len(f) // 50, 3)
+    padded = np.pad(f, (width // 2, width - 1 - width // 2), mode="edge")
+    smooth = np.convolve(padded, np.full(width, 1.0 / width), mode="valid")
+    # Share of the largest force from which on the finger touches.
+    first = int(np.argmax(smooth > 0.05 * smooth.max()))
     first = min(first, len(t) - LEAST_SAMPLES)
     kink, before, after = _two_lines(t[first:], x[first:])
     yields = after > _KINK * max(before, 0.0)
@@ -125,15 +124,9 @@ def detect_onset(time: ArrayLike, force: ArrayLike, travel: ArrayLike) -> Onset:
     return Onset(begin, kink, sliding, sliding_sd, True, gone)
 
 
-def _running_mean(f: Array, width: int) -> Array:
-    """Running mean; the ends repeat their outermost value."""
-    padded = np.pad(f, (width // 2, width - 1 - width // 2), mode="edge")
-    return np.convolve(padded, np.full(width, 1.0 / width), mode="valid")
-
-
 def _two_lines(t: Array, x: Array) -> tuple[float, float, float]:
     """Time at which two lines through x(t) meet best, and their slopes before and after."""
-    kinks = np.linspace(t[2], t[-3], _CANDIDATES)
+    kinks = np.linspace(t[2], t[-3], 200)
     bent = np.maximum(t[:, None] - kinks, 0.0)
     # Least squares of 1, t and the bend, for all candidates at once.
     straight = np.column_stack([np.ones_like(t), t - t[0]])
@@ -339,10 +332,5 @@ def _slide_motion(
 
 
 def _held_tilt(recording: Recording) -> bool:
-    return recording.tilt is not None and float(recording.tilt[-1]) > LEAST_TILT
-
-
-def vector_tuple(values: Array) -> Vector:
-    """Three numbers of an array, shape (3,)."""
-    x, y, z = (float(v) for v in values)
-    return (x, y, z)
+    # A recording in which the object tilts by this is of a topple, else of a slide [rad].
+    return recording.tilt is not None and float(recording.tilt[-1]) > radians(2.0)

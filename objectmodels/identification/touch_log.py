@@ -21,6 +21,7 @@ import numpy as np
 from objectmodels.errors import ModelError, suggest
 from objectmodels.files.yaml_documents import LIMITS, read_text
 from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.rotations import vector_tuple
 from objectmodels.identification.onset_detection import (
     LEAST_SAMPLES,
     LEAST_TRAVEL,
@@ -28,7 +29,6 @@ from objectmodels.identification.onset_detection import (
     Recording,
     tilted_trial,
     trial_from_series,
-    vector_tuple,
 )
 from objectmodels.identification.trial import (
     ContactPath,
@@ -41,14 +41,11 @@ from objectmodels.identification.trial import (
 )
 from objectmodels.models.object_model import ObjectModel
 
-# --- csv tables -----------------------------------------------------------------------------------
-#
 # Tables of measurements in CSV files, read so that every mistake names its row and column.
 #
 # Separated by commas, or by semicolons (a decimal comma is then a decimal point), in UTF-8. The
 # first line that is neither blank nor a comment (#) names the columns. Rows are counted as an
 # editor counts lines.
-
 
 LARGEST = 1e9
 """Larger numbers are not measurements; formulae would overflow with some."""
@@ -233,9 +230,6 @@ def _line_cells(path: Path, number: int, line: str, separator: str) -> list[str]
     return [cell.strip() for cell in cells]
 
 
-# --- touch log ------------------------------------------------------------------------------------
-
-
 FORCE_SHARE = 0.02
 """Standard deviation of a force as a share of it, if none is stated; residuals may enlarge it."""
 
@@ -270,9 +264,7 @@ COLUMNS = (
 _MOVED: tuple[Moved, ...] = ("slide", "topple", "slip")
 _SHORTEST, _LONGEST = 0.001, 1.0  # travel over which a turn is measured [m]
 _STRAIGHT = 0.01  # friction below which nothing is
-_FINEST = 1e-4  # no sensor of forces is better than this share
 _FINEST_ANGLE = 0.001  # and none of angles than this [°]
-_ROUNDED = 0.02  # a direction's length may be off by so much, then it is made one
 
 RECORDING_COLUMNS = (
     "trial",
@@ -287,8 +279,6 @@ RECORDING_COLUMNS = (
     "note",
 )
 """Columns that a table of recordings may have."""
-
-_LONGEST_RECORDING = 1000.0  # a recording that is longer has its times in milliseconds [s]
 
 
 @dataclass(frozen=True)
@@ -325,23 +315,18 @@ def read_data(paths: Sequence[Path], model: ObjectModel) -> Reading:
             unused += left
             assumed += [False] * len(found)  # theirs is the scatter of their samples
         else:
-            found = _touch_trials(table, model, prefix)
+            by_size = any(column in table.columns for column in ("force_n", *DIRECTION))
+            if by_size and any(column in table.columns for column in FORCE):
+                raise table.error(
+                    f"has both {', '.join(FORCE)} and force_n with {', '.join(DIRECTION)}",
+                    "leave one of the two out",
+                )
+            force = ("force_n", *DIRECTION) if by_size else FORCE
+            table.require_columns(("moved", *CONTACT, *force), COLUMNS)
+            found = [_touch_trial(row, model, prefix, by_size) for row in table.rows]
             assumed += [not row.text("force_sd_n") for row in table.rows]
         trials += found
     return Reading(tuple(trials), tuple(assumed), tuple(unused))
-
-
-def _touch_trials(table: Table, model: ObjectModel, prefix: str) -> list[Trial]:
-    """The trials of a table with a row for each."""
-    by_size = any(column in table.columns for column in ("force_n", *DIRECTION))
-    if by_size and any(column in table.columns for column in FORCE):
-        raise table.error(
-            f"has both {', '.join(FORCE)} and force_n with {', '.join(DIRECTION)}",
-            "leave one of the two out",
-        )
-    force = ("force_n", *DIRECTION) if by_size else FORCE
-    table.require_columns(("moved", *CONTACT, *force), COLUMNS)
-    return [_touch_trial(row, model, prefix, by_size) for row in table.rows]
 
 
 def _touch_trial(row: Row, model: ObjectModel, prefix: str, by_size: bool) -> Trial:
@@ -352,11 +337,12 @@ def _touch_trial(row: Row, model: ObjectModel, prefix: str, by_size: bool) -> Tr
     size = hypot(*force)
     tilt, tilt_sd = _tilt_angle(row, moved)
     turn_rate, turn_rate_sd, drift = _slide_motion(row, moved, point, force)
+    # No sensor of forces is better than this share.
     trial = Trial(
         moved=moved,
         point=point,
         force=force,
-        force_sd=_deviation_or_default(row, "force_sd_n", FORCE_SHARE * size, _FINEST * size),
+        force_sd=_deviation_or_default(row, "force_sd_n", FORCE_SHARE * size, 1e-4 * size),
         tilt=tilt,
         tilt_sd=tilt_sd,
         turn_rate=turn_rate,
@@ -393,7 +379,8 @@ def _sized_force(row: Row) -> Vector:
 def _unit_vector(row: Row, columns: tuple[str, str, str]) -> Vector:
     x, y, z = row.vector(columns)
     length = hypot(x, y, z)
-    if not abs(length - 1.0) <= _ROUNDED:
+    # A direction's length may be off by so much, then it is made one.
+    if not abs(length - 1.0) <= 0.02:
         raise row.error(columns[0], f"the direction has length {length:.3g}, expected 1")
     return (x / length, y / length, z / length)
 
@@ -557,7 +544,7 @@ def _recording_from(label: str, rows: list[Row], prefix: str) -> Recording:
     for row, step in zip(rows[1:], np.diff(time), strict=True):
         if step <= 0.0:
             raise row.error("time_s", f"does not increase within trial {label}")
-    if time[-1] - time[0] > _LONGEST_RECORDING:
+    if time[-1] - time[0] > 1000.0:  # a recording that is longer has its times in milliseconds [s]
         what = f"trial {label} lasts {time[-1] - time[0]:g} s"
         raise rows[-1].error("time_s", what, "is it in milliseconds? the column is in seconds")
     if len(rows) < LEAST_SAMPLES:

@@ -27,17 +27,11 @@ nothing did, so that the force is less than what moves the object."""
 
 Vector = tuple[float, float, float]
 
-TURN_RATE_SD = 0.5
-"""Standard deviation of a turn rate that comes without one [rad/m]."""
-
 SLACK = 0.010
 """A contact may lie so far beside the object [m]: fingertips are round and tables uneven."""
 
 FAR = 50.0
 """A force is off by more than this from what is believed only if its unit is wrong."""
-
-_PULLS = 0.05  # least part of a unit force along the outward normal that surely pulls
-_NEAR_ZERO = 0.01  # contacts nearer to the origin than this share of the object are none
 
 
 @dataclass(frozen=True)
@@ -190,7 +184,8 @@ class Touches:
             tilt=np.array([trial.tilt for trial in trials]),
             tilt_sd=np.array([trial.tilt_sd for trial in trials]),
             turn=np.array([np.nan if rate is None else rate for rate, _ in rates]),
-            turn_sd=np.array([TURN_RATE_SD if sd is None else sd for _, sd in rates]),
+            # A turn rate that comes without a standard deviation has this one [rad/m].
+            turn_sd=np.array([0.5 if sd is None else sd for _, sd in rates]),
             ratio=ratios[:, 0],
             ratio_sd=ratios[:, 1],
             sources=tuple(trial.source for trial in trials),
@@ -266,7 +261,8 @@ def contact_objection(model: ObjectModel, point: Vector) -> Objection | None:
             return Objection(quantity, what, _length_hint(abs(value), max(-least, most)))
     if _distances_beyond(model, point).max() > SLACK:
         return Objection("x", f"({x:g}, {y:g}) lies beside the object")
-    if np.linalg.norm(point) < _NEAR_ZERO * max(model.extents):
+    # Contacts nearer to the origin than this share of the object are none.
+    if np.linalg.norm(point) < 0.01 * max(model.extents):
         what = "the contact lies in the middle of the base, inside the object"
         return Objection("x", what, ("the coordinates are in metres, from the base's middle",))
     return None
@@ -286,13 +282,17 @@ def force_objection(model: ObjectModel, trial: Trial) -> Objection | None:
         return Objection("force_sd", what, ("is it in millinewtons?",))
     beyond = _distances_beyond(model, trial.point)
     normals = Polygon.convex(model.outline).normals[beyond > -SLACK]
-    if len(normals) and (normals @ u[:2]).min() > _PULLS:
+    # Least part of a unit force along the outward normal that surely pulls.
+    if len(normals) and (normals @ u[:2]).min() > 0.05:
         what = "the force pulls the object towards the finger"
         hint = "is it the force on the finger? That on the object has the other sign"
         return Objection("force", what, (hint,))
     if trial.moved == "slip":
         return None  # only the ratio of its parts counts
-    believed = _believed_force(model, trial, u)
+    # Force at which the object is believed to do what it did; its weight if never [N].
+    t = model.thresholds([trial.point], [u])
+    force = float((t.slide if trial.moved == "slide" else t.topple)[0])
+    believed = force if np.isfinite(force) else model.weight
     # A force that holds a tilted object is less than that at the onset, down to nothing.
     least = believed / (1e3 if trial.tilt else FAR)
     if least <= size <= FAR * believed:
@@ -303,13 +303,6 @@ def force_objection(model: ObjectModel, trial: Trial) -> Objection | None:
         f"{trial.moved} there, {believed:.3g} N"
     )
     return Objection("force", what, (f"is it in {unit}?", "or mend the model's guess"))
-
-
-def _believed_force(model: ObjectModel, trial: Trial, u: Array) -> float:
-    """Force at which the object is believed to do what it did; its weight if never [N]."""
-    t = model.thresholds([trial.point], [u])
-    force = float((t.slide if trial.moved == "slide" else t.topple)[0])
-    return force if np.isfinite(force) else model.weight
 
 
 def _distances_beyond(model: ObjectModel, point: Vector) -> Array:

@@ -28,17 +28,15 @@ import numpy as np
 from objectmodels.geometry.base_shapes import Array, Base
 from objectmodels.geometry.rotations import unique_rows
 from objectmodels.lazy import remember_answers
-from objectmodels.mechanics.push_outcomes import (
+from objectmodels.mechanics.outcome_probability import (
     BLOCK,
     NODES,
     Draws,
-    MarginSearch,
-    circle_corners,
     class_probabilities,
     draw_parameters,
-    force_gap,
     normal_nodes,
 )
+from objectmodels.mechanics.push_outcomes import MarginSearch, circle_corners, force_gap
 from objectmodels.mechanics.push_thresholds import (
     push_moment,
     slide_threshold,
@@ -63,9 +61,6 @@ NEAR = 0.03
 
 RING = 32
 """Directions on the outer ring for a margin: adjacent ones are 11° apart."""
-
-FINE_RING = 128
-"""The same for heights, which have no refinement but depend on the lateral position only."""
 
 SEARCH_NODES, SEARCH_RING = 8, 16
 """Points of the sequence and directions on the outer ring, for finding the least probable one."""
@@ -298,7 +293,8 @@ def cone_thresholds(
     )
 
     def all_round() -> Array:
-        shares = cone_directions(foot, facing, tippy.com, reach, FINE_RING)
+        # Finer, since heights have no refinement but depend on the lateral position only.
+        shares = cone_directions(foot, facing, tippy.com, reach, 128)
         return contact_forces(facing[:, None, :], reach * shares)
 
     shares = cone_directions(foot, facing, tippy.com, reach, RING)

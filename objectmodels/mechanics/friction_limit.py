@@ -41,13 +41,7 @@ _SAME = 1e-12
 
 _FEW = 12
 _STEPS, _STEPS_MANY = 40, 16
-_STEPS_NEAR = 8  # from limits near by
-_SMOOTH = 0.1  # slip speed below which friction is smoothed at first
-_SMOOTH_NEAR = 1e-4  # the same from limits near by
-_SHARPER = 0.03  # by which that shrinks in every step
 _SHARPEST = 1e-13
-_UNSURE = 10.0  # residuals that the limit may lie below that of a motion
-_ABOUT = 65536  # points of centres of pushes that are looked at together
 
 
 @dataclass
@@ -141,7 +135,8 @@ def _about_a_point(
     its limit. Others keep an infinite residual.
     """
     k, n = loads.shape
-    at_once = max(_ABOUT // max(k * n, 1), 1)
+    # Points of centres of pushes that are looked at together.
+    at_once = max(65536 // max(k * n, 1), 1)
     least, about, pushes = np.full(n, np.inf), np.zeros(n, dtype=np.intp), np.arange(n)
     for first in range(0, k, at_once):
         # Centres first, then all points, then pushes.
@@ -190,7 +185,8 @@ def _by_newton(
     speed = np.hypot(v_x, v_y) + 1e-3
     begin.along_i, begin.across_i = v_x / speed, v_y / speed
     steps = _STEPS if len(loads) <= _FEW else _STEPS_MANY
-    return _newton_limit(loads, along, left, compared, begin, _SMOOTH, steps)
+    # Slip speed below which friction is smoothed at first.
+    return _newton_limit(loads, along, left, compared, begin, 0.1, steps)
 
 
 def _from_another(
@@ -198,7 +194,8 @@ def _from_another(
 ) -> Limit:
     """The same, beginning with limits near by, in a few steps."""
     assert near is not None, "else another method is taken"
-    return _newton_limit(loads, along, left, compared, near, _SMOOTH_NEAR, _STEPS_NEAR)
+    # From limits near by a few steps do, with little smoothing.
+    return _newton_limit(loads, along, left, compared, near, 1e-4, 8)
 
 
 def _newton_limit(
@@ -220,7 +217,7 @@ def _newton_limit(
     left_over = np.arange(loads.shape[1])
     for _ in range(steps):
         across, turn, d_x, d_y = _newton_step(loads, along, left, across, turn, d_x, d_y, smooth)
-        smooth = max(_SHARPER * smooth, _SHARPEST)
+        smooth = max(0.03 * smooth, _SHARPEST)  # by which that shrinks in every step
         found_now, done = certified_limit(loads, along, left, across, turn, d_x, d_y)
         done |= _is_beside(found_now, compared)
         if done.all() and len(done) == len(found.ratio):
@@ -339,7 +336,8 @@ def _is_beside(limit: Limit, ratio: Array) -> NDArray[np.bool_]:
     # The motion is an upper bound; forces that nearly balance make a lower one by the residual, and
     # by more where one point bears nearly all, which the body then turns about.
     less = limit.ratio < (1.0 - PRECISE) * ratio
-    return np.asarray(less | (limit.ratio * (1.0 - _UNSURE * limit.residual) > ratio))
+    # Residuals that the limit may lie below that of a motion.
+    return np.asarray(less | (limit.ratio * (1.0 - 10.0 * limit.residual) > ratio))
 
 
 def _by_descent(
@@ -365,8 +363,6 @@ def _by_descent(
     return best
 
 
-# --- sliding law ----------------------------------------------------------------------------------
-#
 # What motion goes with what force as an object slides under a finger.
 #
 # Model: quasi-static sliding on the table. The law here is the ellipsoidal limit surface, to

@@ -30,7 +30,7 @@ from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.side_faces import FLAT, SidePress
 from objectmodels.mechanics.friction_limit import friction_limit
-from objectmodels.mechanics.push_outcomes import (
+from objectmodels.mechanics.outcome_probability import (
     NODES,
     SMALLEST_SHARE,
     normal_cdf,
@@ -48,7 +48,6 @@ STRONGEST = 1e4
 
 _STEPS = 40  # of a bisection over the squeeze
 _LEAST_LOAD = 1e-9  # tangential force, per weight, below which nothing can slip
-_LEAST_PRESS = 1e-6  # share of the squeeze with which each contact must press
 
 
 @dataclass(frozen=True)
@@ -177,7 +176,8 @@ class GraspLoads:
 
     def _opens(self, loads: Array) -> NDArray[np.bool_]:
         """Return True where a contact of normal loads (k, n) opens, shape (n,)."""
-        return np.asarray((loads < _LEAST_PRESS * np.max(loads, axis=0)).any(axis=0))
+        # Share of the squeeze with which each contact must press.
+        return np.asarray((loads < 1e-6 * np.max(loads, axis=0)).any(axis=0))
 
     def are_held(self, squeeze: Array, friction: Array) -> NDArray[np.bool_]:
         """Return True where squeezes (n,) [N] with friction coefficients (n,) hold, shape (n,).
@@ -312,28 +312,23 @@ def _hold_probability(lifted: Lifted, squeeze: float) -> float:
     return float(np.mean(normal_cdf((mean - critical) / sd)))
 
 
-def least_squeezes(grasps: Sequence[Lifted], *, sigmas: float = 2.0) -> tuple[Array, Array]:
+@functools.lru_cache(maxsize=64)  # the same are asked for in one plan after the other
+def least_squeezes(grasps: tuple[Lifted, ...]) -> tuple[Array, Array]:
     """Least squeezes that hold through each motion, as believed and at worst, each (n,) [N].
 
-    All grasps are searched together, which takes hardly longer than one.
+    All grasps are searched together, which takes hardly longer than one. The worst case is two
+    standard deviations off in mass, friction and centre of mass.
 
     Args:
         grasps: n objects in a hand.
-        sigmas: standard deviations of mass, friction and centre of mass of the worst case.
     """
-    return _least_squeezes(tuple(grasps), sigmas)
-
-
-@functools.lru_cache(maxsize=64)
-def _least_squeezes(grasps: tuple[Lifted, ...], sigmas: float) -> tuple[Array, Array]:
-    """See `least_squeezes`; kept, as the same are asked for in one plan after the other."""
     found = np.zeros(2 * len(grasps))
     for k in {len(each.contacts.shares) for each in grasps}:
         parts, friction, group = [], [], []
         for i, each in enumerate(grasps):
             if len(each.contacts.shares) != k:
                 continue
-            for row, (loads, mu) in enumerate(_believed_and_worst(each, sigmas)):
+            for row, (loads, mu) in enumerate(_believed_and_worst(each)):
                 parts.append(loads)
                 friction.append(np.full(len(loads.size), mu))
                 group.append(np.full(len(loads.size), row * len(grasps) + i))
@@ -346,9 +341,9 @@ def _least_squeezes(grasps: tuple[Lifted, ...], sigmas: float) -> tuple[Array, A
     return believed, worst
 
 
-def _believed_and_worst(lifted: Lifted, sigmas: float) -> list[tuple[GraspLoads, float]]:
+def _believed_and_worst(lifted: Lifted) -> list[tuple[GraspLoads, float]]:
     """Loads with everything as believed, and at their worst, each with the fingers' friction."""
-    model = lifted.model
+    model, sigmas = lifted.model, 2.0
     signs = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
     heavy = np.full(len(signs), model.mass + sigmas * model.mass_sd)
     off = np.array(model.com) + sigmas * signs * np.array(model.com_sd)

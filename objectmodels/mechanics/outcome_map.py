@@ -23,7 +23,8 @@ from objectmodels.geometry.pushed_body import PushedBody
 from objectmodels.geometry.side_faces import Face
 
 if TYPE_CHECKING:
-    from objectmodels.mechanics.push_outcomes import Likelihood, Thresholds
+    from objectmodels.mechanics.outcome_probability import Likelihood
+    from objectmodels.mechanics.push_outcomes import Thresholds
 
 
 BAND = 0.05
@@ -33,9 +34,6 @@ MARGIN = 0.005
 """Distance that contacts keep from the border of the face [m]."""
 
 MOST_CONTACTS = 100_000
-
-MOST_EXACT = 5_000
-"""Maps of more contacts take the exact tier only where the closed form may have the wrong class."""
 
 
 MOST_DRAWN = 16_000
@@ -132,7 +130,6 @@ class OutcomeMap:
         return np.select([np.isinf(self.force), close], ["none", "undecided"], names)
 
     def _repr_html_(self) -> str:
-
         return map_svg(self)
 
     def is_safe(self, outcome: str, probability: float) -> NDArray[np.bool_]:
@@ -184,7 +181,8 @@ def outcome_map(
     if not turning:
         # No moment about the vertical turns an object of infinite friction radius.
         model = model.model_copy(update={"friction_radius": np.inf, "friction_radius_sd": 0.0})
-    exact: bool | Literal["border"] = turning and (len(u) <= MOST_EXACT or "border")
+    # Maps of more contacts take the exact tier only where the closed form may have the wrong class.
+    exact: bool | Literal["border"] = turning and (len(u) <= 5_000 or "border")
     t = model.thresholds(points, u, exact=exact)
     return OutcomeMap(
         face=face,
@@ -270,18 +268,14 @@ def _all_along(direction: ArrayLike, normals: Array) -> Array:
     return u
 
 
-# --- outcome map picture --------------------------------------------------------------------------
-#
 # An outcome map as a picture for notebooks: the face seen from outside, a square for each
 # contact.
 #
 # Blue slides, orange topples, grey is undecided; the darker, the less force the object needs.
 
-
 COLOURS = {"slide": "#0072b2", "topple": "#d55e00", "undecided": "#7f7f7f", "none": "#9a9a9a"}
 """Colours of the outcomes, which people with colour blindness tell apart."""
 
-_PALEST = 0.35  # opacity where the most force is needed
 _WIDE = 5.0  # of a square that is alone in its row and column [mm]
 
 
@@ -292,7 +286,8 @@ def map_svg(chart: OutcomeMap) -> str:
     side = side if np.isfinite(side) else _WIDE
     left, top = y.min() - side, z.max() + side
     most = np.max(chart.force, where=np.isfinite(chart.force), initial=0.0)
-    opacity = 1.0 - (1.0 - _PALEST) * np.minimum(chart.force / max(most, 1e-9), 1.0)
+    # Where the most force is needed it is the palest.
+    opacity = 1.0 - 0.65 * np.minimum(chart.force / max(most, 1e-9), 1.0)
     squares = (
         f'<rect x="{a - left - 0.45 * side:.1f}" y="{top - b - 0.45 * side:.1f}" '
         f'width="{0.9 * side:.1f}" height="{0.9 * side:.1f}" fill="{COLOURS[name]}" '

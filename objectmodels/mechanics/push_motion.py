@@ -29,7 +29,9 @@ from objectmodels.geometry.rotations import (
     require_finite,
     require_normals,
     rotate,
+    vector_tuple,
 )
+from objectmodels.lazy import remember_answers
 from objectmodels.mechanics.friction_limit import (
     Ellipsoid,
     Slide,
@@ -342,8 +344,6 @@ class _Pushes:
         )
 
 
-# --- turning push ---------------------------------------------------------------------------------
-#
 # Turning an object by pushing it off its middle with one finger.
 #
 # Model: quasi-static sliding on the ellipsoidal limit surface, so the motion is normal to it at
@@ -361,7 +361,6 @@ class _Pushes:
 # Frame: the object's frame B at the start; poses are (x, y, θ) of B in it. Slants are angles in
 # the table plane from the inward normal, counter-clockwise.
 
-
 Vector3 = tuple[float, float, float]
 
 EDGE = 0.010
@@ -370,19 +369,11 @@ EDGE = 0.010
 SIGMAS = 1.0
 """Standard deviations of the parameters with which a chosen contact must still stick."""
 
-CONE_SHARE = 0.9
-"""Slope of the chosen force as a share of the friction coefficient that is left then."""
-
-RADIUS_SIGMAS = 2.0
-"""Deviations of the friction radius for which a chosen direction and its stroke allow; it is the
-least known of all, and large ones slant the force most."""
-
 STROKE_SLACK = 0.005
 """What a stroke allows for on top of that [m]."""
 
 _OFFSETS = np.linspace(1.0, 0.2, 17)  # of contacts that are compared, as shares of the farthest
 _STRAIGHT = 1e-6  # a push that turns the object by less per travel goes straight [rad/m]
-_SMALLEST_RADIUS = 0.3  # share of the friction radius that no doubt takes away
 
 
 @dataclass(frozen=True)
@@ -485,16 +476,9 @@ def turning_motion(
     return Turning(pose, travel, pivot, slant, turns, sticks)
 
 
-def best_turn(
-    model: PushedBody,
-    face: Face,
-    angle: float,
-    height: float,
-    *,
-    sigmas: float = SIGMAS,
-    edge: float = EDGE,
-) -> TurningPush | None:
-    """The push on a face that turns the object with the least translation.
+@remember_answers(1024)
+def best_turn(model: PushedBody, face: Face, angle: float, height: float) -> TurningPush | None:
+    """The push on a face that turns the object with the least translation, kept.
 
     Its contact lies far out on the face, and its force is slanted outwards as far as friction
     surely holds for the largest friction radius; farther in where it would slip for the smallest.
@@ -504,8 +488,6 @@ def best_turn(
         face: of its side faces; the middle of the strip is taken on a round one.
         angle: of the turn, counter-clockwise, not 0 [rad].
         height: of the contact above the table [m].
-        sigmas: deviations of the parameters with which the finger must still stick.
-        edge: least distance of the contact from the ends of a flat face [m].
 
     Returns:
         None if no push on this face turns it in this sense.
@@ -514,18 +496,21 @@ def best_turn(
         ModelError: `bad_value`.
     """
     sense = float(np.sign(angle))
-    farthest = 0.0 if face.curvature else max(face.width / 2.0 - edge, 0.0)
+    farthest = 0.0 if face.curvature else max(face.width / 2.0 - EDGE, 0.0)
     p, n = face.points_at(sense * farthest * _OFFSETS, height)
     contacts = _Contacts(model, p, n)
-    holds = CONE_SHARE * max(model.finger_friction - sigmas * model.finger_friction_sd, 0.0)
+    # Slope of the chosen force as a share of the friction coefficient that is left then.
+    holds = 0.9 * max(model.finger_friction - SIGMAS * model.finger_friction_sd, 0.0)
     # A force square to its lever arm turns best; more slant than that is of no use.
     along, across = np.abs(contacts.r.T)
     slope = -sense * np.minimum(holds, along / np.maximum(across, 1e-9))
     force = np.column_stack((np.ones(len(p)), slope))
-    widest = _shifted_radius(model, RADIUS_SIGMAS)
+    # Deviations of the friction radius for which a chosen direction and its stroke allow; it is the
+    # least known of all, and large ones slant the force most.
+    widest = _shifted_radius(model, 2.0)
     d = contact_velocity(contacts.r, force, widest)
     d /= np.linalg.norm(d, axis=1)[:, None]
-    predicted = turning_motion(model, p, n, np.arctan2(d[:, 1], d[:, 0]), angle, sigmas=sigmas)
+    predicted = turning_motion(model, p, n, np.arctan2(d[:, 1], d[:, 0]), angle, sigmas=SIGMAS)
     if not predicted.is_successful.any():
         return None
     lever = np.abs(cross(contacts.r, force)) / np.linalg.norm(force, axis=1)
@@ -533,13 +518,13 @@ def best_turn(
     slowest = contacts.sticking_motion(d, widest)[1][best]
     direction = contacts.in_B(d)[best]
     return TurningPush(
-        point=_vector_tuple(p[best]),
-        normal=_vector_tuple(n[best]),
-        direction=_vector_tuple(np.append(direction, 0.0)),
+        point=vector_tuple(p[best]),
+        normal=vector_tuple(n[best]),
+        direction=vector_tuple(np.append(direction, 0.0)),
         turn=angle,
         travel=float(predicted.travel[best]),
         stroke=float(max(angle / slowest, predicted.travel[best])) + STROKE_SLACK,
-        pose=_vector_tuple(predicted.pose[best]),
+        pose=vector_tuple(predicted.pose[best]),
     )
 
 
@@ -617,10 +602,5 @@ def _shifted_radius(model: PushedBody, sigmas: float) -> float:
     """
     believed = model.friction_radius
     most = max(believed, friction_radius("corners", model.footprint))
-    least = _SMALLEST_RADIUS * believed
+    least = 0.3 * believed  # share of the friction radius that no doubt takes away
     return float(np.clip(believed + sigmas * model.friction_radius_sd, least, most))
-
-
-def _vector_tuple(v: Array) -> Vector3:
-    x, y, z = v.tolist()
-    return x, y, z

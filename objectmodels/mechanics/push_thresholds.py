@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array, Base
-from objectmodels.geometry.rotations import cross, require_amount
+from objectmodels.geometry.rotations import cross, left_of, require_amount
 
 if TYPE_CHECKING:
     from objectmodels.geometry.pushed_body import PushedBody
@@ -46,9 +46,6 @@ LAST_STEP = 1e-8
 _STEEP = 0.01
 """Least slope of the quartic at its root, by v³: where it is flatter, another may lie near."""
 
-# More than enough for a bracketed Newton iteration in double precision; usually five are used.
-_MAX_ITERATIONS = 100
-
 
 def push_moment(p: Array, u: Array) -> Array:
     """Moment p_z u_xy − u_z p_xy that a unit push adds to load times place, shape (..., 2) [m]."""
@@ -62,7 +59,7 @@ def push_axes(u: Array) -> tuple[Array, Array, Array]:
     h = np.hypot(u[:, 0], u[:, 1])
     with np.errstate(invalid="ignore", divide="ignore"):
         along = np.where(h[:, None] > 0.0, u[:, :2] / h[:, None], [1.0, 0.0])
-    return h, along, np.column_stack((-along[:, 1], along[:, 0]))
+    return h, along, left_of(along)
 
 
 def topple_threshold(
@@ -218,7 +215,8 @@ def _solve_load_ratio(h: Array, w: Array, a: Array, mu: Array, flat: Array) -> A
     hi = np.where(passed, np.minimum(hi, peak), hi)
     jams = ~pull & ~passed & (h <= -mu * w)
     r = 0.5 * (lo + hi)
-    for _ in range(_MAX_ITERATIONS):
+    # More than enough for a bracketed iteration in double precision; usually five are used.
+    for _ in range(100):
         y = 1.0 + r * w
         q = np.sqrt(h * h + (y * a) ** 2)
         f = r * q - mu
@@ -305,13 +303,10 @@ def _contact_speed(twist: Array, p: Array, u: Array) -> Array:
     return np.asarray(np.sum(velocity * u, axis=1))
 
 
-# --- closed form ----------------------------------------------------------------------------------
-#
 # Closed form of one push in plain numbers, and of many in blocks.
 #
 # The formulae are those of `objectmodels.mechanics.push_thresholds`. A call of numpy takes longer
 # than all operations of one push; of many, a block at a time stays in the processor's cache.
-
 
 BLOCK = 16384
 """Pushes that are treated at once."""
@@ -345,7 +340,10 @@ def slide_and_topple_forces(body: Figures, p: Array, u: Array) -> tuple[Array, A
         return np.array(single[:1]), np.array(single[1:])
     slide, topple = np.empty((2, len(p)))
     for b in blocks(len(p)):
-        slide[b] = _quick_slide(body, p[b], u[b])
+        x, y, w = u[b][:, 0], u[b][:, 1], u[b][:, 2]
+        arm = yaw_arm(p[b], u[b], body.com)
+        a2 = arm * arm * body.radius**-2
+        slide[b] = quick_slide_force(x * x + y * y, w, a2, body.friction, body.weight)
         topple[b] = topple_threshold(body.base, p[b], u[b], body.com, body.weight)
     (i,) = np.nonzero(np.isnan(slide))
     p, u = p[i], u[i]
@@ -356,14 +354,6 @@ def slide_and_topple_forces(body: Figures, p: Array, u: Array) -> tuple[Array, A
 def blocks(n: int) -> Iterator[slice]:
     """Parts of n pushes, one after the other."""
     return (slice(start, start + BLOCK) for start in range(0, n, BLOCK))
-
-
-def _quick_slide(body: Figures, p: Array, u: Array) -> Array:
-    """Forces at which pushes slide, nan where that takes a closer look, (n,) [N]."""
-    x, y, w = u[:, 0], u[:, 1], u[:, 2]
-    arm = yaw_arm(p, u, body.com)
-    a2 = arm * arm * body.radius**-2
-    return quick_slide_force(x * x + y * y, w, a2, body.friction, body.weight)
 
 
 def _single_forces(body: Figures, p: Array, u: Array) -> tuple[float, float] | None:
@@ -401,8 +391,6 @@ def _single_slide(h2: float, w: float, a2: float, mu: float, weight: float) -> f
     return inf if surely_jams(h2, w, a2) else None
 
 
-# --- tilt limits ----------------------------------------------------------------------------------
-#
 # Limits of tilting an object, and the travel of a finger that tilts it.
 #
 # Model: the object pivots about a base edge that does not slide. Seen along that edge: base

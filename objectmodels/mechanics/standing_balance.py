@@ -31,7 +31,7 @@ import numpy as np
 
 from objectmodels.geometry.base_shapes import Array, Polygon, hull_polygon
 from objectmodels.geometry.rotations import cross
-from objectmodels.mechanics.push_outcomes import normal_cdf
+from objectmodels.mechanics.outcome_probability import normal_cdf
 from objectmodels.mechanics.push_thresholds import centre_of_pressure
 
 if TYPE_CHECKING:
@@ -153,12 +153,8 @@ def pinch_margin(body: PushedBody, thumb: Array, press: float, fingers: Array) -
     length = float(np.hypot(*line))
     along = float((q - start) @ line) / length
     off = np.hypot(max(0.0, -along, along - length), float(cross(line, q - start)) / length)
-    return float(_friction_reach(body, press) - off)
-
-
-def _friction_reach(body: PushedBody, press: float) -> float:
-    """The way h μ_f N / (G + N) by which the friction of a thumb moves q [m]."""
-    return body.top * body.finger_friction * press / (body.weight + press)
+    # The friction of a thumb moves q by h μ_f N / (G + N).
+    return float(body.top * body.finger_friction * press / (body.weight + press) - off)
 
 
 def _support(body: PushedBody, edge: TableEdge) -> tuple[Array, Array]:
@@ -167,8 +163,6 @@ def _support(body: PushedBody, edge: TableEdge) -> tuple[Array, Array]:
     return np.vstack([base.normals, edge.normal]), np.append(base.offsets, edge.offset)
 
 
-# --- stack stability ------------------------------------------------------------------------------
-#
 # Stability of a stack: rigid objects on one another, each on one or on the table.
 #
 # Model: the faces that meet are level and nothing slides. What stands above such a place presses
@@ -183,8 +177,6 @@ def _support(body: PushedBody, edge: TableEdge) -> tuple[Array, Array]:
 #     σ_k² = Σ (m_i / M)² n_kᵀ Σ_i n_k + Σ (σ_i n_k·(c_i − c) / M)²,
 #
 # and it stands with a probability of 1 − Σ_k Φ((n_k·c − d_k) / σ_k) at least.
-#
-# Frame: everything seen from above, in W's x and y.
 
 
 @dataclass(frozen=True, eq=False)

@@ -50,13 +50,12 @@ from objectmodels.models.parameters import RADIUS_SHARE_SD, Parameters
 if TYPE_CHECKING:
     from objectmodels.exact.exact_thresholds import ExactThresholds
     from objectmodels.geometry.pushed_body import PushedBody
+    from objectmodels.mechanics.outcome_probability import Likelihood
     from objectmodels.mechanics.push_motion import Stroke
-    from objectmodels.mechanics.push_outcomes import Likelihood, SuddenPush
+    from objectmodels.mechanics.push_outcomes import SuddenPush
     from objectmodels.models.predictor import SeenPushes
 
 
-# --- contact points -------------------------------------------------------------------------------
-#
 # Contact points that callers hand in: on the object, in metres.
 #
 # Checked where a caller comes in, never inside the mechanics.
@@ -92,11 +91,6 @@ def _off_object(model: ObjectModel, p: Array, low: Array, high: Array) -> ModelE
         f"{x} × {y} × {z} m large",
         suggestions=(hint,),
     )
-
-
-# --- resting face ---------------------------------------------------------------------------------
-#
-# Face on which an object lies, and what is believed of it as it lies there.
 
 
 LEVEL = np.radians(10.0)
@@ -141,27 +135,9 @@ class Resting:
         return R_WB, p_WN - R_WB @ self.p_BN
 
 
-def lowest_rest(model: ObjectModel, R_WB: ArrayLike) -> Resting:
-    """The way of resting of an object in this orientation of B in W; see `resting_face`."""
-    down = -checked_rotation(R_WB)[2]  # W's downward direction in B
-    nearest = max(model.rests, key=lambda rest: float(rest.down @ down))
-    off = float(np.arccos(np.clip(nearest.down @ down, -1.0, 1.0)))
-    if off > LEVEL:
-        raise ModelError(
-            "not_resting",
-            f"the {model.name} does not lie on a face: it leans {np.degrees(off):.0f}° off "
-            f"{nearest.face!r}",
-            suggestions=(f"it rests on: {', '.join(rest.face for rest in model.rests)}",),
-        )
-    return nearest
-
-
-# --- single push ----------------------------------------------------------------------------------
-#
 # A single push as plain numbers: calls of numpy to check and turn it take longer than they do.
 #
 # What is not plain, such as what is to be refused, is left to those who look at arrays.
-
 
 _TINY = float(np.finfo(float).tiny)
 
@@ -213,9 +189,6 @@ def _is_on(points: ArrayLike, model: PushedBody) -> TypeGuard[Array]:
 def _size(vectors: Array) -> float:
     ((x, y, z),) = vectors.tolist()
     return sqrt(x * x + y * y + z * z)
-
-
-# --- object model ---------------------------------------------------------------------------------
 
 
 _OF_ITS_BASE = (
@@ -311,7 +284,17 @@ class ObjectModel(Parameters, ABC):
         Raises:
             ModelError: `bad_array`; `not_resting` if no face of it is below.
         """
-        return lowest_rest(self, R_WB)
+        down = -checked_rotation(R_WB)[2]  # W's downward direction in B
+        nearest = max(self.rests, key=lambda rest: float(rest.down @ down))
+        off = float(np.arccos(np.clip(nearest.down @ down, -1.0, 1.0)))
+        if off > LEVEL:
+            raise ModelError(
+                "not_resting",
+                f"the {self.name} does not lie on a face: it leans {np.degrees(off):.0f}° off "
+                f"{nearest.face!r}",
+                suggestions=(f"it rests on: {', '.join(rest.face for rest in self.rests)}",),
+            )
+        return nearest
 
     def _fields_on_face(self, top: float, **changes: object) -> dict[str, Any]:
         """Fields of a model that lies, so high [m], on another face: those not of its base."""
@@ -505,7 +488,7 @@ class ObjectModel(Parameters, ABC):
             from objectmodels.exact.exact_probability import exact_likelihood
 
             return exact_likelihood(self, p, u, force)
-        from objectmodels.mechanics.push_outcomes import outcome_likelihood
+        from objectmodels.mechanics.outcome_probability import outcome_likelihood
 
         return outcome_likelihood(self, p, u, force)
 

@@ -37,10 +37,7 @@ from objectmodels.files.yaml_documents import (
     Volume,
 )
 from objectmodels.geometry.base_shapes import Array, Base, Disc, Polygon, is_within
-from objectmodels.geometry.rotations import as_tuple
-
-WATER = 1000.0
-"""Density of what is not said to be anything else [kg/m³]."""
+from objectmodels.geometry.rotations import as_tuple, left_of
 
 Point2 = Annotated[tuple[Coordinate, Coordinate], BeforeValidator(as_tuple)]
 
@@ -88,7 +85,8 @@ class Container(Part):
     opening: Opening
     contents_l: Volume = 0.0
     contents_l_sd: Deviation = 0.0
-    density: Annotated[Density, Field(alias="density_kg_m3")] = WATER
+    # Density of what is not said to be anything else [kg/m³].
+    density: Annotated[Density, Field(alias="density_kg_m3")] = 1000.0
 
     @property
     def contents(self) -> float:
@@ -233,13 +231,10 @@ class Graspable(Part):
     crush: Annotated[Squeeze, Field(alias="crush_n")]
 
 
-# --- open box -------------------------------------------------------------------------------------
-#
 # Open boxes: cuboids that are hollow from above, in which other objects may stand.
 #
 # Model: four walls from the base to the rim, and a floor between them. Frame: B, at the centre of
 # the base, z up.
-
 
 Extent = tuple[float, float, float]
 
@@ -293,22 +288,17 @@ def cavity_error(key: str, message: str, hint: str) -> ModelError:
     return ModelError("bad_value", message, path=f"inside{key}", suggestions=(hint,))
 
 
-# --- vessel strips --------------------------------------------------------------------------------
-#
 # Upright strips of a cavity across the direction in which it leans, and what of them is filled.
 #
 # Frame and method: see `objectmodels.models.object_parts`. All methods take arrays of one shape
 # (...).
-
 
 _STRIPS = 48
 _EDGES = 0.5 - 0.5 * np.cos(np.pi * np.arange(_STRIPS + 1) / _STRIPS)
 """Where strips end, as shares of the cavity's length; narrow ones where a round one ends."""
 
 _STEEP = 1e-6  # least cosine of a tilt, so that a strip does not lie along its plane
-_LEAST_SLOPE = 1e-7  # least difference of depth over half a strip [m]
 _NEAR = 1e-10  # precision of levels [m]
-_MOST_STEPS = 60
 
 
 @dataclass(frozen=True)
@@ -365,7 +355,8 @@ class TiltedStrips:
         self._steep = np.abs(self._axis)
         self._raised = strips.along * sin
         self._lower = np.where(self._axis > 0.0, strips.floor, strips.top) * self._axis
-        self._slope = np.maximum(strips.half * sin / self._steep, _LEAST_SLOPE)
+        # Least difference of depth over half a strip [m].
+        self._slope = np.maximum(strips.half * sin / self._steep, 1e-7)
         self._span = 2.0 * self._slope
 
     def volume_below(self, level: Array) -> tuple[Array, Array]:
@@ -392,7 +383,7 @@ class TiltedStrips:
         if near is not None:
             level = np.clip(near, low, high)
         with np.errstate(divide="ignore", invalid="ignore"):
-            for _ in range(_MOST_STEPS):
+            for _ in range(60):
                 below, area = self.volume_below(level)
                 high = np.where(below > volume, level, high)
                 low = np.where(below > volume, low, level)
@@ -431,8 +422,7 @@ def _section_chords(section: Disc | Polygon, along: Array, u: Array) -> tuple[Ar
     if isinstance(section, Disc):
         half = np.sqrt(np.maximum(section.radius**2 - along * along, 0.0))
         return 2.0 * half, np.zeros_like(half)
-    v = np.stack([-u[..., 1], u[..., 0]], axis=-1)
-    ahead, aside = (w @ section.normals.T for w in (u, v))
+    ahead, aside = (w @ section.normals.T for w in (u, left_of(u)))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         bound = (section.offsets - along[..., None] * ahead[..., None, :]) / aside[..., None, :]
     left = np.where(aside[..., None, :] > 1e-12, bound, np.inf).min(axis=-1)
@@ -459,8 +449,6 @@ def _moment_integral(x: Array, length: float) -> Array:
     return np.asarray(inside**3 / 6.0 + 0.5 * length**2 * np.maximum(x - length, 0.0))
 
 
-# --- vessel ---------------------------------------------------------------------------------------
-#
 # A hollow object that leans: how much it holds, how high its liquid stands, where that lies.
 #
 # Model: the cavity is an upright prism (over a convex polygon or a disc), the shape without its
@@ -476,7 +464,6 @@ def _moment_integral(x: Array, length: float) -> Array:
 # `heading`, a direction in B's x, y; the upward vertical in B is n = (−sin tilt · heading, cos
 # tilt). Heights are those above B's origin, along n. All methods take arrays, which are
 # broadcast.
-
 
 _HALVINGS = 50
 
@@ -531,8 +518,6 @@ class Vessel:
         """Volume that it holds standing upright [m³]."""
         return section_area(self.section) * (self.top - self.floor)
 
-    # -- the lip ---------------------------------------------------------------------------------
-
     def lip_point(self, heading: ArrayLike) -> Array:
         """The lowest point of the opening's rim when it leans, in B, shape (..., 3) [m]."""
         u = _unit_vector(heading)
@@ -545,11 +530,9 @@ class Vessel:
         along = u @ np.array(self.opening.centre) + self.opening.radius
         return np.asarray(self.top * np.cos(tilt) - along * np.sin(tilt))
 
-    # -- volumes and levels ----------------------------------------------------------------------
-
     def brim(self, tilt: ArrayLike, heading: ArrayLike) -> Array:
         """Volume that it holds when it leans so [m³]."""
-        tilt, heading = np.broadcast_arrays(np.asarray(tilt, float), np.asarray(heading, float))
+        tilt, heading = _broadcast_arrays(tilt, heading)
         lip = self.lip_height(tilt, heading)
         return self.strips(heading).at_tilt(tilt).volume_below(lip)[0]
 
@@ -604,12 +587,12 @@ class Vessel:
 
     def spill_angle(self, volume: ArrayLike, heading: ArrayLike) -> Array:
         """Tilt at which a volume begins to run out; π if there is nothing in it [rad]."""
-        volume, heading = np.broadcast_arrays(np.asarray(volume, float), np.asarray(heading, float))
+        volume, heading = _broadcast_arrays(volume, heading)
         return np.asarray(np.where(volume > 0.0, self.tilt_holding(volume, heading), np.pi))
 
     def tilt_holding(self, volume: ArrayLike, heading: ArrayLike) -> Array:
         """Least tilt at which it holds no more than a volume [rad]."""
-        volume, heading = np.broadcast_arrays(np.asarray(volume, float), np.asarray(heading, float))
+        volume, heading = _broadcast_arrays(volume, heading)
         strips = self.strips(heading)
 
         def holds_more(tilt: Array) -> NDArray[np.bool_]:

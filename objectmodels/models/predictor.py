@@ -19,8 +19,9 @@ from objectmodels.geometry.base_shapes import Array
 if TYPE_CHECKING:
     from objectmodels.geometry.pushed_body import Friction
     from objectmodels.mechanics.friction_cone import ConeThresholds
+    from objectmodels.mechanics.outcome_probability import Likelihood
     from objectmodels.mechanics.push_motion import Stroke
-    from objectmodels.mechanics.push_outcomes import Likelihood, Prediction, Thresholds
+    from objectmodels.mechanics.push_outcomes import Prediction, Thresholds
 
 
 class Predictor(Protocol):
@@ -94,8 +95,6 @@ def own_predictions(kind: type, physics: type) -> tuple[str, ...]:
     return tuple(n for n in PREDICTIONS if getattr(kind, n) is not getattr(physics, n))
 
 
-# --- calibration ----------------------------------------------------------------------------------
-#
 # Calibration of a predictor: what it says of its own uncertainty, beside pushes that were seen.
 #
 # Two tests, each of which a calibrated predictor fails in one case of a hundred. A push that
@@ -103,7 +102,6 @@ def own_predictions(kind: type, physics: type) -> tuple[str, ...]:
 # over many pushes these are evenly spread between 0 and 1 (Kolmogorov and Smirnov). And outcomes
 # y of probability p make Σ (y − p)(1 − 2p) normal with the variance Σ (1 − 2p)² p(1 − p)
 # (Spiegelhalter 1986).
-
 
 LEAST_PUSHES = 20
 """Pushes from which on a calibration is judged."""

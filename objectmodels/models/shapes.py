@@ -34,7 +34,6 @@ WIDE = 0.02
 
 _STRAIGHT = np.radians(10.0)  # a face that looks so nearly against a heading is pushed along it
 _BESIDE = 0.7  # a facet that looks less against a heading says nothing of the side there
-_BULGE = 0.0025  # depth within which a curved side counts as flat [m]
 
 # Vertices within this share of the size of a plane lie on it; normals closer than it are equal.
 _FLAT = 1e-6
@@ -153,7 +152,8 @@ class HullModel(ObjectModel):
         slope = nearest[2] if nearest @ level > _BESIDE else 0.0
         normal = np.sqrt(1.0 - slope**2) * level + np.array([0.0, 0.0, slope])
         depth = self._vertex_array @ normal
-        near = self._part_beyond(normal, depth.max() - _BULGE)
+        # Depth within which a curved side counts as flat [m].
+        near = self._part_beyond(normal, depth.max() - 0.0025)
         across = near @ np.array([-level[1], level[0], 0.0])
         if np.ptp(across) < WIDE or np.ptp(near[:, 2]) < WIDE:
             return []
@@ -293,11 +293,6 @@ def _outlined_face(normal: Array, corners: Array) -> Face:
     )
 
 
-# --- top face -------------------------------------------------------------------------------------
-#
-# Face of an object on which another one may stand: its top, or the floor of an open box.
-
-
 _LEVEL = 1e-4  # heights of a hull's corners that differ by less are one [m]
 
 
@@ -323,11 +318,6 @@ def standing_height(model: ObjectModel) -> float:
     return model.top if model.inside is None else model.inside.floor
 
 
-# --- upright solids -------------------------------------------------------------------------------
-#
-# Upright solids: a cuboid, which may stand on any of its faces, a cylinder and a prism.
-
-
 # Rows are the new axes in the old frame: the named face comes to lie below.
 _TURNED: dict[str, Array] = {
     "bottom": np.eye(3),
@@ -337,9 +327,6 @@ _TURNED: dict[str, Array] = {
     "left": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]),
     "right": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
 }
-
-FACE_SHARE = 1.0
-"""Width of a face on the round side, as a share of the radius: its ends lie 12 % of that back."""
 
 
 class BoxModel(ObjectModel):
@@ -445,7 +432,7 @@ class CylinderModel(ObjectModel):
         """Strips of the round side that look against each heading."""
         pushed = np.atleast_1d(AXES if headings is None else np.asarray(headings, float))
         normals = -np.column_stack((np.cos(pushed), np.sin(pushed)))
-        width = FACE_SHARE * self.radius
+        width = self.radius  # of a face on the round side, whose ends lie 12 % of that back
         return tuple(
             Face.upright(n, self.radius * n, width, self.height, 1.0 / self.radius) for n in normals
         )

@@ -42,15 +42,12 @@ from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.predictor import own_predictions, require_calibration
 from objectmodels.models.shapes import BoxModel, CylinderModel, HullModel, PrismModel
 
-# --- model files ----------------------------------------------------------------------------------
-#
 # Model files: a YAML file with units in its keys, read into an object model and written again.
 #
 # A file begins with `format: KIND/VERSION`, e.g. `box/1`; the kind is a class of model, whose
 # fields are the file's keys (by their aliases, which carry the units). It is read strictly: what
 # is unknown, of another type or out of range is an error that names file, key, what was found and
 # what was expected. See `objectmodels/registry/builtin/` for examples.
-
 
 Kinds = Mapping[str, type[ObjectModel]]
 
@@ -168,14 +165,11 @@ def _model_fault(error: ValidationError, cls: type[ObjectModel]) -> Fault:
     return Fault("bad_value", "support", message, fault.suggestions)
 
 
-# --- plugin offers --------------------------------------------------------------------------------
-#
 # What other packages bring: entry points of the group `nlcontrol.objectmodels`.
 #
 # An entry point names a class of models (a new *kind*, whose name then stands in the `format` of
 # model files), a model, a path of a model file or of a folder of them, an iterable of these, or a
 # function without arguments that returns one of them.
-
 
 GROUP = "nlcontrol.objectmodels"
 """Entry points of other packages that bring object models."""
@@ -267,11 +261,6 @@ def _plugin_error(place: str, failure: PluginError) -> ModelError:
     )
 
 
-# --- user folder ----------------------------------------------------------------------------------
-#
-# The folder of the user's own models, and the files in it.
-
-
 FOLDER_VARIABLE = "NLCONTROL_OBJECTS"
 """Environment variable that names the user's folder of models."""
 
@@ -294,9 +283,6 @@ def free_file(name: str) -> Path:
     names = (plain if number == 1 else f"{plain}_{number}" for number in count(1))
     files = (user_folder() / f"{name}.yaml" for name in names)
     return next(file for file in files if not os.path.lexists(file))
-
-
-# --- model registry -------------------------------------------------------------------------------
 
 
 class Registry:
@@ -575,8 +561,6 @@ def _built_in() -> Registry:
     return registry
 
 
-# --- user models ----------------------------------------------------------------------------------
-#
 # The user's own models: how one is put among them, and taken away again.
 #
 # Every change is made under a lock of the folder, on what stands in it then, so that of several

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from itertools import product
 from typing import TypeVar
 
-from planner.grasping.grasp_selection import Candidate, GraspLoad, StableGrasp
+from planner.grasping.grasp_candidates import Candidate
+from planner.grasping.grasp_selection import GraspLoad, StableGrasp
 from planner.problem.planning_problem import GraspProblem
 from planner.refusals.no_plan import no_grasp_reached, no_plan
 from planner.types.actions import Action, Aim, GraspAction, GraspPrediction, Limits

@@ -10,26 +10,19 @@ Frames: W is the world, B the object.
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
 from objectmodels.containers.lids import FlipArc, Loosening, flip, is_off, lift_off, unscrew
-from objectmodels.geometry.base_shapes import Array, Disc, hull_polygon
+from objectmodels.geometry.base_shapes import Disc, hull_polygon
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.models.object_parts import FlipLid, LiftOffLid, ScrewCap
+from planner.grasping.grasp_candidates import held_part, lid_candidates, lid_middle
 from planner.grasping.grasp_plans import MotionDraft, each_with_each, first_reachable_plan
-from planner.grasping.grasp_selection import (
-    GraspLoad,
-    Load,
-    StableGrasp,
-    held_part,
-    lid_candidates,
-    lid_middle,
-    stable_grasps,
-)
+from planner.grasping.grasp_selection import GraspLoad, Load, StableGrasp, stable_grasps
 from planner.problem.footprints import footprint, gap, room_to_edge
 from planner.problem.planning_problem import GraspProblem
 from planner.refusals.no_plan import no_plan
@@ -45,13 +38,12 @@ from planner.types.actions import (
     SetDown,
     TurnCap,
     TurnPrediction,
+    finite_or_none,
 )
 from planner.types.defaults import Defaults
 from planner.types.plan import DefaultUsed, Plan, PlanTask, Reached
 from planner.types.world_state import SeenObject
 
-_LIMITS_APART = 4  # steps of an arc between angles for which a plan states the force limit
-_ASIDE = 6  # places beside it that are looked at for its lid
 _RINGS = np.arange(0.0, 0.25, 0.04)  # beyond the nearest place [m]
 _AROUND = np.arange(12) * math.tau / 12.0
 _ROOM = 0.05  # between a lid and what stands near it, for the fingers that let go of it [m]
@@ -70,9 +62,20 @@ def open_lid(problem: GraspProblem) -> Plan | Reached:
                 return Reached(lid=seen)
             return _plan_flip(problem, lid, "open", min(problem.defaults.lid_open, lid.opens_to))
         case LiftOffLid():
-            return Reached(lid=seen) if is_off(lid, seen) else _plan_pull_off(problem, lid)
+            if is_off(lid, seen):
+                return Reached(lid=seen)
+            found = lift_off(problem.target.model, lid, fixed=problem.target.fixed)
+            _require_still(problem, found)
+            pull = PullPrediction(lid_force=found.needed, lifting_force=finite_or_none(found.held))
+            ways = _lid_holds(problem, lid, Load(found.needed, lid.retention_sd))
+            return _plan_take_off(problem, lid, ways, found.probability, pull=pull)
         case ScrewCap():
-            return Reached(lid=seen) if is_off(lid, seen) else _plan_screw_off(problem, lid)
+            if is_off(lid, seen):
+                return Reached(lid=seen)
+            found = unscrew(problem.target.model, lid, fixed=problem.target.fixed)
+            _require_still(problem, found)
+            turn = _turn_step(problem, lid, math.tau * lid.turns - seen, found)
+            return _plan_take_off(problem, lid, _cap_holds(problem, lid), found.probability, turn)
     raise no_plan("no_lid", object=problem.target.name)
 
 
@@ -93,7 +96,14 @@ def close_lid(problem: GraspProblem) -> Plan | Reached:
         case ScrewCap():
             if seen <= problem.defaults.lid_closed:
                 return Reached(lid=seen)
-            return _plan_screw_on(problem, lid, seen)
+            if is_off(lid, seen):
+                raise no_plan("cap_off", object=problem.target.name)
+            found = unscrew(problem.target.model, lid, fixed=problem.target.fixed)
+            _require_still(problem, found)
+            turn = _turn_step(problem, lid, -seen, found)
+            ways = _cap_holds(problem, lid)
+            draft = MotionDraft((turn,), found.probability)
+            return first_reachable_plan(problem, "close", each_with_each(ways, [draft]))
     raise no_plan("no_lid", object=problem.target.name)
 
 
@@ -108,9 +118,6 @@ def is_open(seen: SeenObject, defaults: Defaults) -> bool:
     return is_off(lid, angle)
 
 
-# -- flip lids ----------------------------------------------------------------------------------
-
-
 def _plan_flip(problem: GraspProblem, lid: FlipLid, action: PlanTask, end: float) -> Plan:
     target = problem.target
     start = target.lid or 0.0
@@ -120,7 +127,12 @@ def _plan_flip(problem: GraspProblem, lid: FlipLid, action: PlanTask, end: float
         doing, spans = problem.goal.doing, problem.force.spans
         raise no_plan("flip_not_allowed", numbers, spans=spans, doing=doing, object=target.name)
     _require_stand(problem, arc)
-    limits = _force_limits(problem, arc)
+    most = (1.0 + problem.defaults.force_reserve) * arc.largest_force
+    bears = np.minimum(arc.slide, arc.topple)
+    # A plan states the limit at every fourth angle of the arc.
+    limits = tuple(np.minimum(bears, min(most, problem.force.max))[::4].tolist())
+    near = arc.weakest_index
+    slide, topple = (float(force[near]) for force in (arc.slide, arc.topple))
     step = FlipOver(
         start=start,
         end=end,
@@ -128,7 +140,14 @@ def _plan_flip(problem: GraspProblem, lid: FlipLid, action: PlanTask, end: float
         force_limit=max(limits),
         force_limits=limits,
         heading=math.remainder(target.pose.yaw + lid.tab_heading, math.tau),
-        prediction=_arc_prediction(arc, end),
+        prediction=FlipPrediction(
+            lid_force=arc.largest_force,
+            nearest_angle=float(arc.angles[near]),
+            nearest_force=float(arc.force[near]),
+            slide_force=finite_or_none(slide),
+            topple_force=finite_or_none(topple),
+            lid_angle=end,
+        ),
     )
     used = DefaultUsed(name="lid_open", value=end, unit="rad", reason="no angle said")
     defaults = (used,) if action == "open" else ()
@@ -168,46 +187,6 @@ def _require_stand(problem: GraspProblem, arc: FlipArc) -> None:
         raise no_plan("may_give_way", {**numbers, **sure}, **words)
 
 
-def _force_limits(problem: GraspProblem, arc: FlipArc) -> tuple[float, ...]:
-    """Forces at which a finger stops on its way: no more than moves the object there [N]."""
-    most = (1.0 + problem.defaults.force_reserve) * arc.largest_force
-    bears = np.minimum(arc.slide, arc.topple)
-    return tuple(np.minimum(bears, min(most, problem.force.max))[::_LIMITS_APART].tolist())
-
-
-def _arc_prediction(arc: FlipArc, end: float) -> FlipPrediction:
-    near = arc.weakest_index
-    slide, topple = (float(force[near]) for force in (arc.slide, arc.topple))
-    return FlipPrediction(
-        lid_force=arc.largest_force,
-        nearest_angle=float(arc.angles[near]),
-        nearest_force=float(arc.force[near]),
-        slide_force=slide if math.isfinite(slide) else None,
-        topple_force=topple if math.isfinite(topple) else None,
-        lid_angle=end,
-    )
-
-
-# -- lids that come off -------------------------------------------------------------------------
-
-
-def _plan_pull_off(problem: GraspProblem, lid: LiftOffLid) -> Plan:
-    found = lift_off(problem.target.model, lid, fixed=problem.target.fixed)
-    _require_still(problem, found)
-    load = Load(found.needed, lid.retention_sd)
-    pull = PullPrediction(lid_force=found.needed, lifting_force=_finite_or_none(found.held))
-    ways = _lid_holds(problem, lid, load)
-    return _plan_take_off(problem, lid, ways, found.probability, pull=pull)
-
-
-def _plan_screw_off(problem: GraspProblem, cap: ScrewCap) -> Plan:
-    found = unscrew(problem.target.model, cap, fixed=problem.target.fixed)
-    _require_still(problem, found)
-    rest = math.tau * cap.turns - (problem.target.lid or 0.0)
-    turn = _turn_step(problem, cap, rest, found)
-    return _plan_take_off(problem, cap, _cap_holds(problem, cap), found.probability, turn)
-
-
 def _plan_take_off(
     problem: GraspProblem,
     lid: LiftOffLid | ScrewCap,
@@ -243,18 +222,6 @@ def _plan_put_on(problem: GraspProblem, lid: LiftOffLid) -> Plan:
     return first_reachable_plan(problem, "close", each_with_each(ways, [draft]))
 
 
-def _plan_screw_on(problem: GraspProblem, cap: ScrewCap, seen: float) -> Plan:
-    """A cap that is turned back."""
-    if is_off(cap, seen):
-        raise no_plan("cap_off", object=problem.target.name)
-    found = unscrew(problem.target.model, cap, fixed=problem.target.fixed)
-    _require_still(problem, found)
-    turn = _turn_step(problem, cap, -seen, found)
-    ways = _cap_holds(problem, cap)
-    draft = MotionDraft((turn,), found.probability)
-    return first_reachable_plan(problem, "close", each_with_each(ways, [draft]))
-
-
 def _require_still(problem: GraspProblem, found: Loosening) -> None:
     """Make sure that the object stays where it is while its lid comes off.
 
@@ -286,52 +253,29 @@ def _lid_holds(problem: GraspProblem, lid: LiftOffLid | ScrewCap, load: Load) ->
 
 def _turn_step(problem: GraspProblem, cap: ScrewCap, angle: float, found: Loosening) -> TurnCap:
     limit = (1.0 + problem.defaults.force_reserve) * cap.friction_torque
-    prediction = TurnPrediction(lid_torque=found.needed, turning_torque=_finite_or_none(found.held))
+    prediction = TurnPrediction(lid_torque=found.needed, turning_torque=finite_or_none(found.held))
     return TurnCap(angle=angle, torque_limit=limit, prediction=prediction)
-
-
-def _finite_or_none(value: float) -> float | None:
-    return value if math.isfinite(value) else None
-
-
-# -- where a lid is put aside -------------------------------------------------------------------
 
 
 def _free_lid_places(problem: GraspProblem, radius: float) -> list[tuple[Aim, float]]:
     """Free places for a disc [m], the nearest first, and what is tallest on the way to each [m]."""
-    free = (found for found in _places_around(problem, radius) if _is_free(problem, found, radius))
-    return [
-        (Aim(x=float(at[0]), y=float(at[1])), _tallest_on_way(problem, at, radius))
-        for _, at in zip(range(_ASIDE), free, strict=False)
-    ]
-
-
-def _places_around(problem: GraspProblem, radius: float) -> Iterator[Array]:
-    """Places around the object, ring after ring, shape (2,) [m]."""
-    own = footprint(problem.target)
-    middle = problem.target.pose.p_WB[:2]
-    nearest = float(np.linalg.norm(own - middle, axis=1).max()) + radius + _ROOM
-    for ring in _RINGS:
-        for angle in _AROUND:
-            yield middle + (nearest + ring) * np.array([math.cos(angle), math.sin(angle)])
-
-
-def _disc_at(at: Array, radius: float) -> Array:
-    return np.asarray(at + Disc(radius).corners)
-
-
-def _is_free(problem: GraspProblem, at: Array, radius: float) -> bool:
-    lid, d = _disc_at(at, radius), problem.defaults
-    if room_to_edge(lid, problem.state.table, d.clearance) < 0.0:
-        return False
-    return all(gap(lid, footprint(seen)) >= _ROOM for seen in problem.state.objects.values())
-
-
-def _tallest_on_way(problem: GraspProblem, at: Array, radius: float) -> float:
-    start = _disc_at(problem.target.pose.p_WB[:2], radius)
-    way = hull_polygon(np.vstack([start, _disc_at(at, radius)])).vertices
-    return max(
-        seen.top_height
-        for seen in problem.state.objects.values()
-        if seen is problem.target or gap(way, footprint(seen)) < problem.defaults.clearance
-    )
+    target, d, disc = problem.target, problem.defaults, Disc(radius).corners
+    middle, others = target.pose.p_WB[:2], problem.state.objects.values()
+    nearest = float(np.linalg.norm(footprint(target) - middle, axis=1).max()) + radius + _ROOM
+    found: list[tuple[Aim, float]] = []
+    for ring, angle in itertools.product(_RINGS, _AROUND):
+        at = middle + (nearest + ring) * np.array([math.cos(angle), math.sin(angle)])
+        if room_to_edge(at + disc, problem.state.table, d.clearance) < 0.0:
+            continue
+        if any(gap(at + disc, footprint(seen)) < _ROOM for seen in others):
+            continue
+        way = hull_polygon(np.vstack([middle + disc, at + disc])).vertices
+        tallest = max(
+            seen.top_height
+            for seen in others
+            if seen is target or gap(way, footprint(seen)) < d.clearance
+        )
+        found.append((Aim(x=float(at[0]), y=float(at[1])), tallest))
+        if len(found) == 6:  # places are enough to look at
+            break
+    return found

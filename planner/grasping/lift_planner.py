@@ -17,26 +17,20 @@ import numpy as np
 
 from grammar.frames import command as g
 from objectmodels.geometry.base_shapes import Array, Polygon, hull_polygon
-from objectmodels.geometry.rotations import axis_and_angle, rotation_about
+from objectmodels.geometry.rotations import axis_and_angle, axis_rotation
 from objectmodels.mechanics.standing_balance import stack_margins, standing_probability
 from objectmodels.models.object_model import Resting
+from planner.grasping.grasp_candidates import Candidate, body_candidates
 from planner.grasping.grasp_plans import (
     MotionDraft,
     each_with_each,
     first_plan_of_groups,
     first_reachable_plan,
 )
-from planner.grasping.grasp_selection import (
-    Candidate,
-    GraspLoad,
-    StableGrasp,
-    body_candidates,
-    held_already,
-    stable_grasps,
-)
+from planner.grasping.grasp_selection import GraspLoad, StableGrasp, held_already, stable_grasps
 from planner.problem.directions import heading_of
 from planner.problem.footprints import footprint, gap, room_to_edge
-from planner.problem.goal_poses import GoalPoses, find_goal_poses, pose_as_aim
+from planner.problem.goal_poses import find_goal_poses, pose_as_aim
 from planner.problem.places import WALL_ROOM, InBox, object_at, region
 from planner.problem.planning_problem import GraspProblem, value_in_bound
 from planner.problem.predicted_states import standing_object
@@ -56,16 +50,10 @@ from planner.types.plan import DefaultUsed, Plan, Reached
 from planner.types.refusal import Alternatives, NoPlanError
 from planner.types.world_state import SeenObject
 
-# --- standing place -------------------------------------------------------------------------------
-#
 # Whether something stands where it is to be put on another object, or into it.
 #
 # Model: `objectmodels.mechanics.standing_balance`, with the place of what is put down known as
 # well as hands put things down. Frame: W.
-
-
-PLACED = 0.003
-"""Standard deviation of where a hand puts something, along each axis [m]."""
 
 
 def require_level_top(lower: SeenObject) -> None:
@@ -114,7 +102,8 @@ def step_onto(problem: GraspProblem, there: SeenObject) -> SetOn:
     name = there.name
     if not _covers_opening(there, lower):
         raise no_plan("falls_in", object=name, other=lower.name)
-    bodies = stacked_bodies(stack_with(there, problem.state.objects), name, PLACED)
+    # Standard deviation of where a hand puts something, along each axis [m].
+    bodies = stacked_bodies(stack_with(there, problem.state.objects), name, 0.003)
     margin, stands = float(stack_margins(bodies).min()), standing_probability(bodies)
     if margin < 0.0:
         raise no_plan(
@@ -141,13 +130,9 @@ def _covers_opening(there: SeenObject, lower: SeenObject) -> bool:
     return bool((base.normals @ at[:2] + container.opening.radius < base.offsets).all())
 
 
-# --- lift planner ---------------------------------------------------------------------------------
-
-
 TO_THE_SIDE = math.cos(math.radians(50.0))
 """Least cosine between a lean along the line across and the side of the opening."""
 
-_CLOSER = 0.5  # share of a wanted gap that must be left where something is put
 _SPOTS = 6  # on top of an object that are looked at
 _BESIDE = 1e-6  # what ends no more than so much higher than another begins is below it [m]
 
@@ -198,12 +183,21 @@ def place(problem: GraspProblem) -> Plan:
     require_liftable(problem)
     lower = _object_below(problem)
     if lower is not None:
-        _require_place_on(problem, lower)
+        goal = problem.frame.goal
+        if isinstance(goal, g.Place) and goal.relation == "in":
+            require_room_inside(problem, lower)
+        else:
+            require_level_top(lower)
     found = find_goal_poses(problem)
     drafts, places = [], Alternatives()
     for aim in found.goal.aims:
         with places:
-            drafts.append(_draft_to(problem, aim, found, lower))
+            there = put_on(object_at(problem.target, np.array([aim.x, aim.y])), lower)
+            require_room(problem, there, dict(found.goal.near))
+            last = SetDown() if lower is None else step_onto(problem, there)
+            steps = (*lift_steps(problem, clearance_height(problem, aim)), Carry(to=aim), last)
+            stands = last.prediction.stands if isinstance(last, SetOn) else 1.0
+            drafts.append(MotionDraft(steps, stands, aim=aim, defaults=found.defaults_used))
     if not drafts:
         raise places.first
     drafts = sorted(drafts, key=lambda draft: -round(draft.probability, 3))[:_SPOTS]
@@ -288,14 +282,6 @@ def _object_below(problem: GraspProblem) -> SeenObject | None:
     return problem.state.objects[goal.reference[0].id or ""]
 
 
-def _require_place_on(problem: GraspProblem, lower: SeenObject) -> None:
-    goal = problem.frame.goal
-    if isinstance(goal, g.Place) and goal.relation == "in":
-        require_room_inside(problem, lower)
-    else:
-        require_level_top(lower)
-
-
 def require_room(problem: GraspProblem, there: SeenObject, near: dict[str, float]) -> None:
     """Make sure that an object, or a lid, can stand `there`, `near` others as close as said [m].
 
@@ -306,22 +292,12 @@ def require_room(problem: GraspProblem, there: SeenObject, near: dict[str, float
     for name, seen in problem.others.items():
         if name == there.on or there.pose.z > seen.top_height - _BESIDE:
             continue  # it stands on that one or in it, or higher
-        apart = min(problem.clearance(seen), _CLOSER * near.get(name, np.inf))
+        # Share of a wanted gap that must be left where something is put.
+        apart = min(problem.clearance(seen), 0.5 * near.get(name, np.inf))
         if gap(own, footprint(seen)) < max(apart, kept.get(name, 0.0)):
             raise no_plan("place_taken", what=f"the {problem.target.name}", other=name)
     if room_to_edge(own, problem.state.table, problem.defaults.clearance) < 0.0:
         raise no_plan("table_ends", what=f"the {problem.target.name}")
-
-
-def _draft_to(
-    problem: GraspProblem, aim: Aim, found: GoalPoses, lower: SeenObject | None
-) -> MotionDraft:
-    there = put_on(object_at(problem.target, np.array([aim.x, aim.y])), lower)
-    require_room(problem, there, dict(found.goal.near))
-    last = SetDown() if lower is None else step_onto(problem, there)
-    steps = (*lift_steps(problem, clearance_height(problem, aim)), Carry(to=aim), last)
-    stands = last.prediction.stands if isinstance(last, SetOn) else 1.0
-    return MotionDraft(steps, stands, aim=aim, defaults=found.defaults_used)
 
 
 def _lift_height(problem: GraspProblem, goal: g.Lift) -> tuple[float, tuple[DefaultUsed, ...]]:
@@ -339,23 +315,16 @@ def _lift_height(problem: GraspProblem, goal: g.Lift) -> tuple[float, tuple[Defa
     return value_in_bound(height, goal.bound, d.distance_tolerance) - now, ()
 
 
-# --- upright planner ------------------------------------------------------------------------------
-#
 # Standing up what has fallen: held, lifted, turned until its own bottom is below, and set down.
 #
 # Model: it turns evenly about the middle of the grasp, with hand and all. How it is turned about
 # the vertical in the end is free: the hand had better point then where it pointed before, so that
 # its wrist rolls and the arm stays where it is. A hand from above, which pointed nowhere, ends
 # level, and may point away from W's origin or to the sides.
-#
-# Frames: W is the world, N the face on which it lies, B the object as it stands.
-
 
 _UP = np.array([0.0, 0.0, 1.0])
-_HALF = math.radians(150.0)  # turns by more than this are tried the other way round, too
 _ASIDE = np.radians([0.0, 40.0, -40.0, 80.0, -80.0])  # of a hand in the end, off "away"
 _SAMPLES = 32  # orientations on the way that are looked at
-_POINTS_UP = 0.2  # of straight fingers in the end, how much they go up at most
 
 
 def stand_up(problem: GraspProblem) -> Plan | Reached:
@@ -395,14 +364,15 @@ def _turned(held: Candidate, rest: Resting, target: SeenObject) -> Iterator[Gras
     """
     level = _lean_onto(rest.foot)
     last = level @ held.approach
-    if last[2] > _POINTS_UP:
+    if last[2] > 0.2:  # of straight fingers in the end, how much they go up at most
         return
     away = heading_of(target.pose.p_WB) - target.pose.yaw
     kept = [heading_of(held.approach)] if np.any(held.approach[:2]) else []
     for heading in (*kept, *(away + _ASIDE)):
-        axis, angle = axis_and_angle(rotation_about(_UP, heading - heading_of(last)) @ level)
+        axis, angle = axis_and_angle(axis_rotation(_UP, heading - heading_of(last)) @ level)
         yield GraspLoad(held, turned=angle * axis)
-        if angle > _HALF:
+        # Turns by more than this are tried the other way round, too.
+        if angle > math.radians(150.0):
             yield GraspLoad(held, turned=(angle - math.tau) * axis)
 
 
@@ -410,9 +380,9 @@ def _lean_onto(foot: Array) -> Array:
     """The shortest rotation by which a direction, shape (3,), comes to look down, shape (3, 3)."""
     axis = np.cross(foot, -_UP)
     if np.linalg.norm(axis) < 1e-9:
-        return rotation_about([1.0, 0.0, 0.0], 0.0 if foot[2] < 0.0 else math.pi)
+        return axis_rotation([1.0, 0.0, 0.0], 0.0 if foot[2] < 0.0 else math.pi)
     angle = math.acos(float(np.clip(-foot[2], -1.0, 1.0)))
-    return rotation_about(axis / np.linalg.norm(axis), angle)
+    return axis_rotation(axis / np.linalg.norm(axis), angle)
 
 
 def _first_way(problem: GraspProblem, rest: Resting, ways: list[StableGrasp]) -> Plan:
@@ -432,12 +402,17 @@ def _motion_draft(problem: GraspProblem, rest: Resting, hold: StableGrasp) -> Mo
     target, middle = problem.target, np.array(hold.grasp.p_BG)
     R_WN, angle = target.pose.R_WB, float(np.linalg.norm(hold.turned))
     axis = R_WN @ hold.turned / angle
-    R_WE = rotation_about(axis, angle) @ R_WN
+    R_WE = axis_rotation(axis, angle) @ R_WN
     R_WB, p_WB = rest.body_pose(R_WE, target.pose.p_WB + R_WN @ middle - R_WE @ middle)
     aim = Aim(x=float(p_WB[0]), y=float(p_WB[1]), yaw=heading_of(R_WB[:, 0]))
     require_room(problem, standing_object(target, aim), {})
     here = Aim(x=target.pose.x, y=target.pose.y)
-    up = clearance_height(problem, here) + _room_below(target, middle, hold.turned)
+    # Lifted so, it clears the table while it turns.
+    ways = axis_rotation(hold.turned / angle, np.linspace(0.0, angle, _SAMPLES))
+    outline, top = target.model.outline, target.model.top
+    corners = np.array([(x, y, z) for z in (0.0, top) for x, y in outline])
+    lowest = float(((corners - middle) @ ways[:, 2].T).min())
+    up = clearance_height(problem, here) + max(0.0, -lowest - float(middle[2]))
     x, y, z = axis.tolist()
     steps: tuple[Action, ...] = (
         *lift_steps(problem, up),
@@ -445,19 +420,3 @@ def _motion_draft(problem: GraspProblem, rest: Resting, hold: StableGrasp) -> Mo
         SetDown(),
     )
     return MotionDraft(steps, aim=aim)
-
-
-def _room_below(target: SeenObject, middle: Array, turned: Array) -> float:
-    """Height by which it is lifted so that it clears the table while it turns [m].
-
-    Args:
-        target: what is turned.
-        middle: the point in N that stays where it is, shape (3,) [m].
-        turned: rotation vector in N, shape (3,) [rad].
-    """
-    angle = float(np.linalg.norm(turned))
-    ways = rotation_about(turned / angle, np.linspace(0.0, angle, _SAMPLES))
-    outline, top = target.model.outline, target.model.top
-    corners = np.array([(x, y, z) for z in (0.0, top) for x, y in outline])
-    lowest = float(((corners - middle) @ ways[:, 2].T).min())
-    return max(0.0, -lowest - float(middle[2]))

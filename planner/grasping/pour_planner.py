@@ -22,15 +22,9 @@ from objectmodels.containers.pour_dynamics import Catch, Poured, UncertainPour, 
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.models.object_parts import Container, Vessel
 from planner.grasping import lift_planner
+from planner.grasping.grasp_candidates import Candidate, body_candidates
 from planner.grasping.grasp_plans import MotionDraft, first_plan_of_groups, first_reachable_plan
-from planner.grasping.grasp_selection import (
-    Candidate,
-    GraspLoad,
-    StableGrasp,
-    body_candidates,
-    held_already,
-    stable_grasps,
-)
+from planner.grasping.grasp_selection import GraspLoad, StableGrasp, held_already, stable_grasps
 from planner.grasping.lid_planner import is_open
 from planner.problem.directions import heading_of, unit
 from planner.problem.planning_problem import GraspProblem
@@ -38,18 +32,13 @@ from planner.refusals.no_plan import no_plan
 from planner.types.actions import Action, Aim, Carry, PourOut, PourPrediction, SetDown
 from planner.types.defaults import Defaults
 from planner.types.plan import DefaultUsed, Plan, Reached
-from planner.types.refusal import NoPlanError
 from planner.types.world_state import SeenObject
 
-# --- pour amounts ---------------------------------------------------------------------------------
-#
 # How much is poured: what the sentence says, what is there, and what fits.
 #
 # Volumes that a refusal names are there and fit even in the worst case of what is believed.
 
-
 _DROP = 1e-6  # less than this is nothing [m³]
-_LEAST_SAID = 1e-5  # nobody is told to pour less than this [m³]
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,7 +126,8 @@ def _surely_poured(source: Hollow, into: Hollow, d: Defaults) -> float:
     there = source.container.contents - d.sigmas * source.container.contents_sd
     fits = into.room - d.sigmas * into.container.contents_sd
     surely = min(there, fits)
-    return surely if surely >= _LEAST_SAID else min(source.container.contents, max(into.room, 0.0))
+    # Nobody is told to pour less than this [m³].
+    return surely if surely >= 1e-5 else min(source.container.contents, max(into.room, 0.0))
 
 
 def _wanted_volume(
@@ -165,14 +155,10 @@ def _wanted_volume(
     return value if unit else value * has, (used,)
 
 
-# --- pour planner ---------------------------------------------------------------------------------
-
-
 _TURNS = np.radians([0.0, 30.0, -30.0, 60.0, -60.0, 90.0, -90.0, 135.0, -135.0, 180.0]).tolist()
 _ANGLES = np.radians(np.arange(0.0, 60.0, 5.0))  # beyond the tilt at which it would run out slowly
 _LEAST_LEFT = 0.01  # share that may stay where everything is poured
 _SOON, _PART_WAIT = 1.0, 2.0  # everything, or a part, has run out so soon after the tilt [s]
-_CENTRED = 0.001  # an opening so near to the middle has no side [m]
 
 
 @dataclass(frozen=True)
@@ -250,8 +236,6 @@ class _Pouring:
         found = [way for _, way in sorted(ranked, key=lambda each: each[0])]
         return first_reachable_plan(self._problem, "pour", found)
 
-    # -- how it is tilted -----------------------------------------------------------------------
-
     def _grasp_loads(self, each: list[Candidate], motions: dict[int, Motion]) -> list[GraspLoad]:
         """All ways to hold it through its motion."""
         found = []
@@ -266,23 +250,12 @@ class _Pouring:
         """Directions in B in which it may lean, held so: along the line across [rad]."""
         opening = np.array([*self._source.container.opening.centre, 0.0])
         off = float(np.linalg.norm(opening))
+        # An opening so near to the middle has no side [m].
         return [
             heading_of(side * closing)
             for side in (1.0, -1.0)
-            if off < _CENTRED or side * closing @ opening > lift_planner.TO_THE_SIDE * off
+            if off < 0.001 or side * closing @ opening > lift_planner.TO_THE_SIDE * off
         ]
-
-    def _may_spill(self, motion: Motion) -> NoPlanError:
-        """Dead end since too much may miss or run over, or too little run out."""
-        numbers = {
-            "volume": self._wanted.volume,
-            "room": self._wanted.room,
-            **{name: float(value) for name, value in motion.poured.mean_volumes().items()},
-            "probability": motion.probability,
-            "asked_probability": self._problem.effort.probability,
-        }
-        name, into = self._problem.target.name, self._into.seen.name
-        return no_plan("may_spill", numbers, object=name, into=into)
 
     def _likely_motions(self, closing: list[Array]) -> dict[int, Motion]:
         """The motion for each direction in which it may lean, if it is likely enough."""
@@ -295,7 +268,15 @@ class _Pouring:
         found = {key: self._pour_motion(lean) for key, lean in leans.items()}
         best = max(found.values(), key=lambda motion: motion.probability)
         if best.probability < self._problem.effort.probability:
-            raise self._may_spill(best)
+            numbers = {
+                "volume": self._wanted.volume,
+                "room": self._wanted.room,
+                **{name: float(value) for name, value in best.poured.mean_volumes().items()},
+                "probability": best.probability,
+                "asked_probability": self._problem.effort.probability,
+            }
+            name, into = self._problem.target.name, self._into.seen.name
+            raise no_plan("may_spill", numbers, object=name, into=into)
         asked = self._problem.effort.probability
         return {key: motion for key, motion in found.items() if motion.probability >= asked}
 
@@ -322,33 +303,31 @@ class _Pouring:
         )
         everything = running.caught_by(catch)
         poured = everything if wanted.all else _pour_stopped_at(everything, wanted.volume)
-        return Motion(lean, angle, wait, ahead, poured, self._success_probability(poured))
-
-    def _success_probability(self, poured: Poured) -> float:
-        """Probability that enough is received, and next to nothing spilled."""
-        d, wanted = self._problem.defaults, self._wanted
+        # Probability that enough is received, and next to nothing spilled.
         if wanted.all:
             enough = poured.received >= d.pour_all * poured.contents
         else:
             missing = d.pour_tolerance * self._source.container.contents
             enough = poured.received >= wanted.volume - missing
         clean = poured.spilled <= d.spill_tolerance * poured.poured
-        return float((enough & clean).mean())
-
-    # -- where it is held -----------------------------------------------------------------------
+        return Motion(lean, angle, wait, ahead, poured, float((enough & clean).mean()))
 
     def _motion_draft(self, motion: Motion, turn: float) -> MotionDraft:
         """The steps after the grasp, with the container turned about the vertical before."""
         problem, into, d = self._problem, self._into.seen, self._problem.defaults
         pose, held = problem.target.pose, problem.state.held is not None
         heading = math.remainder(pose.yaw + turn + motion.lean, math.tau)
-        lip = self._opening_W() - motion.ahead * unit(heading)
+        # The stream falls into the middle of the opening below, at height 0.
+        below = np.array([*self._into.container.opening.centre, 0.0])
+        lip = into.pose.p_WB + into.pose.R_WB @ below - motion.ahead * unit(heading)
         behind = float(np.linalg.norm(self._source.vessel.lip_point(motion.lean)[:2]))
         x, y, _ = (lip - behind * unit(heading)).tolist()
         up = max(
             lift_planner.clearance_height(problem, Aim(x=x, y=y)),
             into.model.top + d.carry_clearance,
         )
+        mean = {name: float(value) for name, value in motion.poured.mean_volumes().items()}
+        filled = self._into.container.contents + mean["received"]
         out = PourOut(
             into=into.name,
             heading=heading,
@@ -357,36 +336,21 @@ class _Pouring:
             rate=self._rate,
             wait=motion.wait + d.pour_wait,
             volume=None if self._wanted.all else self._wanted.volume,
-            prediction=self._pour_prediction(motion.poured),
+            prediction=PourPrediction(**mean, level_after=filled / self._into.vessel.capacity),
         )
         steps: tuple[Action, ...] = (*lift_planner.lift_steps(problem, up), out)
         if turn:
             turned, back = (Aim(x=pose.x, y=pose.y, yaw=pose.yaw + by) for by in (turn, 0.0))
             steps = (*lift_planner.lift_steps(problem, up), Carry(to=turned), out, Carry(to=back))
+        used = DefaultUsed(name="pour_rate", value=d.pour_rate, unit="rad/s", reason="no rate said")
+        by_default = () if self._rate < d.pour_rate else (used,)
         return MotionDraft(
             steps if held else (*steps, SetDown()),
             motion.probability,
             aim=None if held else Aim(x=pose.x, y=pose.y, yaw=pose.yaw),
-            defaults=(*self._wanted.defaults, *self._defaults_used()),
+            defaults=(*self._wanted.defaults, *by_default),
             notes=(f"the stream lands {1e3 * motion.ahead:.0f} mm ahead of the lip",),
         )
-
-    def _opening_W(self) -> Array:
-        """Middle of the opening that is poured into, at height 0, shape (3,) [m]."""
-        pose = self._into.seen.pose
-        centre = np.array([*self._into.container.opening.centre, 0.0])
-        return np.asarray(pose.p_WB + pose.R_WB @ centre)
-
-    def _defaults_used(self) -> tuple[DefaultUsed, ...]:
-        rate = self._problem.defaults.pour_rate
-        if self._rate < rate:
-            return ()
-        return (DefaultUsed(name="pour_rate", value=rate, unit="rad/s", reason="no rate said"),)
-
-    def _pour_prediction(self, poured: Poured) -> PourPrediction:
-        mean = {name: float(value) for name, value in poured.mean_volumes().items()}
-        filled = self._into.container.contents + mean["received"]
-        return PourPrediction(**mean, level_after=filled / self._into.vessel.capacity)
 
 
 def _lean_key(lean: float | None) -> int:

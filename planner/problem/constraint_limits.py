@@ -44,11 +44,6 @@ from planner.types.plan import LIFT_SPEED, reached_speed
 from planner.types.refusal import NoPlanError, Refusal
 from planner.types.world_state import SeenObject
 
-# --- contact heights ------------------------------------------------------------------------------
-#
-# Clauses about the contact: which heights and faces of an object, and which part of the hand.
-
-
 Band = tuple[float, float, str]
 """The lowest and the highest of some heights [m], and words for them."""
 
@@ -182,15 +177,12 @@ def _require_right(clause: g.Effector) -> None:
         )
 
 
-# --- tilt goals -----------------------------------------------------------------------------------
-#
 # Tilting an object and letting it back onto its base: how far, and whether it surely comes back.
 #
 # Model: the object pivots about the far edge of its base; see
 # `objectmodels.mechanics.push_thresholds`. It must come back with the probability that plans
 # need, from the asked angle and from what the control may miss it by. It leans over by sin θ
 # times its height on the way.
-
 
 CLEARANCE = 0.01
 """Distance that a leaning object keeps from others [m]."""
@@ -332,9 +324,6 @@ def _may_fall(problem: PushProblem, inward: NDArray[np.float64], angle: float) -
     )
 
 
-# --- constraint limits ----------------------------------------------------------------------------
-
-
 @dataclass(frozen=True)
 class ConstraintRule:
     """Rule by which one kind of constraint limits a problem.
@@ -390,9 +379,6 @@ def _with_tilt(problem: PushProblem, tilt: float) -> PushProblem:
     """The problem with a narrower limit of the tilt [rad]."""
     narrowest = min(tilt, problem.motion.tilt or math.inf)
     return replace(problem, motion=replace(problem.motion, tilt=narrowest))
-
-
-# -- tilting, turning, sliding ----------------------------------------------------------------
 
 
 def _stay_on_base(problem: PushProblem, clause: g.NoTopple | g.NoTilt | g.MaxTilt) -> PushProblem:
@@ -477,9 +463,6 @@ def _keep_contents(problem: PushProblem, clause: g.NoSpill) -> PushProblem:
     raise _contradiction(f"{begins}; {does}", clause.spans, **numbers)
 
 
-# -- others -----------------------------------------------------------------------------------
-
-
 def _keep_clear(problem: PlanningProblem[GoalT], clause: g.NoTouch) -> PlanningProblem[GoalT]:
     """The problem with objects from which a distance is kept, on the way and by a guard."""
     others = list(problem.others)
@@ -499,9 +482,6 @@ def _push_clear(problem: PushProblem, clause: g.NoTouch) -> PushProblem:
     if meets in others:
         raise _contradiction(f"it cannot touch the {meets} and not touch it", clause.spans)
     return limited
-
-
-# -- force ------------------------------------------------------------------------------------
 
 
 def _push_at_most(problem: PushProblem, clause: g.MaxForce | g.Force) -> PushProblem:
@@ -533,9 +513,6 @@ def _grasp_gently(problem: GraspProblem, clause: g.Gentle) -> GraspProblem:
     return _limit_speed(replace(problem, force=force), problem.defaults.carry_speed_gentle)
 
 
-# -- speed and time ---------------------------------------------------------------------------
-
-
 def _limit_speed(problem: PlanningProblem[GoalT], speed: float) -> PlanningProblem[GoalT]:
     """The problem with a lower speed [m/s]; one that the sentence gave is no default any more."""
     motion = problem.motion
@@ -543,40 +520,21 @@ def _limit_speed(problem: PlanningProblem[GoalT], speed: float) -> PlanningProbl
     return replace(problem.without_default("speed").without_default("carry_speed"), motion=motion)
 
 
-def _at_speed(problem: PushProblem, speed: float, spans: g.Spans) -> PushProblem:
+def _push_at_speed(problem: PushProblem, clause: g.Fast | g.Speed | g.MinSpeed) -> PushProblem:
+    speed = problem.defaults.speed_fast if isinstance(clause, g.Fast) else clause.value
     most = problem.defaults.speed_most
     if speed > most:
         what, goal = "objects keep to the fingertips up to", problem.goal
         if goal.aims and not goal.rotates and reached_speed(most, goal.distance) < most:
             what = f"over {1e3 * goal.distance:.0f} mm the fingertips come to"
             most = reached_speed(most, goal.distance)
-        raise _too_fast(speed, most, what, spans)
+        raise _too_fast(speed, most, what, clause.spans)
     motion = replace(problem.motion, speed=speed)
     return replace(problem.without_default("speed"), motion=motion)
 
 
 def _too_fast(speed: float, most: float, what: str, spans: g.Spans) -> NoPlanError:
     return no_plan("too_fast", {"speed": speed, "most": most}, spans=spans, what=what)
-
-
-def _push_slowly(problem: PushProblem, clause: g.Slow) -> PushProblem:
-    return _limit_speed(problem, problem.defaults.speed_gentle)
-
-
-def _push_fast(problem: PushProblem, clause: g.Fast) -> PushProblem:
-    return _at_speed(problem, problem.defaults.speed_fast, clause.spans)
-
-
-def _push_at_speed(problem: PushProblem, clause: g.Speed | g.MinSpeed) -> PushProblem:
-    return _at_speed(problem, clause.value, clause.spans)
-
-
-def _move_at_most(problem: PlanningProblem[GoalT], clause: g.MaxSpeed) -> PlanningProblem[GoalT]:
-    return _limit_speed(problem, clause.value)
-
-
-def _carry_slowly(problem: GraspProblem, clause: g.Slow) -> GraspProblem:
-    return _limit_speed(problem, problem.defaults.carry_speed_gentle)
 
 
 def _carry_at_speed(problem: GraspProblem, clause: g.Speed | g.MinSpeed) -> GraspProblem:
@@ -597,9 +555,6 @@ def _push_within(problem: PushProblem, clause: g.MaxDuration) -> PushProblem:
 def _push_exactly(problem: PushProblem, clause: g.Duration) -> PushProblem:
     what = "pushing for an exact time"
     raise not_capable(what, f"this version of the robot is not capable of {what}", clause.spans)
-
-
-# -- how far ----------------------------------------------------------------------------------
 
 
 def _push_near(problem: PushProblem, clause: g.MaxDistance) -> PushProblem:
@@ -651,11 +606,17 @@ LIMITS: dict[str, ConstraintRule] = {
     "min_force": ConstraintRule(_push_at_least, unsupported="pressing with a least force"),
     "hard": ConstraintRule(_push_hard, unsupported="using much force"),
     "gentle": ConstraintRule(_push_gently, _grasp_gently),
-    "slow": ConstraintRule(_push_slowly, _carry_slowly),
-    "fast": ConstraintRule(_push_fast, unsupported="moving fast"),
+    "slow": ConstraintRule(
+        lambda problem, _: _limit_speed(problem, problem.defaults.speed_gentle),
+        lambda problem, _: _limit_speed(problem, problem.defaults.carry_speed_gentle),
+    ),
+    "fast": ConstraintRule(_push_at_speed, unsupported="moving fast"),
     "speed": ConstraintRule(_push_at_speed, _carry_at_speed),
     "min_speed": ConstraintRule(_push_at_speed, _carry_at_speed),
-    "max_speed": ConstraintRule(_move_at_most, _move_at_most),
+    "max_speed": ConstraintRule(
+        lambda problem, clause: _limit_speed(problem, clause.value),
+        lambda problem, clause: _limit_speed(problem, clause.value),
+    ),
     "max_duration": ConstraintRule(_push_within, unsupported="keeping to a time"),
     "duration": ConstraintRule(_push_exactly, unsupported="keeping to a time"),
     "max_distance": ConstraintRule(_push_near, unsupported="limiting a distance"),

@@ -157,8 +157,7 @@ def travel_to_edge(corners: Array, table: TableState, direction: Array, margin: 
     Returns:
         The distance [m], negative or zero if a corner is too close already.
     """
-    low = np.array([table.x_min, table.y_min]) + margin
-    high = np.array([table.x_max, table.y_max]) - margin
+    low, high = table.corners_within(margin)
     room = np.where(direction > 0.0, high - corners, corners - low)
     going = np.abs(direction) > 1e-12
     return float((room[:, going] / np.abs(direction[going])).min())
@@ -169,8 +168,7 @@ def room_to_edge(corners: Array, table: TableState, margin: float = 0.0) -> floa
 
     Less than 0 if a corner is beyond it.
     """
-    low = np.array([table.x_min, table.y_min]) + margin
-    high = np.array([table.x_max, table.y_max]) - margin
+    low, high = table.corners_within(margin)
     return float(np.minimum(corners - low, high - corners).min())
 
 
@@ -235,23 +233,15 @@ def leading_point(seen: SeenObject, direction_W: Array) -> Array:
     return np.asarray(p_WB + ahead * direction_W)
 
 
-# --- visibility graph -----------------------------------------------------------------------------
-#
 # Ways around what stands on the table, along the faces of an object.
 #
 # Model: the object keeps its heading and moves along the normals of two of its faces, so its
 # origin goes along the lines of a grid in these two directions. A place is free if the footprint
 # keeps the clearance there, along the edges' normals. The shortest way is searched with A* (Hart,
 # Nilsson and Raphael 1968); a turn costs as much as a piece of way, since it takes another push.
-#
-# Frames: W, its table plane.
-
 
 STEP = 0.02
 """Distance of the grid's lines [m]."""
-
-MOST_LEGS = 4
-"""Legs of a way; more pushes than that are not worth it."""
 
 _AROUND = 0.30  # how far beyond start and end the grid reaches [m]
 
@@ -279,13 +269,18 @@ def shortest_detour(
     Returns:
         None if there is no way.
     """
-    first, second = _square_headings(headings)
+    # Two headings that are as square to each other as any.
+    pairs = [(a, b) for i, a in enumerate(headings) for b in headings[i + 1 :]]
+    first, second = max(pairs, key=lambda pair: abs(math.sin(pair[1] - pair[0])))
     axes = np.column_stack((unit(first)[:2], unit(second)[:2]))
     start, end = (np.linalg.solve(axes, p) for p in (target.pose.p_WB[:2], np.array(aim)))
     lines = [_grid_lines(a, b) for a, b in zip(start, end, strict=True)]
     grid = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1) @ axes.T
     free = _free_places(grid, target, state, clearances, margin)
-    here, there = (_nearest_lines(lines, p) for p in (start, end))
+    here, there = (
+        (int(np.argmin(np.abs(lines[0] - x))), int(np.argmin(np.abs(lines[1] - y))))
+        for x, y in (start, end)
+    )
     steps = {
         heading: move
         for heading, move in (
@@ -300,12 +295,6 @@ def shortest_detour(
     return _cheapest_path(plain, free.tolist(), here, there, steps, turn_cost)
 
 
-def _square_headings(headings: tuple[float, ...]) -> tuple[float, float]:
-    """Two headings that are as square to each other as any."""
-    pairs = [(a, b) for i, a in enumerate(headings) for b in headings[i + 1 :]]
-    return max(pairs, key=lambda pair: abs(math.sin(pair[1] - pair[0])))
-
-
 def _grid_lines(a: float, b: float) -> Array:
     """Coordinates of the grid's lines along one axis: through the end, and through the start."""
     low, high = min(a, b) - _AROUND, max(a, b) + _AROUND
@@ -313,12 +302,6 @@ def _grid_lines(a: float, b: float) -> Array:
     lines = b + STEP * count
     apart = np.abs(lines - a).min()
     return np.asarray(np.sort(np.append(lines, a)) if apart > 1e-9 else lines)
-
-
-def _nearest_lines(lines: list[Array], p: Array) -> tuple[int, int]:
-    """The lines through a point."""
-    i, j = (int(np.argmin(np.abs(line - x))) for line, x in zip(lines, p, strict=True))
-    return i, j
 
 
 def _free_places(
@@ -330,12 +313,11 @@ def _free_places(
 ) -> NDArray[np.bool_]:
     """Which places of the origin, shape (n, m, 2) [m], are free, shape (n, m)."""
     own = footprint(target) - target.pose.p_WB[:2]
-    table = state.table
-    low = np.array([table.x_min, table.y_min]) + margin - own.min(axis=0)
-    high = np.array([table.x_max, table.y_max]) - margin - own.max(axis=0)
-    free = np.asarray(((grid >= low) & (grid <= high)).all(axis=-1))
+    low, high = state.table.corners_within(margin)
+    within = (grid >= low - own.min(axis=0)) & (grid <= high - own.max(axis=0))
     others = [footprint(state.objects[name]) for name in clearances]
-    return free & Separations(own, others, [*clearances.values()]).are_free(grid)
+    apart = Separations(own, others, [*clearances.values()])
+    return np.asarray(within.all(axis=-1)) & apart.are_free(grid)
 
 
 def _cheapest_path(
@@ -363,7 +345,7 @@ def _cheapest_path(
                 continue
             length = abs(lines[0][i] - lines[0][at[0]] + lines[1][j] - lines[1][at[1]])
             turns = next_heading != heading
-            if legs + turns > MOST_LEGS:
+            if legs + turns > 4:  # Legs of a way; more pushes than that are not worth it
                 continue
             total = cost + length + turn_cost * turns
             if total < best.get((i, j, next_heading), math.inf) - 1e-9:

@@ -23,7 +23,6 @@ from planner.types.plan import DefaultUsed, Plan
 from planner.types.robot import Failed, NoRobot, Robot
 from planner.types.world_state import SeenObject, WorldState
 
-_OF_WHAT_STANDS = ("open", "close", "pour")
 _DOING = {"rotate": "turning", "tilt": "tilting", "topple": "toppling"}
 _NO_CONTROLLER = {
     "lift": "lifting objects",
@@ -103,7 +102,11 @@ def _with_goal(problem: planning_problem.PushProblem) -> planning_problem.PushPr
             defaults_used=used,
         )
     if isinstance(goal, g.Upright):
-        return replace(problem, goal=_tipped_onto_bottom(problem.target))
+        # The fall over the edge between the face below and the bottom.
+        foot = -problem.target.body_pose[0][:, 2]
+        if math.hypot(foot[0], foot[1]) < math.cos(LEVEL):
+            raise no_plan("no_edge", object=problem.target.name, side=problem.target.side_below)
+        return replace(problem, goal=planning_problem.PushGoal("topple", heading_of(foot)))
     if not isinstance(goal, g.Displace | g.Place | g.Rotate | g.NoGoal):
         what = _NO_CONTROLLER.get(goal.kind, goal.kind)
         message = f"this version of the robot has no controller for {what}"
@@ -111,14 +114,6 @@ def _with_goal(problem: planning_problem.PushProblem) -> planning_problem.PushPr
         raise not_capable(what, message, spans, "push, turn, tilt or topple it")
     found = find_goal_poses(problem)
     return replace(problem, goal=found.goal, defaults_used=found.defaults_used + used)
-
-
-def _tipped_onto_bottom(target: SeenObject) -> planning_problem.PushGoal:
-    """The fall over the edge between the face below and the bottom."""
-    foot = -target.body_pose[0][:, 2]
-    if math.hypot(foot[0], foot[1]) < math.cos(LEVEL):
-        raise no_plan("no_edge", object=target.name, side=target.side_below)
-    return planning_problem.PushGoal("topple", heading_of(foot))
 
 
 def grasp_problem(
@@ -136,25 +131,6 @@ def grasp_problem(
     """
     d = defaults
     used = DefaultUsed(name="carry_speed", value=d.carry_speed, unit="m/s", reason="no speed said")
-    return grasp_limits(
-        planning_problem.PlanningProblem(
-            frame,
-            _target_of_hand(frame, state),
-            state,
-            robot,
-            d,
-            planning_problem.GraspGoal(planning_problem.HAND_GOALS[frame.goal.kind]),
-            planning_problem.ContactLimits(),
-            planning_problem.ForceLimits(d.grasp_reserve),
-            planning_problem.MotionLimits(d.carry_speed, d.lid_speed),
-            planning_problem.Effort.from_defaults(d),
-            (used,),
-            failed=tuple(failed),
-        )
-    )
-
-
-def _target_of_hand(frame: g.Frame, state: WorldState) -> SeenObject:
     held = state.held
     name = frame.object.id if frame.object is not None else None
     if name is None and isinstance(frame.goal, g.SetDown):
@@ -169,12 +145,27 @@ def _target_of_hand(frame: g.Frame, state: WorldState) -> SeenObject:
     target = state.objects[name]
     require_resting(target)
     require_no_load(target, state)
-    if frame.goal.kind in _OF_WHAT_STANDS and target.rest is not None:
+    if frame.goal.kind in ("open", "close", "pour") and target.rest is not None:
         doing = planning_problem.HAND_GOALS[frame.goal.kind]
         raise no_plan("lies", object=name, side=target.side_below, doing=doing)
     if not isinstance(frame.goal, g.Lift | g.Place | g.SetDown):
         require_on_table(target, state)
-    return target
+    return grasp_limits(
+        planning_problem.PlanningProblem(
+            frame,
+            target,
+            state,
+            robot,
+            d,
+            planning_problem.GraspGoal(planning_problem.HAND_GOALS[frame.goal.kind]),
+            planning_problem.ContactLimits(),
+            planning_problem.ForceLimits(d.grasp_reserve),
+            planning_problem.MotionLimits(d.carry_speed, d.lid_speed),
+            planning_problem.Effort.from_defaults(d),
+            (used,),
+            failed=tuple(failed),
+        )
+    )
 
 
 def require_resting(target: SeenObject) -> None:

@@ -32,8 +32,6 @@ from planner.types.defaults import Defaults
 from planner.types.plan import DefaultUsed
 from planner.types.world_state import SeenObject, WorldState
 
-# --- orientations ---------------------------------------------------------------------------------
-#
 # Headings of an object that turns to face something, or to lie along it.
 #
 # Model: an object looks where its broad side faces look, those as wide as its widest. So a long
@@ -42,7 +40,6 @@ from planner.types.world_state import SeenObject, WorldState
 # the robot, the others across.
 #
 # Frame: W.
-
 
 _BROAD = 0.98  # share of the widest face's width from which a face counts as as wide
 _QUARTER = math.pi / 2.0
@@ -104,9 +101,6 @@ def _headings_of_sides(seen: SeenObject) -> tuple[float, ...]:
     return tuple(heading_of(seen.pose.R_WB @ np.array(face.normal)) for face in broad)
 
 
-# --- goal poses -----------------------------------------------------------------------------------
-
-
 _HALVINGS = 40  # of a way of metres: far below a micrometre
 _BEYOND = 0.008  # travel beyond the place where something should be met [m]
 
@@ -118,8 +112,6 @@ _CAPABILITIES = {
     "off": "taking objects off others",
 }
 """Relations to objects that no push over the table brings about, and what they take."""
-
-_TIPPING = ("tips", "about_to_tip")  # events that end no way over the table
 
 
 @dataclass(frozen=True)
@@ -148,7 +140,7 @@ def find_goal_poses(problem: PlanningProblem[GoalT]) -> GoalPoses:
             return _rotation_poses(problem, goal)
         case g.Place():
             return _place_poses(problem, goal)
-        case g.Displace() if until is not None and until.event not in _TIPPING:
+        case g.Displace() if until is not None and until.event not in ("tips", "about_to_tip"):
             return _event_poses(problem, goal, until)
         case g.NoGoal():
             return _tap_poses(problem)
@@ -171,9 +163,6 @@ def pose_as_aim(target: SeenObject, x: float | None = None, y: float | None = No
     pose = target.pose
     yaw = None if isinstance(target.model.base, Disc) else pose.yaw
     return Aim(x=pose.x if x is None else x, y=pose.y if y is None else y, yaw=yaw)
-
-
-# -- moving -----------------------------------------------------------------------------------
 
 
 def _displacement_poses(problem: PlanningProblem[GoalT], goal: g.Displace) -> GoalPoses:
@@ -220,9 +209,6 @@ def _tap_poses(problem: PlanningProblem[GoalT]) -> GoalPoses:
     return _until_it_moves(_pose_along(problem.target, HEADINGS[push], problem.defaults.tap))
 
 
-# -- until something happens ------------------------------------------------------------------
-
-
 def _until_it_moves(found: GoalPoses) -> GoalPoses:
     return replace(found, goal=replace(found.goal, until="moves"))
 
@@ -259,9 +245,6 @@ def _event_poses(problem: PlanningProblem[GoalT], goal: g.Displace, until: g.Unt
     if along <= 0.0:
         raise no_plan("never_met", spans=until.spans, object=target.name, other=other.name)
     return _pose_along(target, heading, along, used)
-
-
-# -- placing and turning ----------------------------------------------------------------------
 
 
 def _place_poses(problem: PlanningProblem[GoalT], goal: g.Place) -> GoalPoses:
@@ -323,9 +306,6 @@ def _rotation_poses(problem: PlanningProblem[GoalT], goal: g.Rotate) -> GoalPose
     pose = problem.target.pose
     aims = tuple(Aim(x=pose.x, y=pose.y, yaw=pose.yaw + sign * angle) for sign in signs)
     return GoalPoses(PushGoal(aims=aims, rotates=True), tuple(used))
-
-
-# -- displacements ----------------------------------------------------------------------------
 
 
 def goal_heading(goal: g.Displace, own: SeenObject, state: WorldState, d: Defaults) -> float | None:

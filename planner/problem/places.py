@@ -12,29 +12,23 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from statistics import NormalDist
 from typing import Literal
 
 import numpy as np
 
 from grammar.frames import command as g
 from objectmodels.geometry.base_shapes import Array, Polygon
-from objectmodels.mechanics.standing_balance import UNLOADED, TopLoad, largest_overhang
+from objectmodels.geometry.rotations import left_of
 from objectmodels.models.object_parts import Cavity, inner_floor
 from objectmodels.models.shapes import standing_height, top_face
 from planner.problem.directions import HEADINGS, heading_of, unit
-from planner.problem.footprints import footprint, gap, travel_to_edge
+from planner.problem.footprints import footprint, gap
+from planner.problem.overhangs import edge_name
 from planner.problem.stacks import face_in_world
 from planner.types.defaults import Defaults
 from planner.types.world_state import SeenObject, TableState, WorldState
-
-# --- place measures -------------------------------------------------------------------------------
-#
-# What a place is: where an object may go, and how well it is there.
-#
-# Frames: everything in W [m].
 
 
 @dataclass(frozen=True)
@@ -93,13 +87,6 @@ class Region(ABC):
         return all(measure.ok for measure in self.measures(own))
 
 
-# --- cleared places -------------------------------------------------------------------------------
-#
-# Places out of the way: in a half of the table, some way from objects, and aside.
-#
-# Frames: everything in W's table plane [m].
-
-
 _SIDES = {
     "left_half": "left",
     "right_half": "right",
@@ -127,10 +114,10 @@ class InHalf(Region):
 
     def spots(self, own: SeenObject) -> list[Array]:
         """So far that none of it is in the other half, straight first, or where it is."""
-        here, across = np.array([own.pose.x, own.pose.y]), self._reach_over(own) + self.tolerance
+        here, across = own.pose.p_WB[:2], self._reach_over(own) + self.tolerance
         if across <= 0.0:
             return [here]
-        along = np.array([-self._way[1], self._way[0]])
+        along = left_of(self._way)
         return [here + across * self._way + aside * along for aside in _ASIDE]
 
     def measures(self, own: SeenObject) -> tuple[Measure, ...]:
@@ -145,9 +132,7 @@ class InHalf(Region):
 
     def _reach_over(self, own: SeenObject) -> float:
         """Way from the middle to the farthest corner in the other half; negative if none is [m]."""
-        t = self.table
-        middle = np.array([t.x_min + t.x_max, t.y_min + t.y_max]) / 2.0
-        return float(((middle - footprint(own)) @ self._way).max())
+        return float(((self.table.middle - footprint(own)) @ self._way).max())
 
 
 @dataclass(frozen=True)
@@ -166,7 +151,7 @@ class Beyond(Region):
 
     def spots(self, own: SeenObject) -> list[Array]:
         """Straight away in eight directions, the nearest first; or where it is."""
-        here, shape = np.array([own.pose.x, own.pose.y]), footprint(own)
+        here, shape = own.pose.p_WB[:2], footprint(own)
         found = []
         for u in (unit(float(way))[:2] for way in _WAYS):
             for length in np.arange(0.0, _FARTHEST, _STEP):
@@ -205,7 +190,7 @@ class Aside(Region):
 
     def spots(self, own: SeenObject) -> list[Array]:
         """To the left, to the right, then in the other directions of eight."""
-        there = np.array([self.start.pose.x, self.start.pose.y])
+        there = self.start.pose.p_WB[:2]
         ways = sorted(_WAYS, key=lambda way: -abs(round(math.sin(way), 3)))
         return [there + self.distance * unit(float(way))[:2] for way in ways]
 
@@ -215,92 +200,13 @@ class Aside(Region):
         return (Measure("moved aside", "at_least", self.distance, aside, self.tolerance),)
 
 
-# --- overhangs ------------------------------------------------------------------------------------
-#
-# Overhangs: how far an object hangs over each edge of the table, and how far it may.
-#
-# Model: what lies on the table is carried by what of its base is over it
-# (`objectmodels.mechanics.standing_balance`). It may hang over so far that it lies with the
-# probability that a plan must have: its centre of mass is not known for sure, nor where it ends.
-#
-# Frames: W is the world, B the object.
-
-
-def edge_name(side: str) -> str:
-    """Name of the table's edge that lies in a direction of `HEADINGS`."""
-    return {"toward": "front", "away": "back"}.get(side, side)
-
-
-@dataclass(frozen=True, eq=False)
-class Overhang:
-    """An object over an edge of the table.
-
-    Attributes:
-        side: direction in which the edge lies, of `HEADINGS`.
-        length: how far it reaches beyond the edge [m].
-        normal: of the edge, off the table, in B, shape (2,).
-    """
-
-    side: str
-    length: float
-    normal: Array
-
-    @property
-    def edge(self) -> str:
-        """Name of the edge."""
-        return edge_name(self.side)
-
-
-def overhangs(seen: SeenObject, table: TableState) -> Iterator[Overhang]:
-    """The edges of the table over which an object hangs."""
-    for side, heading in HEADINGS.items():
-        n = unit(heading)
-        beyond = -travel_to_edge(footprint(seen), table, n[:2], 0.0)
-        if beyond > 0.0:
-            yield Overhang(side, beyond, (seen.pose.R_WB.T @ n)[:2])
-
-
-def most_overhang(
-    seen: SeenObject, over: Overhang, d: Defaults, loads: Sequence[TopLoad] = ()
-) -> float:
-    """Farthest that an object may hang over an edge, by itself and under each of some loads [m]."""
-    model, sigmas = seen.model, NormalDist().inv_cdf(d.probability)
-    lengths = []
-    for load in (UNLOADED, *loads):
-        share = model.weight / (model.weight + load.press)
-        com_sd = share * float(np.hypot(*(over.normal * model.com_sd[:2])))
-        spare = sigmas * math.hypot(com_sd, d.overhang_sd)
-        lengths.append(largest_overhang(model, over.normal, load, spare=spare))
-    return min(lengths)
-
-
-def table_with_room(table: TableState, over: Sequence[Overhang], room: float) -> TableState:
-    """The table with so much more room beyond edges as what hangs over them takes [m]."""
-    borders = {
-        "away": ("x_max", 1.0),
-        "toward": ("x_min", -1.0),
-        "left": ("y_max", 1.0),
-        "right": ("y_min", -1.0),
-    }
-    moved = {}
-    for one in over:
-        border, sign = borders[one.side]
-        moved[border] = getattr(table, border) + sign * (one.length + room)
-    return replace(table, **moved)
-
-
-# --- places in boxes ------------------------------------------------------------------------------
-#
 # Places in an open box, on its floor.
 #
 # Model: what stands there keeps its heading; it and its neighbours cover convex polygons. Frames:
 # W is the world, B the box.
 
-
 WALL_ROOM = 0.008
 """Room between the walls of a box and what is put into it [m]."""
-
-_BOX_SHARES = np.linspace(-1.0, 1.0, 5)  # of the way that is free, at which places are looked at
 
 
 @dataclass(frozen=True)
@@ -325,8 +231,7 @@ class InBox(Region):
         if (low > high).any():
             return []
         R_WB = self.box.pose.R_WB[:2, :2]
-        steps = np.stack(np.meshgrid(_BOX_SHARES, _BOX_SHARES), axis=-1).reshape(-1, 2)
-        steps = steps[np.argsort(np.hypot(*steps.T), kind="stable")]
+        steps = _pairs_outwards(np.linspace(-1.0, 1.0, 5))
         inside = 0.5 * (low + high) + 0.5 * steps * (high - low)
         places = inside @ R_WB.T + self.box.pose.p_WB[:2]
         rooms = [self._room(own, at) for at in places]
@@ -368,18 +273,6 @@ class InBox(Region):
         return min((gap(there, footprint(seen)) for seen in others), default=np.inf)
 
 
-# --- places on objects ----------------------------------------------------------------------------
-#
-# Places on another object, and off it.
-#
-# Frames: W is the world, B an object.
-
-
-_TOP_SHARES = np.linspace(
-    -0.8, 0.8, 9
-)  # of half the extent of a top, at which places are looked at
-
-
 @dataclass(frozen=True)
 class OnTop(Region):
     """A place on top of an object.
@@ -400,8 +293,7 @@ class OnTop(Region):
         face = face_in_world(top, self.lower)
         com = own.pose.R_WB[:2, :2] @ np.array(own.model.com[:2])
         half = 0.5 * np.ptp(top.vertices, axis=0)
-        steps = np.stack(np.meshgrid(_TOP_SHARES, _TOP_SHARES), axis=-1).reshape(-1, 2)
-        steps = steps[np.argsort(np.hypot(*steps.T), kind="stable")]
+        steps = _pairs_outwards(np.linspace(-0.8, 0.8, 9))
         over = face.centroid + (steps * half) @ self.lower.pose.R_WB[:2, :2].T
         inside = (over @ face.normals.T < face.offsets).all(axis=1)
         return list(over[inside] - com)
@@ -440,9 +332,6 @@ class OffObject(Region):
         return (Measure(f"gap to the {self.lower.name}", "at_least", 0.0, apart, 0.0),)
 
 
-# --- places ---------------------------------------------------------------------------------------
-
-
 SIDES: dict[str, tuple[str, ...]] = {
     "left_of": ("left",),
     "right_of": ("right",),
@@ -479,7 +368,6 @@ OTHER_HALF = {
 """Halves of the table, and where what is cleared from them goes."""
 
 _DOT = 1e-3 * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])  # a point, nearly [m]
-_EIGHTH = math.tan(math.pi / 8.0)  # nearer to the diagonal than to either side
 _CLOSE = 1e-5  # accuracy of a gap [m]
 _STEPS = 60  # advances until a gap is that accurate
 
@@ -545,10 +433,7 @@ def _place_clear_of(
         return Beyond(tuple((o.name, footprint(o)) for o in objects), room, d.place_tolerance)
     if reference != "center":
         return None
-    middle = np.array(
-        [state.table.x_min + state.table.x_max, state.table.y_min + state.table.y_max]
-    )
-    return Beyond((("middle of the table", _DOT + middle / 2.0),), room, d.place_tolerance)
+    return Beyond((("middle of the table", _DOT + state.table.middle),), room, d.place_tolerance)
 
 
 def table_region(name: str, table: TableState, d: Defaults) -> Region:
@@ -556,8 +441,8 @@ def table_region(name: str, table: TableState, d: Defaults) -> Region:
     if name in OTHER_HALF:
         return InHalf(table, name, d.edge_tolerance)
     if name == "center":
-        middle = (table.x_min + table.x_max) / 2.0, (table.y_min + table.y_max) / 2.0
-        return Spot(*middle, d.centre_tolerance)
+        x, y = table.middle.tolist()
+        return Spot(x, y, d.centre_tolerance)
     return AtEdge(table, _EDGES[name], d.edge_gap, d.edge_tolerance)
 
 
@@ -605,7 +490,7 @@ class Beside(Region):
 
     def spots(self, own: SeenObject) -> list[Array]:
         """On its side: straight across from where the object is, and in the middle of the side."""
-        here, there = _origin_of(own), _origin_of(self.other)
+        here, there = own.pose.p_WB[:2], self.other.pose.p_WB[:2]
         if not self.side:
             straight = [self._position_against(own, unit(heading_of(here - there))[:2], 0.0)]
             sides = [
@@ -614,7 +499,7 @@ class Beside(Region):
             return _nearest_first(here, straight + sides)
         u = self._way()
         room = max(self._room(own, u) - self.tolerance, 0.0) if len(self.side) == 1 else 0.0
-        offset = float(np.clip((here - there) @ _across_direction(u), -room, room))
+        offset = float(np.clip((here - there) @ left_of(u), -room, room))
         return _nearest_first(
             here, [self._position_against(own, u, offset), self._position_against(own, u, 0.0)]
         )
@@ -626,14 +511,15 @@ class Beside(Region):
         if not self.side:
             return (Measure(f"gap to the {name}", "about", self.gap, apart, self.tolerance),)
         u = self._way()
-        way = _origin_of(own) - _origin_of(self.other)
+        way = own.pose.p_WB[:2] - self.other.pose.p_WB[:2]
         apart = apart if way @ u > 0.0 else -abs(apart)
         names = {"toward": "in front", "away": "behind"}
         where = " and ".join(names.get(side, f"to the {side}") for side in self.side)
-        offset, room = abs(float(way @ _across_direction(u))), self._room(own, u)
+        offset, room = abs(float(way @ left_of(u))), self._room(own, u)
         part = "side" if len(self.side) == 1 else "corner"
         if part == "corner":
-            room = min(room, _EIGHTH * max(float(way @ u), 0.0))
+            # Nearer to the diagonal than to either side.
+            room = min(room, math.tan(math.pi / 8.0) * max(float(way @ u), 0.0))
         return (
             Measure(f"gap to the {name}, {where}", "about", self.gap, apart, self.tolerance),
             Measure(f"off the middle of the {name}'s {part}", "at_most", 0.0, offset, room),
@@ -646,15 +532,15 @@ class Beside(Region):
 
     def _room(self, own: SeenObject, u: Array) -> float:
         """Offset across a direction that is allowed [m]."""
-        widths = [np.ptp(footprint(seen) @ _across_direction(u)) for seen in (own, self.other)]
+        widths = [np.ptp(footprint(seen) @ left_of(u)) for seen in (own, self.other)]
         return float(self.aside * sum(widths) / 2.0)
 
     def _position_against(self, own: SeenObject, u: Array, offset: float) -> Array:
         """Position of an object that came straight against `u` until the gap was left, (2,) [m]."""
-        standing, shape = footprint(self.other), footprint(own) - _origin_of(own)
+        standing, shape = footprint(self.other), footprint(own) - own.pose.p_WB[:2]
         far = np.linalg.norm(shape, axis=1).max() + self.gap
-        far += np.linalg.norm(standing - _origin_of(self.other), axis=1).max()
-        at = _origin_of(self.other) + offset * _across_direction(u) + far * u
+        far += np.linalg.norm(standing - self.other.pose.p_WB[:2], axis=1).max()
+        at = self.other.pose.p_WB[:2] + offset * left_of(u) + far * u
         for _ in range(_STEPS):
             # A step as long as what is left of the gap never takes it too close.
             left = gap(shape + at, standing) - self.gap
@@ -680,13 +566,13 @@ class Between(Region):
     def spots(self, own: SeenObject) -> list[Array]:
         """The middle; none if the object does not fit in between."""
         at = self._position_halfway(own)
-        shape = footprint(own) - _origin_of(own) + at
+        shape = footprint(own) - own.pose.p_WB[:2] + at
         fits = all(gap(shape, footprint(seen)) > 0.0 for seen in (self.one, self.other))
         return [at] if fits else []
 
     def measures(self, own: SeenObject) -> tuple[Measure, ...]:
         """Distance of the object from the middle."""
-        off = float(np.linalg.norm(_origin_of(own) - self._position_halfway(own)))
+        off = float(np.linalg.norm(own.pose.p_WB[:2] - self._position_halfway(own)))
         quantity = f"off the middle between the {self.one.name} and the {self.other.name}"
         return (Measure(quantity, "at_most", 0.0, off, self.tolerance),)
 
@@ -697,9 +583,9 @@ class Between(Region):
 
     def _position_halfway(self, own: SeenObject) -> Array:
         """Position between the two at which an object is as far from one as from the other."""
-        a, b = _origin_of(self.one), _origin_of(self.other)
+        a, b = self.one.pose.p_WB[:2], self.other.pose.p_WB[:2]
         first, second = footprint(self.one), footprint(self.other)
-        shape = footprint(own) - _origin_of(own)
+        shape = footprint(own) - own.pose.p_WB[:2]
         u = (b - a) / np.linalg.norm(b - a)
         at = (a + b) / 2.0
         for _ in range(_STEPS):
@@ -729,7 +615,7 @@ class AtEdge(Region):
 
     def spots(self, own: SeenObject) -> list[Array]:
         """Straight across to the edge, for each choice."""
-        here = _origin_of(own)
+        here = own.pose.p_WB[:2]
         ways = [
             sum(
                 ((self._room(own, side) - self.gap) * unit(HEADINGS[side])[:2] for side in sides),
@@ -772,7 +658,7 @@ def share_of_way(place: Region, share: float, start: SeenObject, d: Defaults) ->
     spots = place.spots(start)
     if not spots:
         return place
-    here = _origin_of(start)
+    here = start.pose.p_WB[:2]
     way = share * (spots[0] - here)
     x, y = (here + way).tolist()
     return Spot(x, y, d.tolerance_of(float(np.linalg.norm(way)), d.place_tolerance))
@@ -783,12 +669,10 @@ def object_at(seen: SeenObject, at: Array) -> SeenObject:
     return replace(seen, pose=replace(seen.pose, x=float(at[0]), y=float(at[1])))
 
 
-def _origin_of(seen: SeenObject) -> Array:
-    return np.array([seen.pose.x, seen.pose.y])
-
-
-def _across_direction(u: Array) -> Array:
-    return np.array([-u[1], u[0]])
+def _pairs_outwards(shares: Array) -> Array:
+    """Pairs of shares of a range, those nearest to its middle first, shape (n, 2)."""
+    pairs = np.stack(np.meshgrid(shares, shares), axis=-1).reshape(-1, 2)
+    return pairs[np.argsort(np.hypot(*pairs.T), kind="stable")]
 
 
 def _nearest_first(here: Array, spots: Iterable[Array]) -> list[Array]:

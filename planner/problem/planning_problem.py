@@ -26,15 +26,10 @@ from planner.types.refusal import NoPlanError
 from planner.types.robot import Failed, ReachAnswer, Robot
 from planner.types.world_state import SeenObject, WorldState, obstacle_mark
 
-# --- search budget --------------------------------------------------------------------------------
-#
 # The budget of one plan, counted in work instead of time: a loaded machine gives the same answer.
 #
 # A unit is about what a quiet core of today does in a quarter of a millisecond.
 # `benchmarks.times search-work` compares the two.
-
-
-_MARKED = 2  # obstacles that the dead end names
 
 
 class SearchBudget:
@@ -91,12 +86,10 @@ class SearchBudget:
         }
         more = min(2.0 * self.most, kinds()["most_work"].most)
         stopped = Counter(each.blocker for each in self.answers.values() if each.blocker)
-        marks = tuple(obstacle_mark(each) for each, _ in stopped.most_common(_MARKED))
+        # Obstacles that the dead end names.
+        marks = tuple(obstacle_mark(each) for each, _ in stopped.most_common(2))
         made = no_plan("work_used_up", numbers, marks=marks, object=name, more=more)
         return NoPlanError(made.refusal, ends_search=True)
-
-
-# --- planning problem -----------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)

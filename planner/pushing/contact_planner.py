@@ -23,14 +23,15 @@ from numpy.typing import NDArray
 from objectmodels import ObjectModel, Thresholds
 from objectmodels.geometry.base_shapes import Array, Disc
 from objectmodels.mechanics.friction_cone import contact_forces
+from objectmodels.mechanics.push_motion import best_turn
 from objectmodels.mechanics.push_outcomes import OUTCOMES, circle_corners
 from objectmodels.mechanics.push_thresholds import slide_threshold, yaw_arm
 from objectmodels.models.predictor import own_predictions
 from planner.problem.constraint_limits import prediction_with_return, push_with_tilt
 from planner.problem.directions import face_name
 from planner.problem.planning_problem import PushProblem, PushStep, Side
+from planner.pushing.contact_refusals import contact_refusal, no_place
 from planner.pushing.contact_sampling import (
-    EDGE,
     Contact,
     Contacts,
     has_place,
@@ -41,32 +42,26 @@ from planner.pushing.contact_sampling import (
     touchable_sides,
 )
 from planner.pushing.reach_search import ContactQueries, ReachSearch
-from planner.pushing.turn_planner import turning_push
-from planner.refusals.no_plan import no_plan, no_push_reached, refusal
-from planner.types.actions import FALLING, Margins, Prediction, Push, PushAction, Vector3
-from planner.types.defaults import Defaults
-from planner.types.refusal import (
-    Alternatives,
-    NoPlanError,
-    Refusal,
-    RefusalReason,
-    probability_text,
+from planner.refusals.no_plan import no_plan, no_push_reached
+from planner.types.actions import (
+    FALLING,
+    Margins,
+    Prediction,
+    Push,
+    PushAction,
+    Vector3,
+    finite_or_none,
 )
-from planner.types.world_state import HeightMark, SeenObject, plain_vector
-
-# --- outcome prediction ---------------------------------------------------------------------------
-#
-# Predicted outcome of a push, and its margins to the outcomes that it must not have.
-#
-# Frames: contacts and directions are in B; forces along the push.
-
+from planner.types.refusal import Alternatives, NoPlanError, probability_text
+from planner.types.world_state import plain_vector
 
 SURE = 0.999
 """Probability of a slide by the closed form that the exact tier does not lower by 0.0002."""
 
+_FLAT = math.radians(85.0)  # a box that leans so far lies
+_RATED, _CONFIRMED = 1, 3  # units of work of a face rated and of a contact confirmed
+_SLACK = 0.03  # travel of a topple beyond what the model says, for what it does not know [m]
 _SPINS = 0.15  # share of the force to tip a round object over which it may turn on its rim before
-_CLEARLY = 0.6  # room to toppling as a share of the force to slide it that needs no second look
-_CONFIRMING = 8  # directions on the friction cone's boundary that the exact tier looks at
 
 
 def needed_force(problem: PushProblem, step: PushStep, contact: Contact) -> float:
@@ -111,10 +106,10 @@ def prediction(problem: PushProblem, step: PushStep, contact: Contact) -> Predic
     predicted = Prediction(
         outcome=step.outcome,
         onset=float(nominal.onset[0]),
-        slide_force=_finite_or_none(nominal.slide[0]),
-        topple_force=_finite_or_none(nominal.topple[0]),
-        critical_height=_finite_or_none(cone.critical_height[i]),
-        critical_height_worst=_finite_or_none(worst),
+        slide_force=finite_or_none(nominal.slide[0]),
+        topple_force=finite_or_none(nominal.topple[0]),
+        critical_height=finite_or_none(cone.critical_height[i]),
+        critical_height_worst=finite_or_none(worst),
         probability=probability(problem, step, contact),
         stay_on_base_angle=model.angle_of_no_return(inward),
         tier="exact",
@@ -151,7 +146,8 @@ def confirm_with_exact_tier(problem: PushProblem, step: PushStep, contact: Conta
         return True
     cone = contact.among.cone
     if step.outcome == "slide":
-        surely = cone.slide_margin > _CLEARLY * cone.slide_max
+        # Room to toppling as a share of the force to slide it that needs no second look.
+        surely = cone.slide_margin > 0.6 * cone.slide_max
         if surely[contact.index]:
             return True
     model = problem.target.model
@@ -224,7 +220,8 @@ def _cone_pushes(point: Vector3, normal: Vector3, grip: float) -> tuple[Array, A
 
     Without friction at the finger there is no cone.
     """
-    around = circle_corners(_CONFIRMING) if grip else np.empty((0, 2))
+    # Directions on the friction cone's boundary that the exact tier looks at.
+    around = circle_corners(8) if grip else np.empty((0, 2))
     forces = contact_forces(np.array([normal]), grip * np.vstack((np.zeros((1, 2)), around)))
     u = forces / np.linalg.norm(forces, axis=1, keepdims=True)
     return np.tile(point, (len(u), 1)), u
@@ -246,10 +243,6 @@ def margins(problem: PushProblem, step: PushStep, contact: Contact, force_limit:
         sigmas=contact.among.sigmas,
         force_limit=force_limit - needed_force(problem, step, contact),
     )
-
-
-def _finite_or_none(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None
 
 
 def selection_notes(
@@ -280,267 +273,6 @@ def selection_notes(
         better = "contact was" if refused == 1 else "contacts were"
         notes.append(f"{refused} better {better} out of reach")
     return tuple(notes)
-
-
-# --- contact diagnosis ----------------------------------------------------------------------------
-#
-# Why no contact on an object will do, with the heights and the probability that decide.
-#
-# Model of a doubt: the probability of the outcome at a contact, once as the object is believed
-# and once with one of its parameters known as well as touching finds it out
-# (`Defaults.found_to`). The parameter whose knowledge decides most, one way or the other, is the
-# one to be found out.
-
-
-_ASKED_FOR = {
-    "friction": "find out how slippery the {name} is first",
-    "com": "find out the centre of mass of the {name} first",
-}
-"""What to say to the robot, by the parameter."""
-
-_CENTRE_FOUND = 0.001  # to which touching finds a centre of mass [m]
-
-
-def _mm(length: float) -> str:
-    return f"{1e3 * length:.0f} mm"
-
-
-def require_place(problem: PushProblem, step: PushStep, sides: list[Side]) -> None:
-    """Make sure that fingertips find a place on one of the sides, whatever the outcome there.
-
-    Raises:
-        NoPlanError: they find none.
-    """
-    if not has_place(problem, step, sides):
-        raise NoPlanError(_no_place(problem, sides))
-
-
-def _no_place(problem: PushProblem, sides: list[Side]) -> Refusal:
-    target, asked, limits = problem.target, problem.contact, problem.robot.limits
-    size, lowest = target.model.top, limits.lowest_height
-    highest = size - limits.fingertip_radius
-    if max(asked.low, lowest) <= min(asked.high, highest):
-        return _too_narrow(problem, sides)
-    numbers = {"lowest_height": lowest, "highest_height": highest}
-    if asked.region is None:
-        code = "out_of_fingers_reach"
-    elif asked.low > highest:
-        code = "region_too_high"
-    elif asked.low > asked.high:
-        code, numbers = "no_such_contact", {"lowest_asked": asked.low, "highest_asked": asked.high}
-    else:
-        code = "region_too_low"
-    return refusal(
-        code,
-        numbers,
-        spans=asked.spans,
-        object=target.name,
-        size=size,
-        region=asked.region,
-        low=asked.low,
-        high=asked.high,
-    )
-
-
-def _too_narrow(problem: PushProblem, sides: list[Side]) -> Refusal:
-    asked, spreads = problem.contact, problem.robot.limits.finger_spreads
-    width = max(side.face.width for side in sides)
-    fingers = min(asked.fingers)
-    needed = 2 * EDGE + (spreads[-1] if fingers == 2 else 0.0)
-    code = "too_narrow_for_two" if fingers == 2 else "too_narrow_for_one"
-    numbers = {"width": width, "needed_width": needed}
-    return refusal(code, numbers, spans=asked.spans, object=problem.target.name)
-
-
-def contact_refusal(problem: PushProblem, step: PushStep, sides: list[Side]) -> Refusal:
-    """Refusal of a push because no contact that is allowed has the wanted outcome for sure."""
-    model, limits, asked = problem.target.model, problem.robot.limits, problem.contact
-    points = np.array([[*side.face.centre[:2], 0.5 * model.top] for side in sides])
-    normals = np.array([side.face.normal for side in sides])
-    worst = model.cone_thresholds(points, normals, sigmas=problem.defaults.sigmas, yaw=False)
-    nominal = worst.critical_height
-    if step.outcome == "slide":
-        sure = min(float(worst.height_below.max()), model.top)
-        refused = _cannot_slide(problem, float(nominal.max()), sure)
-        side, height = sides[int(np.argmax(nominal))], max(asked.low, limits.lowest_height)
-    else:
-        refused = _cannot_topple(problem, float(nominal.min()))
-        highest = model.top - limits.fingertip_radius
-        side, height = sides[int(np.argmin(nominal))], min(asked.high, highest)
-    if refused.reason == "out_of_reach":
-        return refused
-    touch = Touch(
-        point=np.array([*side.face.centre[:2], height]),
-        normal=side.face.normal,
-        outcome=step.outcome,
-        turns=2 not in asked.fingers and step.outcome == "slide",
-    )
-    if refused.reason == "impossible":
-        # As sure that it does not as a plan must be that it does.
-        if outcome_probability(model, touch) < 1.0 - problem.effort.probability:
-            return refused
-        refused = refused.model_copy(update={"reason": "too_uncertain"})
-    # The last case that candidates are looked at for is that of the hand's stiffness.
-    return _with_doubt(problem, refused, model_limited_by_hand(model, limits), touch)
-
-
-def _with_doubt(
-    problem: PushProblem, refused: Refusal, model: ObjectModel, touch: Touch
-) -> Refusal:
-    """The refusal with how likely it is, and with what would settle it."""
-    probability, asked = outcome_probability(model, touch), problem.effort.probability
-    learn, then = best_experiment(model, touch, problem.defaults)
-    verb, height = "slides" if touch.outcome == "slide" else "topples", float(touch.point[2])
-    mark = HeightMark(
-        object=problem.target.name,
-        height=height,
-        about="asked",
-        text=f"pushed at {_mm(height)} it {verb} with probability {probability_text(probability)}",
-    )
-    doubt = {"probability": probability, "probability_then": then, "asked_probability": asked}
-    with_doubt = refusal(
-        "not_sure",
-        {**refused.numbers, **doubt},
-        message=refused.message,
-        at=height,
-        verb=verb,
-    )
-    return refused.model_copy(
-        update={
-            "message": with_doubt.message,
-            "numbers": with_doubt.numbers,
-            "suggestions": (learn, *refused.suggestions),
-            "marks": (mark, *refused.marks),
-        }
-    )
-
-
-def _cannot_slide(problem: PushProblem, critical: float, sure: float) -> Refusal:
-    """It would topple, or might, at every height that is allowed and reached."""
-    asked, target = problem.contact, problem.target
-    reached_from = problem.robot.limits.lowest_height
-    lowest = max(asked.low, reached_from)
-    numbers = {"lowest_height": lowest, "critical_height_worst": sure}
-    if math.isfinite(critical):
-        numbers["critical_height"] = critical
-    certain = _slides_where(critical, sure)
-    reason: RefusalReason = "too_uncertain"
-    if asked.low >= critical:
-        reason = "impossible"
-    elif lowest >= critical or asked.low < sure < lowest:
-        reason = "out_of_reach"
-    if asked.region is None:
-        name = target.name
-        return refusal("may_not_slide", numbers, reason=reason, object=name, certain=certain)
-    numbers["lowest_asked"] = asked.low
-    if asked.region == "at the top":
-        numbers["lowest_top"] = asked.low
-    upright = asked.high >= target.model.top
-    heights = f"{_mm(asked.low)} or higher" if upright else f"{_mm(asked.low)} to {_mm(asked.high)}"
-    reached = f", reached from {_mm(lowest)} up" if lowest > asked.low else ""
-    verb = "tips" if lowest >= critical else "may tip"
-    lower = asked.low >= sure > reached_from
-    return refusal(
-        "may_not_slide_up_there" if lower else "may_not_slide_there",
-        numbers,
-        spans=asked.spans,
-        reason=reason,
-        object=target.name,
-        region=asked.region,
-        heights=heights,
-        reached=reached,
-        verb=verb,
-        certain=certain,
-    )
-
-
-def _slides_where(critical: float, sure: float) -> str:
-    """Heights at which it slides and at which it topples, in words."""
-    surely = f"only below {_mm(sure)}" if sure > 0.0 else "nowhere"
-    if math.isinf(critical):
-        return f"it is sure to slide {surely}"
-    return f"above {_mm(critical)} it topples before it slides (for sure it slides {surely})"
-
-
-def _other_side(target: SeenObject) -> tuple[str, ...]:
-    """Suggestion of another side; none for a round object, which falls alike to all."""
-    return () if isinstance(target.model.base, Disc) else ("topple it to another side",)
-
-
-def _cannot_topple(problem: PushProblem, critical: float) -> Refusal:
-    """It would slide, or might, at every height that is allowed; `critical` as for sliding."""
-    asked, target = problem.contact, problem.target
-    highest = min(asked.high, target.model.top - problem.robot.limits.fingertip_radius)
-    numbers = {"highest_height": highest}
-    spans, name = asked.spans, target.name
-    if math.isinf(critical):
-        other = _other_side(target)
-        return refusal("never_topples", numbers, spans=spans, instead=other, object=name)
-    numbers["critical_height"] = critical
-    higher = ("push it at the top",) if asked.high < target.model.top else ()
-    if critical > highest:
-        other = higher or _other_side(target)
-        return refusal("slides_below", numbers, spans=spans, instead=other, object=name)
-    return refusal("may_not_topple", numbers, spans=spans, instead=higher, object=name)
-
-
-# -- which doubt leaves the outcome open ---------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Touch:
-    """A contact from which something is wanted.
-
-    Attributes:
-        point: p_BC, shape (3,) [m].
-        normal: outward unit normal there.
-        outcome: that is wanted at the onset.
-        turns: whether the object may turn as it slides; two fingertips hold it straight.
-    """
-
-    point: NDArray[np.float64]
-    normal: tuple[float, float, float]
-    outcome: Literal["slide", "topple"]
-    turns: bool = False
-
-
-def outcome_probability(model: ObjectModel, touch: Touch) -> float:
-    """Probability of an outcome at a contact, whatever the finger transmits.
-
-    By the exact tier, with which the closed form agrees where the object does not turn.
-    """
-    if touch.turns:
-        from objectmodels.exact.exact_probability import least_probability
-
-        return least_probability(model, touch.point, np.array(touch.normal), touch.outcome)
-    point, normal = touch.point[None], np.array([touch.normal])
-    found = model.cone_thresholds(point, normal, sigmas=0.0, yaw=False)
-    p = found.probability_slide if touch.outcome == "slide" else found.probability_topple
-    return float(p[0])
-
-
-def best_experiment(model: ObjectModel, touch: Touch, defaults: Defaults) -> tuple[str, float]:
-    """The most useful thing to find out first, and the probability of the outcome then."""
-    found_to = defaults.found_to
-    known: dict[str, dict[str, object]] = {
-        "friction": {"friction_sd": min(model.friction_sd, found_to * model.friction)},
-        "com": {"com_sd": tuple(min(sd, _CENTRE_FOUND) for sd in model.com_sd)},
-    }
-    then = {
-        name: outcome_probability(model.model_copy(update=better), touch)
-        for name, better in known.items()
-    }
-    best = max(then, key=lambda name: abs(then[name] - 0.5))
-    return _ASKED_FOR[best].format(name=model.name), then[best]
-
-
-# --- contact planner ------------------------------------------------------------------------------
-
-
-_OF_A_CASE = 0.6  # share of the contacts asked for that may be equally sure
-_FLAT = math.radians(85.0)  # a box that leans so far lies
-_RATED, _CONFIRMED = 1, 3  # units of work of a face rated and of a contact confirmed
-_SLACK = 0.03  # travel of a topple beyond what the model says, for what it does not know [m]
 
 
 @dataclass(frozen=True)
@@ -597,7 +329,8 @@ def _best_candidate(
     problem: PushProblem, step: PushStep, sides: list[Side], search: ReachSearch
 ) -> PushCandidate:
     """The contact with the largest margin that the hand reaches."""
-    require_place(problem, step, sides)
+    if not has_place(problem, step, sides):
+        raise NoPlanError(no_place(problem, sides))
     problem = _in_time(problem, step)
     queries = ContactQueries(search, problem)
     least, doubted, asked = math.inf, False, problem.effort.probability
@@ -634,7 +367,15 @@ def _best_candidate(
         numbers = {"needed_force": least, "min_force": force.min}
         raise no_plan("too_light", numbers, spans=force.spans, object=target.name)
     if math.isfinite(least) and not doubted:
-        raise _too_weak(problem, step, least)
+        allowed = _largest_force(problem, max(problem.contact.fingers))
+        said = force.max <= allowed
+        raise no_plan(
+            "force_not_allowed" if said else "force_not_there",
+            {"needed_force": least, "allowed_force": allowed},
+            spans=force.spans if said else (),
+            object=problem.target.name,
+            doing="sliding" if step.outcome == "slide" else "toppling",
+        )
     raise NoPlanError(contact_refusal(problem, step, sides))
 
 
@@ -650,9 +391,6 @@ def _rated_cases(
             yield rated
             if queries.are_used_up(fingers):
                 break
-
-
-# -- how fast and how hard --------------------------------------------------------------------
 
 
 def _in_time(problem: PushProblem, step: PushStep) -> PushProblem:
@@ -690,22 +428,6 @@ def _strong_enough(
     return strong, least
 
 
-def _too_weak(problem: PushProblem, step: PushStep, least: float) -> NoPlanError:
-    """Dead end since more force is needed than the sentence allows, or than the fingers have."""
-    force, allowed = problem.force, _largest_force(problem, max(problem.contact.fingers))
-    said = force.max <= allowed
-    return no_plan(
-        "force_not_allowed" if said else "force_not_there",
-        {"needed_force": least, "allowed_force": allowed},
-        spans=force.spans if said else (),
-        object=problem.target.name,
-        doing="sliding" if step.outcome == "slide" else "toppling",
-    )
-
-
-# -- the push ---------------------------------------------------------------------------------
-
-
 def _in_order(problem: PushProblem, step: PushStep, rated: list[Contacts]) -> list[Contact]:
     """Some contacts of all faces by rank, in turn over the faces."""
     order = []
@@ -713,7 +435,8 @@ def _in_order(problem: PushProblem, step: PushStep, rated: list[Contacts]) -> li
         # A fall that may go anywhere goes away from the robot if it can.
         aside = abs(contacts.side.heading) if step.heading is None else 0.0
         order += [(contact.rank, aside, number, contact) for contact in contacts]
-    most = math.ceil(_OF_A_CASE * problem.effort.contacts)
+    # So many of the contacts that are asked for may be equally sure.
+    most = math.ceil(0.6 * problem.effort.contacts)
     return [contact for *_, contact in sorted(order, key=lambda each: each[:3])][:most]
 
 
@@ -742,7 +465,16 @@ def _push_at(problem: PushProblem, step: PushStep, contact: Contact) -> Push:
         limits=problem.motion.guards,
     )
     if step.swing:
-        return _push_with_swing(problem, step, contact, push)
+        found = best_turn(problem.target.model, contact.among.side.face, step.swing, push.p_BC[2])
+        assert found is not None, "its side was chosen for that"
+        changes = {
+            "p_BC": found.point,
+            "direction_W": plain_vector(problem.target.pose.R_WB @ np.array(found.direction)),
+            "stroke": found.stroke,
+            "ends_on": "turned",
+            "turn": step.swing,
+        }
+        return push.model_copy(update=changes)
     if step.tilt is not None:
         return push_with_tilt(push, target.model, side.inward, step.tilt, problem.defaults)
     return push
@@ -758,20 +490,6 @@ def _touched_point(problem: PushProblem, contact: Contact) -> Vector3:
     return plain_vector(contact.point + inside * contact.among.side.inward)
 
 
-def _push_with_swing(problem: PushProblem, step: PushStep, contact: Contact, push: Push) -> Push:
-    """The push with a turn as its end."""
-    found = turning_push(problem.target.model, contact.among.side.face, step.swing, push.p_BC[2])
-    assert found is not None, "its side was chosen for that"
-    changes = {
-        "p_BC": found.point,
-        "direction_W": plain_vector(problem.target.pose.R_WB @ np.array(found.direction)),
-        "stroke": found.stroke,
-        "ends_on": "turned",
-        "turn": step.swing,
-    }
-    return push.model_copy(update=changes)
-
-
 def _stroke_length(problem: PushProblem, step: PushStep, contact: Contact) -> float:
     """Travel of the fingertips [m]."""
     if step.outcome == "slide":
@@ -780,9 +498,6 @@ def _stroke_length(problem: PushProblem, step: PushStep, contact: Contact) -> fl
     angle = model.angle_of_no_return(inward, sigmas=-contact.among.sigmas) + FALLING
     height = float(contact.point[2])
     return min(model.topple_stroke(inward, height, min(angle, _FLAT)) + _SLACK, step.distance)
-
-
-# -- the candidate ----------------------------------------------------------------------------
 
 
 def _push_candidate(
@@ -795,19 +510,15 @@ def _push_candidate(
         "margins": margins(problem, step, contact, push.force_limit),
         "displacement": _predicted_displacement(problem, step, contact, push),
     }
+    # All sides of a round object are alike.
+    side = None if isinstance(problem.target.model.base, Disc) else contact.among.side.face.normal
     return PushCandidate(
         PushAction.model_validate({**dict(push), **known}),
-        _outcome_event(problem, contact, push),
+        (side, round(push.p_BC[2], 3), push.fingers, push.ends_on),
         considered=0,
         satisfying=0,
         notes=selection_notes(problem, contact, push, predicted, refused),
     )
-
-
-def _outcome_event(problem: PushProblem, contact: Contact, push: Push) -> tuple[object, ...]:
-    """Face, height and fingers; all sides of a round object are alike."""
-    side = None if isinstance(problem.target.model.base, Disc) else contact.among.side.face.normal
-    return side, round(push.p_BC[2], 3), push.fingers, push.ends_on
 
 
 def _predicted_displacement(
@@ -819,6 +530,6 @@ def _predicted_displacement(
     if push.ends_on != "turned":
         return None
     target = problem.target
-    found = turning_push(target.model, contact.among.side.face, step.swing, float(contact.point[2]))
+    found = best_turn(target.model, contact.among.side.face, step.swing, float(contact.point[2]))
     assert found is not None, "its side was chosen for that"
     return plain_vector(target.pose.R_WB @ np.array([*found.pose[:2], 0.0]))

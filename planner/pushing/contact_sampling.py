@@ -44,7 +44,6 @@ from planner.types.world_state import SeenObject
 EDGE = 0.006
 """How far from the edges of a face contacts stay at least; fingertips may overhang them [m]."""
 
-_HEIGHT_STEP = 0.004
 _SIDESTEPS = {1: (0.0,), 2: (0.0, 0.01, -0.01, 0.02, -0.02)}
 _ROUND = 0.7  # sine of the largest angle at which two fingertips touch a round side
 # Places in the order of margins at which the reach may be asked for; the hand that does not get
@@ -201,7 +200,7 @@ def _contact_places(face: Face, fingers: int, allowed: _Allowed) -> tuple[Array,
         return np.empty((0, 3)), np.empty(0), np.empty(0)
     aim = float(np.clip(allowed.aim, -max(room, 0.0), max(room, 0.0)))
     lateral = np.array([aim + y for y in allowed.beside if abs(aim + y) <= room + 1e-9 or y == 0])
-    heights = np.linspace(low, high, max(1, round((high - low) / _HEIGHT_STEP)) + 1)
+    heights = np.linspace(low, high, max(1, round((high - low) / 0.004)) + 1)
     z, y = (a.ravel() for a in np.meshgrid(heights, lateral, indexing="ij"))
     on = face.contains(y, z)
     points, _ = face.points_at(y[on], z[on])
@@ -307,8 +306,6 @@ def _spread_out(order: NDArray[np.intp]) -> NDArray[np.intp]:
     return np.asarray(order[at], dtype=np.intp)
 
 
-# --- stroke speed ---------------------------------------------------------------------------------
-#
 # Speeds that strokes come to, and sentences that ask for more than that.
 #
 # Model: what is round catches on the table now and then. A mug in the simulator lost up to a
@@ -319,10 +316,8 @@ def _spread_out(order: NDArray[np.intp]) -> NDArray[np.intp]:
 #
 #     σ v √(k m) ≤ (1 − band) F_limit − F_onset,    σ = 0.1
 
-
 _ASKING = ("speed", "min_speed", "fast")
 _SURELY = 0.5  # share of the tolerance of a speed: pushes in the simulator are off by 0.4 at most
-_CATCH = 0.1  # share of its speed that a round object loses at once, σ
 
 
 def require_speed(problem: PushProblem, pushes: Sequence[PushAction]) -> None:
@@ -361,18 +356,8 @@ def kept_speed(problem: PushProblem, push: PushAction) -> float:
     if stiffness == 0.0:
         return math.inf
     spare = (1.0 - FORCE_BAND) * push.force_limit - push.prediction.onset
-    return max(spare, 0.0) / (_CATCH * math.sqrt(stiffness * problem.target.model.mass))
-
-
-# --- touchable sides ------------------------------------------------------------------------------
-#
-# Sides of an object: which of them a push may touch, which way it goes then, and what is beyond.
-#
-# Frames: W is the world, B the object.
-
-
-UNCLEAR_FACE = math.radians(40.0)
-"""A face turned by more from the direction of its name is within 5° of the next name."""
+    # Share of its speed that a round object loses at once, σ.
+    return max(spare, 0.0) / (0.1 * math.sqrt(stiffness * problem.target.model.mass))
 
 
 def touchable_sides(problem: PushProblem, step: PushStep) -> list[Side]:
@@ -385,11 +370,14 @@ def touchable_sides(problem: PushProblem, step: PushStep) -> list[Side]:
         return [step.side]
     target, face_said, spans = problem.target, problem.contact.face, problem.contact.spans
     sides, unclear = [], None
-    for face in target.model.faces(_push_headings(step) - target.pose.yaw):
+    # Along these a round object may be pushed.
+    headings = np.array([*HEADINGS.values()] if step.heading is None else [step.heading])
+    for face in target.model.faces(headings - target.pose.yaw):
         outward = target.pose.R_WB @ np.array(face.normal)
         name, off = face_name(outward)
         if face_said is not None:
-            if abs(off) > UNCLEAR_FACE:
+            # A face turned by more from the direction of its name is within 5° of the next name.
+            if abs(off) > math.radians(40.0):
                 unclear = off
                 continue
             if name != face_said:
@@ -403,14 +391,9 @@ def touchable_sides(problem: PushProblem, step: PushStep) -> list[Side]:
         raise no_plan("no_side", spans=spans, object=target.name, where=where)
     if step.heading is None:
         return sides
-    return [_square_enough(problem, step, sides, step.heading)]
-
-
-def _square_enough(problem: PushProblem, step: PushStep, sides: list[Side], heading: float) -> Side:
-    """The side that is most square to a push along a heading in W [rad]."""
-    target, contact = problem.target, problem.contact
-    side = _most_square(sides, heading)
-    oblique = angle_between(heading, side.heading)
+    contact = problem.contact
+    side = _most_square(sides, step.heading)
+    oblique = angle_between(step.heading, side.heading)
     # An object that slides straight presses back along the push: that must be in the friction cone.
     # What topples or tilts is pushed square to its face, and goes about where it was meant to.
     largest = largest_obliqueness(target, problem.defaults.sigmas, steep=problem.effort.oblique)
@@ -423,10 +406,10 @@ def _square_enough(problem: PushProblem, step: PushStep, sides: list[Side], head
             spans=contact.spans,
             object=target.name,
             face=f"its {contact.face} face" if contact.face else "its nearest face",
-            direction=phrase(heading),
+            direction=phrase(step.heading),
             square=phrase(side.heading),
         )
-    return side
+    return [side]
 
 
 def straightest_side(target: SeenObject, heading: float) -> Side:
@@ -438,13 +421,6 @@ def straightest_side(target: SeenObject, heading: float) -> Side:
 
 def _most_square(sides: list[Side], heading: float) -> Side:
     return min(sides, key=lambda side: abs(angle_between(side.heading, heading)))
-
-
-def _push_headings(step: PushStep) -> np.ndarray:
-    """Headings in W along which a round object may be pushed, shape (k,) [rad]."""
-    if step.heading is not None:
-        return np.array([step.heading])
-    return np.array(list(HEADINGS.values()))
 
 
 def push_direction(step: PushStep, side: Side) -> np.ndarray:
@@ -462,21 +438,19 @@ def require_room(problem: PushProblem, step: PushStep, side: Side) -> None:
     """
     u = push_direction(step, side)
     if step.tilt is None:
-        _require_landing(problem, u)
+        target = problem.target
+        there, height = landing_area(target, u), {"height": target.model.top}
+        edge = leading_point(target, u)
+        if travel_to_edge(there, problem.state.table, u[:2], 0.0) < problem.defaults.clearance:
+            marks = (tilt_mark(target.name, edge, u, math.pi / 2.0, "over the edge of the table"),)
+            raise no_plan("falls_off", height, marks=marks, object=target.name)
+        for other in problem.others.values():
+            if overlaps(there, footprint(other), problem.clearance(other)):
+                mark = tilt_mark(
+                    target.name, edge, u, math.pi / 2.0, f"it would fall on the {other.name}"
+                )
+                raise no_plan(
+                    "falls_on", height, marks=(mark,), object=target.name, other=other.name
+                )
     else:
         require_free_tilt(problem, side.face.normal, u, step.tilt)
-
-
-def _require_landing(problem: PushProblem, u: np.ndarray) -> None:
-    target = problem.target
-    there, height = landing_area(target, u), {"height": target.model.top}
-    edge = leading_point(target, u)
-    if travel_to_edge(there, problem.state.table, u[:2], 0.0) < problem.defaults.clearance:
-        marks = (tilt_mark(target.name, edge, u, math.pi / 2.0, "over the edge of the table"),)
-        raise no_plan("falls_off", height, marks=marks, object=target.name)
-    for other in problem.others.values():
-        if overlaps(there, footprint(other), problem.clearance(other)):
-            mark = tilt_mark(
-                target.name, edge, u, math.pi / 2.0, f"it would fall on the {other.name}"
-            )
-            raise no_plan("falls_on", height, marks=(mark,), object=target.name, other=other.name)

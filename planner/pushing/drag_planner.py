@@ -21,27 +21,23 @@ from objectmodels.geometry.base_shapes import Array, is_within
 from objectmodels.mechanics.standing_balance import TopLoad
 from objectmodels.models.shapes import top_face
 from planner.problem.directions import unit
-from planner.problem.places import Overhang, most_overhang, overhangs, table_with_room
+from planner.problem.overhangs import Overhang, most_overhang, overhangs, table_with_room
 from planner.problem.planning_problem import PushProblem
 from planner.pushing.contact_planner import PushCandidate
 from planner.pushing.push_paths import Obstructions, PathSegment, free_length_mark
 from planner.pushing.push_sequence import path_clearances
 from planner.pushing.reach_search import ReachSearch
 from planner.refusals.no_plan import no_plan, no_push_reached
-from planner.types.actions import Aim, Margins, Prediction, Push, PushAction
+from planner.types.actions import Aim, Margins, Prediction, Push, PushAction, finite_or_none
 from planner.types.plan import Reached
 from planner.types.refusal import NoPlanError
 from planner.types.world_state import plain_vector
-
-_LANDING = 1.5
-"""Pressing force as the fingertip begins to slide along, of that to be kept; 1.48 was felt."""
 
 FORCES = ("drag_slips", "press_too_weak", "finger_too_smooth", "force_not_allowed")
 """Codes of refusals since no pressing force that is allowed takes an object along."""
 
 _CLOSE = 0.004  # what is nearer to its aim counts as there [m]
 _RIM = 0.005  # between the contact and the edge of the top, at least [m]
-_MUCH = 20.0  # times the force of a fingertip: what takes more is not told in newtons
 _RATED, _CONFIRMED = 1, 3  # units of work of a force found, and of a hand asked for
 
 
@@ -136,7 +132,8 @@ def _drag_along(problem: PushProblem, segment: PathSegment) -> PushAction:
     drag = top_drag(model, point[None], direction[None], press)
     needed, grip = float(np.hypot(*drag.force[0])), float(drag.grip[0])
     # Where the sentence limits the force, what the fingertip could pass on as it lands counts.
-    most = _LANDING * grip if force.spans else needed
+    # Pressing force as the fingertip begins to slide along, of that to be kept; 1.48 was felt.
+    most = 1.5 * grip if force.spans else needed
     if most > force.max:
         numbers = {"needed_force": most, "allowed_force": force.max}
         words = {"object": target.name, "doing": "drawing along"}
@@ -161,7 +158,7 @@ def _drag_along(problem: PushProblem, segment: PathSegment) -> PushAction:
         outcome="slide",
         onset=needed,
         slide_force=needed,
-        topple_force=tips if math.isfinite(tips) else None,
+        topple_force=finite_or_none(tips),
         critical_height=None,
         critical_height_worst=None,
         probability=probability,
@@ -211,7 +208,8 @@ def _not_taken_along(
     numbers = {"max_press": most, "probability": surest}
     if pressed.outcome[0] == "tips":
         return no_plan("drag_tips", numbers, object=target.name, height=model.top)
-    nominal = press_range(model, point, direction, _MUCH * most)
+    # What takes more than twenty times the force of a fingertip is not told in newtons.
+    nominal = press_range(model, point, direction, 20.0 * most)
     if nominal is None:
         words = {"finger": model.finger_friction, "table": model.friction}
         return no_plan("finger_too_smooth", numbers | words, object=target.name)

@@ -34,13 +34,6 @@ from planner.types.actions import Aim
 from planner.types.refusal import Refusal
 from planner.types.world_state import LengthMark, SeenObject, WorldState
 
-OBLIQUE = math.radians(17.5)
-"""Largest angle between a push and the inward normal of the face, if friction allows it."""
-
-_STEEPEST = 0.85
-"""Share of the angle at which two fingertips slip up to which they may push where nothing else is
-left; beyond it they creep along the face."""
-
 ANOTHER_PUSH = 0.15
 """Way that costs as much as another push [m]."""
 
@@ -111,7 +104,8 @@ def largest_obliqueness(target: SeenObject, sigmas: float, *, steep: bool = Fals
     model = target.model
     least = model.finger_friction - sigmas * model.finger_friction_sd
     slips = math.atan(max(least, 0.0))
-    return _STEEPEST * slips if steep else min(OBLIQUE, slips)
+    # Beyond 85 % of the angle at which two fingertips slip they creep along the face.
+    return 0.85 * slips if steep else min(math.radians(17.5), slips)
 
 
 def obliqueness(target: SeenObject, heading: float) -> float:
@@ -244,16 +238,8 @@ def _inward_headings(target: SeenObject) -> list[float]:
     return [heading_of(-R_WB @ np.array(face.normal)) for face in target.model.faces()]
 
 
-# --- denied pushes --------------------------------------------------------------------------------
-#
-# Pushes that the hand does not get to, so that others much like them are not asked for.
-#
-# Frames: W, its table plane.
-
-
 _ALIKE = 0.05  # half the depth of a hand: pushes that begin nearer to each other meet the same [m]
 _SAME_WAY = math.radians(6.0)  # pushes whose headings differ by less go alike
-_SHORTER = 0.5  # a push may be made if it is shorter than this share of one like it that is not
 _SAME_SPOT, _SAME_HEADING = 1e-4, 1e-3  # objects that stand so near stand alike [m], [rad]
 
 
@@ -285,10 +271,11 @@ class DeniedPushes:
         """Return True if a push of a path is much like one of them."""
         for segment in path:
             for there, denied in self._segments:
+                # A push may be made if it is shorter than this share of one like it that is not.
                 if (
                     _apart(target, there) < _ALIKE
                     and abs(angle_between(segment.heading, denied.heading)) <= _SAME_WAY
-                    and segment.distance >= _SHORTER * denied.distance
+                    and segment.distance >= 0.5 * denied.distance
                 ):
                     return True
             target = moved_along(target, segment)

@@ -43,12 +43,10 @@ from planner.types.world_state import SeenObject
 
 FirstStop = Callable[[tuple[PathSegment, ...]], SegmentEnd | None]
 
-_PATHS = 5  # free ways for which the hand's reach is asked
 _ASIDE = 0.15  # way to a place where it may be turned instead [m]
 _ROOM = 0.05  # room that such a place has around [m]
 _SPOTS = 2  # such places that are looked at
 _NEAR = 0.02  # what is nearer to its aim is not led around anything [m]
-_PARTED = 0.12  # a leg longer than this may be made by several pushes [m]
 _TURNS = 12  # ways to part a turn for which it is asked
 _LEAST = 0.01  # a shorter way is not worth proposing [m]
 _CLOSE = 0.004  # what is nearer is corrected by a push right there, or counts as there [m]
@@ -107,9 +105,6 @@ class PushSequencePlanner:
             if off <= _CLOSE and looks_there:
                 return reached
             raise attempts.first
-        return self._turn_then_push(target, turn)
-
-    def _turn_then_push(self, target: SeenObject, turn: float) -> list[PushCandidate]:
         at_aim = [np.array([self._aim.x, self._aim.y])]
         turning = Alternatives()
         with turning:
@@ -139,8 +134,6 @@ class PushSequencePlanner:
     def _turn_to_aim(self, target: SeenObject) -> float:
         """Angle by which it has to turn [rad]."""
         return 0.0 if self._aim.yaw is None else self._aim.yaw - target.pose.yaw
-
-    # -- turning -------------------------------------------------------------------------------
 
     def _turn_pushes(
         self, target: SeenObject, turn: float
@@ -241,8 +234,6 @@ class PushSequencePlanner:
             target = stroke.target_after(target)
         return found, target
 
-    # -- going straight ------------------------------------------------------------------------
-
     def _straight_pushes(self, target: SeenObject) -> list[PushCandidate]:
         """The pushes of the first path that the hand can make."""
         attempts = Alternatives()
@@ -253,7 +244,7 @@ class PushSequencePlanner:
             for path in self._ordered_paths(target)
             if not self._denied.cover_path(target, path) and first_stop(path) is None
         )
-        for path in islice(free, _PATHS):
+        for path in islice(free, 5):  # free ways for which the hand's reach is asked
             with attempts:
                 return self._path_pushes(target, path)
             # Paths that come later are longer.
@@ -348,7 +339,8 @@ class PushSequencePlanner:
             denied = is_denied(attempt.first.refusal)
             if denied:
                 self._denied.note_segment(target, segment)
-            far = denied and segment.distance > _PARTED
+            # A leg longer than this may be made by several pushes [m].
+            far = denied and segment.distance > 0.12
             whole = problem.motion.duration is not None or problem.goal.until == "moves"
             if whole or not far:
                 raise attempt.first

@@ -11,9 +11,6 @@ from planner.types.actions import Push, Vector3
 from planner.types.robot import FailedPush, ReachAnswer, ReachEffort
 from planner.types.world_state import WorldState
 
-_SAME_PLACE = 0.02  # contacts nearer than this count as the same [m]
-_SAME_LINE = 1e-4  # contacts nearer than this to a vertical line lie on it [m]
-
 
 class ReachSearch:
     """Questions of one attempt to the robot, within its budget.
@@ -49,7 +46,8 @@ class ReachSearch:
             if not isinstance(failed, FailedPush):
                 continue
             other = failed.push
-            near = math.dist(other.p_BC, push.p_BC) < _SAME_PLACE
+            # Contacts nearer than this count as the same [m].
+            near = math.dist(other.p_BC, push.p_BC) < 0.02
             if near and (other.fingers, other.ends_on) == (push.fingers, push.ends_on):
                 message = f"tried before: {failed.detail}"
                 return ReachAnswer(ok=False, reason="failed", message=message)
@@ -148,4 +146,5 @@ def _are_in_line(push: Push, other: Push) -> bool:
         other.spread,
         other.direction_W,
     )
-    return same and math.dist(push.p_BC[:2], other.p_BC[:2]) < _SAME_LINE
+    # Contacts nearer than this to a vertical line lie on it [m].
+    return same and math.dist(push.p_BC[:2], other.p_BC[:2]) < 1e-4

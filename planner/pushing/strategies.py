@@ -86,7 +86,14 @@ class PlanningStrategy(ABC):
             NoPlanError: there is none.
         """
         if problem.goal.aims:
-            return _plan_to_an_aim(problem, search)
+            attempts = Alternatives()
+            for aim in wanted_aims(problem):
+                with attempts:
+                    found = PushSequencePlanner(
+                        problem, aim, search, _foreseen_pushes(problem)
+                    ).pushes()
+                    return found if isinstance(found, Reached) else _joint_plan(problem, found, aim)
+            raise attempts.first
         return _joint_plan(
             problem, TopplePlanner(problem, search, _foreseen_pushes(problem)).pushes()
         )
@@ -299,22 +306,9 @@ def plan_pushes(
     raise NoPlanError(deciding_refusal(so_far))
 
 
-# -- several pushes as one plan -----------------------------------------------------------------
-
-
 def _foreseen_pushes(problem: PushProblem) -> tuple[Push, ...]:
     """Remaining pushes of the previous plan, tried first."""
     return () if problem.previous is None else problem.previous.pushes[1:]
-
-
-def _plan_to_an_aim(problem: PushProblem, search: ReachSearch) -> Plan | Reached:
-    """The plan to the first aim for which there is one."""
-    attempts = Alternatives()
-    for aim in wanted_aims(problem):
-        with attempts:
-            found = PushSequencePlanner(problem, aim, search, _foreseen_pushes(problem)).pushes()
-            return found if isinstance(found, Reached) else _joint_plan(problem, found, aim)
-    raise attempts.first
 
 
 def _joint_plan(problem: PushProblem, found: list[PushCandidate], aim: Aim | None = None) -> Plan:
@@ -335,35 +329,27 @@ def _joint_plan(problem: PushProblem, found: list[PushCandidate], aim: Aim | Non
     # What must be done in time is pushed faster than by default.
     if any(push.speed != motion.speed for push in pushes):
         problem = problem.without_default("speed")
+    # Limits that all pushes of a plan keep.
+    limits = [push.limits for push in pushes]
+    common = set(limits[0]).intersection(*limits[1:])
     return Plan(
         object=target.name,
         task=_TASKS.get(pushes[-1].ends_on, "push"),
         actions=(first, *(push.model_copy(update={"displacement": None}) for push in later)),
         committed=1,
-        limits=_shared_limits([push.limits for push in pushes]),
+        limits=Limits(**dict(common)),
         aim=aim,
         probability=probability,
         defaults=problem.defaults_used,
         considered=sum(each.considered for each in found),
         satisfying=sum(each.satisfying for each in found),
-        notes=tuple(_numbered_notes(found)),
+        # Of several pushes each note has the number of its push.
+        notes=tuple(
+            note if len(found) == 1 else f"push {number}: {note}"
+            for number, each in enumerate(found, start=1)
+            for note in each.notes
+        ),
     )
-
-
-def _shared_limits(limits: list[Limits]) -> Limits:
-    """Limits that all pushes of a plan keep."""
-    common = set(limits[0]).intersection(*limits[1:])
-    return Limits(**dict(common))
-
-
-def _numbered_notes(found: list[PushCandidate]) -> Iterator[str]:
-    """Notes on each push; of several with the number of the push."""
-    for number, each in enumerate(found, start=1):
-        for note in each.notes:
-            yield note if len(found) == 1 else f"push {number}: {note}"
-
-
-# -- poses at the edge of the tolerance ---------------------------------------------------------
 
 
 def nearly_goal_poses(problem: PushProblem) -> Iterator[tuple[Aim, str]]:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
 from dataclasses import replace
 
 from planner.problem.planning_problem import PushProblem, PushStep
@@ -70,7 +69,15 @@ class TopplePlanner:
             numbers, name = {"obliqueness": abs(askew)}, problem.target.name
             where = contact.region
             raise no_plan("turn_first", numbers, spans=contact.spans, object=name, region=where)
-        return self._pushes_after_turn(askew)
+        target, goal = self._problem.target, self._problem.goal
+        square = target.pose.yaw + askew
+        aim = Aim(x=target.pose.x, y=target.pose.y, yaw=square)
+        on_its_base = replace(goal, outcome="slide", rotates=True, aims=(aim,), tilt=None)
+        turning = replace(self._problem, goal=on_its_base)
+        pushes = PushSequencePlanner(turning, aim, self._search, self._foreseen).pushes()
+        assert isinstance(pushes, list), "it stands askew"
+        there = replace(target, pose=replace(target.pose, yaw=square))
+        return [*pushes, self._fall_from(self._problem, there)]
 
     def other_pushes(self) -> list[PushCandidate]:
         """The pushes that make it fall askew or elsewhere.
@@ -83,17 +90,6 @@ class TopplePlanner:
             with falls:
                 return pushes()
         raise falls.first
-
-    def _pushes_after_turn(self, askew: float) -> list[PushCandidate]:
-        target, goal = self._problem.target, self._problem.goal
-        square = target.pose.yaw + askew
-        aim = Aim(x=target.pose.x, y=target.pose.y, yaw=square)
-        on_its_base = replace(goal, outcome="slide", rotates=True, aims=(aim,), tilt=None)
-        turning = replace(self._problem, goal=on_its_base)
-        pushes = PushSequencePlanner(turning, aim, self._search, self._foreseen).pushes()
-        assert isinstance(pushes, list), "it stands askew"
-        there = replace(target, pose=replace(target.pose, yaw=square))
-        return [*pushes, self._fall_from(self._problem, there)]
 
     def _fall_from(self, problem: PushProblem, there: SeenObject) -> PushCandidate:
         """The last push from where others leave the object, which will not be there exactly."""
@@ -131,7 +127,11 @@ class TopplePlanner:
         margin = problem.defaults.clearance + _FORESIGHT
         way = Obstructions(problem.target, problem.state, path_clearances(problem), margin)
         places = Alternatives()
-        for segment in _segments_aside(problem.target):
+        # Pushes square to its faces, the shortest first.
+        target = problem.target
+        ahead = Aim(x=target.pose.x + 1.0, y=target.pose.y, yaw=target.pose.yaw)
+        for distance, heading in itertools.product(_ASIDE, push_headings(target, ahead)):
+            segment = PathSegment(heading, distance)
             if way.first_stop((segment,)) is not None:
                 continue
             with places:
@@ -141,10 +141,3 @@ class TopplePlanner:
                 )
                 return [best_push(few, aside, self._search), then]
         raise places.first if places else no_plan("no_way", object=problem.target.name)
-
-
-def _segments_aside(target: SeenObject) -> Iterator[PathSegment]:
-    """Pushes square to its faces, the shortest first."""
-    ahead = Aim(x=target.pose.x + 1.0, y=target.pose.y, yaw=target.pose.yaw)
-    for distance, heading in itertools.product(_ASIDE, push_headings(target, ahead)):
-        yield PathSegment(heading, distance)

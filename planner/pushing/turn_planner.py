@@ -21,7 +21,6 @@ Frames: W, its table plane; pivots in B.
 
 from __future__ import annotations
 
-import functools
 import itertools
 import math
 from collections.abc import Iterator
@@ -29,7 +28,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from objectmodels import Face, ObjectModel
+from objectmodels import Face
 from objectmodels.geometry.base_shapes import Disc
 from objectmodels.mechanics.push_motion import TurningPush, best_turn
 from planner.problem.directions import heading_of
@@ -48,20 +47,8 @@ PAIRED_TURN = math.radians(15.0)
 """Largest turn by two pushes [rad]: they leave the object p · (turn / 2)² off, 2 mm."""
 
 _SMALL = math.radians(20.0)  # turn whose pivot stands for all
-_AT_PLACE = 0.004  # an object so near to its place needs no further push [m]
 _CORRECTION = 2.2, 0.1  # pushes that a correction takes, and one more for each so much way [m]
-_EXCURSION = 0.05  # way from its place on the way that counts as much as a push [m]
 _ROUND_HEADINGS = np.radians(np.arange(-180.0, 180.0, 30.0))
-_LOOKED_AT = 4  # poses of one push that must be free
-
-
-@functools.lru_cache(maxsize=1024)
-def turning_push(model: ObjectModel, face: Face, angle: float, height: float) -> TurningPush | None:
-    """The push on a face that turns an object best; see `best_turn`.
-
-    It is kept: the ways to part a turn share most of their pushes.
-    """
-    return best_turn(model, face, angle, height)
 
 
 @dataclass(frozen=True)
@@ -80,7 +67,7 @@ class TurnStroke:
 
     def push(self, target: SeenObject, height: float = 0.0) -> TurningPush:
         """The push that does it best at a height."""
-        found = turning_push(target.model, self.side.face, self.angle, height)
+        found = best_turn(target.model, self.side.face, self.angle, height)
         assert found is not None, "its side was chosen for that"
         return found
 
@@ -110,9 +97,11 @@ def turn_sequences(target: SeenObject, turn: float, aim: Aim) -> Iterator[tuple[
         for step in steps:
             there = step.target_after(there)
             offs.append(math.dist((aim.x, aim.y), (there.pose.x, there.pose.y)))
-        rest = 0.0 if offs[-1] < _AT_PLACE else _CORRECTION[0] + offs[-1] / _CORRECTION[1]
+        # An object so near to its place needs no further push [m].
+        rest = 0.0 if offs[-1] < 0.004 else _CORRECTION[0] + offs[-1] / _CORRECTION[1]
         # On its way it had better stay near, too.
-        cost = len(steps) + rest + max(offs) / _EXCURSION
+        # Way from its place on the way that counts as much as a push [m].
+        cost = len(steps) + rest + max(offs) / 0.05
         found.append((round(cost, 3), abs(side[0].side.heading), number, steps))
     for *_, steps in sorted(found, key=lambda each: each[:3]):
         yield steps
@@ -161,16 +150,15 @@ def _turn_partings(turn: float) -> list[tuple[float, ...]]:
     return [parts for parts in dict.fromkeys(parted) if max(map(abs, parts)) <= MOST]
 
 
-def turn_parts(angle: float, largest: float = LARGEST_TURN) -> tuple[float, ...]:
+def turn_parts(angle: float) -> tuple[float, ...]:
     """Turns of alternating pushes on two opposite faces that leave the object in its place [rad].
 
     Args:
         angle: of the whole turn, counter-clockwise [rad].
-        largest: largest turn by three pushes, no more than π [rad].
     """
     if abs(angle) <= PAIRED_TURN:
         return (0.5 * angle, 0.5 * angle)
-    threes = int(np.ceil(abs(angle) / largest - 1e-9))
+    threes = int(np.ceil(abs(angle) / LARGEST_TURN - 1e-9))
     whole = angle / threes
     middle = 2.0 * float(np.arcsin(0.5 * np.sin(0.5 * whole)))
     outer = 0.5 * (whole - middle)
@@ -180,7 +168,10 @@ def turn_parts(angle: float, largest: float = LARGEST_TURN) -> tuple[float, ...]
 def _turnable_sides(target: SeenObject, angle: float) -> list[tuple[TurnStroke, TurnStroke]]:
     """Opposite sides on which a finger turns the object in a sense, each as the first once."""
     found = []
-    for side in _all_sides(target):
+    # Of a round object some sides, evenly around it.
+    pose, model = target.pose, target.model
+    headings = _ROUND_HEADINGS - pose.yaw if isinstance(model.base, Disc) else None
+    for side in [_side_of_face(face, pose) for face in model.faces(headings)]:
         pair = [_turn_stroke(each, target, angle) for each in (side, _opposite_side(side, target))]
         if pair[0] is not None and pair[1] is not None:
             found.append((pair[0], pair[1]))
@@ -188,7 +179,7 @@ def _turnable_sides(target: SeenObject, angle: float) -> list[tuple[TurnStroke, 
 
 
 def _turn_stroke(side: Side, target: SeenObject, angle: float) -> TurnStroke | None:
-    pushed = turning_push(target.model, side.face, angle, 0.0)
+    pushed = best_turn(target.model, side.face, angle, 0.0)
     if pushed is None:
         return None
     x, y, turned = pushed.pose
@@ -220,7 +211,7 @@ def turn_obstacle(
     low = np.array([other.min(axis=0) for other in others]).reshape(-1, 2) - apart
     high = np.array([other.max(axis=0) for other in others]).reshape(-1, 2) + apart
     for step in steps:
-        for share in np.linspace(0.0, 1.0, _LOOKED_AT + 1)[1:]:
+        for share in np.linspace(0.25, 1.0, 4):  # poses of one push that must be free
             here = footprint(step.target_after(target, float(share)))
             # What is farther off along an axis is farther off.
             near = ((low <= here.max(axis=0)) & (here.min(axis=0) <= high)).all(axis=1)
@@ -231,13 +222,6 @@ def turn_obstacle(
                 return "table"
         target = step.target_after(target)
     return None
-
-
-def _all_sides(target: SeenObject) -> list[Side]:
-    """Sides of an object; of a round one some, evenly around it."""
-    pose, model = target.pose, target.model
-    headings = _ROUND_HEADINGS - pose.yaw if isinstance(model.base, Disc) else None
-    return [_side_of_face(face, pose) for face in model.faces(headings)]
 
 
 def _side_of_face(face: Face, pose: PlanarPose) -> Side:

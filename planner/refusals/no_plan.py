@@ -26,11 +26,6 @@ if TYPE_CHECKING:
     from planner.types.robot import ReachAnswer
 
 
-# --- refusal marks --------------------------------------------------------------------------------
-#
-# From the numbers of a refusal to marks on the scene.
-
-
 _About = Literal["topples", "slides", "asked", "reach"]
 _HEIGHTS: dict[str, tuple[_About, str]] = {
     "critical_height": ("topples", "above {} it topples"),
@@ -42,17 +37,6 @@ _HEIGHTS: dict[str, tuple[_About, str]] = {
     "lowest": ("reach", "it may be held from {} up"),
     "highest": ("reach", "it may be held up to {}"),
 }
-
-
-def height_marks(name: str, numbers: Mapping[str, float]) -> Iterator[HeightMark]:
-    """Marks on an object of those numbers that are heights, by their names [m]."""
-    marked: set[float] = set()
-    for key, (about, text) in _HEIGHTS.items():
-        height = numbers.get(key, 0.0)
-        if height > 0.0 and height not in marked:
-            marked.add(height)
-            length = f"{1e3 * height:.0f} mm"
-            yield HeightMark(object=name, height=height, about=about, text=text.format(length))
 
 
 def length_mark(
@@ -97,9 +81,6 @@ def tilt_mark(
         angle=angle,
         text=text,
     )
-
-
-# --- no plan --------------------------------------------------------------------------------------
 
 
 Spans = tuple[tuple[int, int], ...]
@@ -200,7 +181,15 @@ def _marks(
 ) -> Iterator[Mark]:
     """Heights on the object that a refusal is about, and what stands in the way."""
     if "object" in words:
-        yield from height_marks(words["object"], numbers)
+        marked: set[float] = set()
+        for key, (about, text) in _HEIGHTS.items():
+            height = numbers.get(key, 0.0)
+            if height > 0.0 and height not in marked:
+                marked.add(height)
+                length = f"{1e3 * height:.0f} mm"
+                yield HeightMark(
+                    object=words["object"], height=height, about=about, text=text.format(length)
+                )
     other = words.get("blocker") or (words.get("other") if reason == "blocked" else None)
     if other is not None:
         yield obstacle_mark(other)
@@ -208,8 +197,9 @@ def _marks(
 
 def not_capable(capability: str, message: str, spans: Spans, *instead: str) -> NoPlanError:
     """Dead end because this robot, or this version, lacks a capability."""
-    words: dict[str, Any] = {"capability": capability, "message": message}
-    return no_plan("not_capable", spans=spans, instead=instead, **words)
+    return no_plan(
+        "not_capable", spans=spans, instead=instead, capability=capability, message=message
+    )
 
 
 def unsupported_while(what: str, doing: str, spans: Spans) -> NoPlanError:
@@ -222,11 +212,6 @@ def no_plan(
 ) -> NoPlanError:
     """Dead end in the words of its code; see `refusal`."""
     return NoPlanError(refusal(code, numbers, spans=spans, **words))
-
-
-# --- reach refusals -------------------------------------------------------------------------------
-#
-# Refusals since the hand does not get there, by the first obstacle that stands in its way.
 
 
 def no_push_reached(
@@ -286,15 +271,10 @@ def _obstacle(
     return last, {**words, "last": last.message, "blocker": found and found.blocker, "other": other}
 
 
-# --- search account -------------------------------------------------------------------------------
-#
 # Account of a search that found nothing: what was tried, and that it proves nothing.
 #
 # What is `impossible` follows from the physics of the object, whatever hand pushes it. Where the
 # hand does not get, a sample of its postures was looked at: another one may still get there.
-
-
-_SEARCHED = ("out_of_reach", "blocked", "out_of_time")
 
 
 def with_account(refusal: Refusal, answers: Collection[ReachAnswer], work: int) -> Refusal:
@@ -305,7 +285,7 @@ def with_account(refusal: Refusal, answers: Collection[ReachAnswer], work: int) 
         answers: of the robot, each to another question.
         work: units of work that were done.
     """
-    if refusal.reason not in _SEARCHED or not answers:
+    if refusal.reason not in ("out_of_reach", "blocked", "out_of_time") or not answers:
         return refusal
     ways, postures = len(answers), sum(answer.postures for answer in answers)
     among = f"{ways} ways of the hand" + (f" in {postures} postures" if postures else "")

@@ -17,11 +17,6 @@ from planner.types.refusal import (
     unsupported,
 )
 
-# --- hand sentences -------------------------------------------------------------------------------
-#
-# Refusals of grasps, lids and pours; see `planner.refusals.sentences`.
-
-
 _SQUEEZE = "{doing} the {object} needs {needed_force:N} of squeeze with μ {friction:share}; "
 _NO_GRASP = "there {are} {number} of {doing} the {object}, but the hand does not get there: {last}"
 _NO_ROOM = (
@@ -239,9 +234,6 @@ _POURS = {
 
 HAND_SENTENCES: dict[str, Sentence] = _GRASPS | _LIDS | _POURS
 """Refusals of what takes the whole hand, by their code."""
-
-
-# --- sentences ------------------------------------------------------------------------------------
 
 
 _NO_PLACE = "leave out where to touch it"

@@ -16,20 +16,11 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-# --- frozen value ---------------------------------------------------------------------------------
-#
-# Base of what planning results are made of.
-
 
 class Value(BaseModel):
     """A value that never changes, without unknown fields and infinities."""
 
     model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid", allow_inf_nan=False)
-
-
-# --- stack actions --------------------------------------------------------------------------------
-#
-# Putting one object on another or into it, as an action of a plan; see `planner.types.actions`.
 
 
 class StandPrediction(Value):
@@ -62,20 +53,12 @@ class SetOn(Value):
     prediction: StandPrediction
 
 
-# --- turning actions ------------------------------------------------------------------------------
-#
-# Turning what is held over, as an action of a plan; see `planner.types.actions`.
-
-
 class TurnOver(Value):
     """Turns what is held about the middle of its grasp until another of its faces is below."""
 
     kind: Literal["turn_over"] = "turn_over"
     axis_W: tuple[float, float, float] = Field(description="of the turn, a unit vector in W")
     angle: float = Field(description="of the turn [rad]")
-
-
-# --- actions --------------------------------------------------------------------------------------
 
 
 Vector3 = tuple[float, float, float]
@@ -117,9 +100,6 @@ class Limits(Value):
     turn: float | None = None
     duration: float | None = None
     clear_of: tuple[tuple[str, float], ...] = ()
-
-
-# -- pushes -------------------------------------------------------------------------------------
 
 
 class Push(Value):
@@ -203,6 +183,11 @@ class Prediction(Value):
     friction: Literal["static", "kinetic"]
 
 
+def finite_or_none(value: float) -> float | None:
+    """A force or a height of a prediction; None of what never happens."""
+    return float(value) if math.isfinite(value) else None
+
+
 class Margins(Value):
     """Distances of a push from the nearest forbidden outcome, in the worst case considered.
 
@@ -234,9 +219,6 @@ class PushAction(Push):
     prediction: Prediction
     margins: Margins
     displacement: Vector3 | None = None
-
-
-# -- hands --------------------------------------------------------------------------------------
 
 
 class Grasp(Value):

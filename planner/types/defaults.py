@@ -15,10 +15,6 @@ from dataclasses import dataclass, fields, replace
 from functools import cache
 from typing import Annotated, Any, get_type_hints
 
-# --- default kinds --------------------------------------------------------------------------------
-#
-# Kinds of defaults: their units, the values between which they lie, and the words for them.
-
 
 @dataclass(frozen=True)
 class Kind:
@@ -90,9 +86,6 @@ def value_of_word(value: object, words: tuple[str, ...]) -> Any:
     """The number of a word; YAML reads "yes" and "no" as truth values."""
     word = {True: "yes", False: "no"}[value] if isinstance(value, bool) else value
     return words.index(word) if isinstance(word, str) and word in words else value
-
-
-# --- defaults -------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)

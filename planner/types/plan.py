@@ -147,14 +147,11 @@ def _step_texts(action: Action) -> tuple[str, ...]:
 PlanningResult = Plan | Reached | Refusal
 
 
-# --- motion guide ---------------------------------------------------------------------------------
-#
 # Numbers that a guarded Cartesian controller needs to carry out what is committed of a plan.
 #
 # Numbers are in SI units, points and directions in W. They are for fingertips of the radius that
 # is stated; another hand keeps the contacts and computes its own. Places hold for the table as it
 # was seen when it was planned.
-
 
 StopKind = Literal[
     "no_touch",
@@ -340,8 +337,6 @@ class FlipGuide(Value):
 MotionGuide = Annotated[PushGuide | GraspGuide | FlipGuide, Field(discriminator="kind")]
 
 
-# --- speed profile --------------------------------------------------------------------------------
-#
 # How fast hand and fingertips become; over a stroke evenly faster, then slower with what remains.
 #
 # Model: from rest v² = 2 a s after a way s, and v = b (L − s) before the end of the stroke L. So
@@ -375,14 +370,14 @@ FORCE_BAND = 0.2
 LIFT_SPEED = 0.06
 """At which what is held goes up and down, at most [m/s]."""
 
-_USUAL_SPEED = 0.05  # up to which short pushes may stay slower than they could be [m/s]
 _BRAKING = 3.0  # of a push that is to be fast [1/s]
 _ACCELERATION = 0.2  # of it, at most: a fingertip's spring makes it overtake its speed [m/s²]
 
 
 def speed_profile(speed: float, stroke: float) -> SpeedProfile:
     """The profile of a push with a largest speed [m/s] over a stroke [m]."""
-    if speed <= _USUAL_SPEED or USUAL.largest_speed(stroke) >= speed:
+    # Up to which short pushes may stay slower than they could be [m/s].
+    if speed <= 0.05 or USUAL.largest_speed(stroke) >= speed:
         return USUAL
     speeding_up = max(stroke - speed / _BRAKING, 1e-9)
     needed = speed**2 / (2.0 * speeding_up)

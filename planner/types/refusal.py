@@ -111,11 +111,6 @@ class Alternatives:
         return self._dead_ends[-1]
 
 
-# --- refusal sentence -----------------------------------------------------------------------------
-#
-# Words of one refusal; each kind of obstacle has its constructor.
-
-
 @dataclass(frozen=True)
 class Sentence:
     """Words of a refusal.
@@ -140,11 +135,6 @@ too_uncertain = partial(Sentence, "too_uncertain")
 out_of_time = partial(Sentence, "out_of_time")
 too_small = partial(Sentence, "too_small")
 unsupported = partial(Sentence, "unsupported")
-
-
-# --- probability text -----------------------------------------------------------------------------
-#
-# Probabilities in words: in three digits, and never as if anything were certain.
 
 
 def probability_text(probability: float) -> str:

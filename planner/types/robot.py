@@ -18,7 +18,6 @@ from planner.types.plan import Plan
 from planner.types.world_state import WorldState
 
 _SAME_HOLD, _SAME_WAY = 0.01, 0.97  # distance [m] and cosine up to which holds are the same
-_HARDER = 1.1  # what is tried harder by this factor is tried anew
 
 ReachEffort = Literal["usual", "thorough"]
 """How long a robot looks for a way of the hand. A thorough search also lets it pass nearer."""
@@ -148,7 +147,8 @@ class FailedHold:
             along = np.dot(self.plan.grasp.closing_W, plan.grasp.closing_W)
             if apart > _SAME_HOLD or along < _SAME_WAY:
                 return False
-        return _effort(plan) < _HARDER * _effort(self.plan)
+        # What is tried harder by this factor is tried anew.
+        return _effort(plan) < 1.1 * _effort(self.plan)
 
 
 def _effort(plan: Plan) -> float:

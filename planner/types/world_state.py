@@ -199,6 +199,16 @@ class TableState:
     y_min: float
     y_max: float
 
+    @property
+    def middle(self) -> NDArray[np.float64]:
+        """Its middle, shape (2,) [m]."""
+        return np.array([self.x_min + self.x_max, self.y_min + self.y_max]) / 2.0
+
+    def corners_within(self, margin: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Lowest and highest corner of what lies a margin within its edge, shape (2,) each [m]."""
+        low = np.array([self.x_min, self.y_min]) + margin
+        return low, np.array([self.x_max, self.y_max]) - margin
+
 
 @dataclass(frozen=True)
 class Held:
@@ -240,8 +250,6 @@ class WorldState:
         return tuple(seen for seen in self.objects.values() if seen.on == name)
 
 
-# --- marks ----------------------------------------------------------------------------------------
-#
 # Marks of a refusal: where its numbers are on the table, so that they can be drawn there.
 #
 # Points and directions are in W. Each mark has a text of a few words to stand beside it.
@@ -322,11 +330,6 @@ Mark = Annotated[
     HeightMark | LengthMark | TiltMark | ObstacleMark,
     Field(discriminator="kind"),
 ]
-
-
-# --- plain vectors --------------------------------------------------------------------------------
-#
-# Vectors as the three plain numbers that actions, marks and guides hold.
 
 
 def plain_vector(v: ArrayLike) -> Vector3:

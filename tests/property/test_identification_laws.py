@@ -54,7 +54,7 @@ def test_the_fit_gives_back_what_was_shown(both: tuple[BoxModel, BoxModel]) -> N
 def test_the_closed_form_gives_back_what_was_shown(both: tuple[BoxModel, BoxModel]) -> None:
     truth, believed = both
     found = estimates_from_trials(believed, touched(truth, PLAN))
-    values = [found.value(name) for name in UNCERTAIN]
+    values = [getattr(found, name) for name in UNCERTAIN]
     np.testing.assert_allclose(np.array(values, dtype=float), truth.means, rtol=1e-6, atol=1e-9)
 
 

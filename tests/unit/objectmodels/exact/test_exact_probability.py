@@ -14,7 +14,7 @@ from objectmodels.exact.exact_thresholds import (
 )
 from objectmodels.exact.slide_search import SlideSearch, Standing
 from objectmodels.mechanics.friction_cone import contact_forces
-from objectmodels.mechanics.push_outcomes import draw_parameters, sample_parameters
+from objectmodels.mechanics.outcome_probability import draw_parameters, sample_parameters
 from objectmodels.mechanics.push_thresholds import ratio_at, topple_threshold
 
 CRATE = BoxModel(

@@ -29,7 +29,7 @@ from tests.unit.objectmodels.identification.touching import (
 
 def test_noise_free_trials_give_back_the_truth() -> None:
     found = estimates_from_trials(BELIEF, touched(TRUTH, everything()))
-    assert [found.value(name) for name in UNCERTAIN] == pytest.approx(TRUTH.means.tolist())
+    assert [getattr(found, name) for name in UNCERTAIN] == pytest.approx(TRUTH.means.tolist())
     assert found.notes == ()
 
 

@@ -9,9 +9,9 @@ import pytest
 
 from objectmodels import BoxModel, ModelError
 from objectmodels.geometry.base_shapes import Array, Support
+from objectmodels.geometry.rotations import vector_tuple
 from objectmodels.identification import Trial, fit
 from objectmodels.identification.joint_fit import LEAST_TRIALS, pressure_points
-from objectmodels.identification.onset_detection import vector_tuple
 
 FEET: Support = ((-0.04, -0.045), (0.04, -0.03), (0.005, 0.05))
 TRUTH = BoxModel(

@@ -113,7 +113,7 @@ def _lifted(tilts: np.ndarray) -> Lifted:
 
 def test_the_worst_case_needs_more_and_holds_surely() -> None:
     lifted = _lifted(np.zeros(1))
-    (needed,), (worst,) = least_squeezes([lifted])
+    (needed,), (worst,) = least_squeezes((lifted,))
     assert needed == pytest.approx(0.34 * 9.81 / 1.2, rel=1e-6)
     assert worst > needed
     assert lifted.hold_probability(8.0) > 0.999
@@ -123,14 +123,14 @@ def test_the_worst_case_needs_more_and_holds_surely() -> None:
 def test_what_just_holds_is_a_toss_up() -> None:
     lifted = _lifted(np.zeros(1))
     # Off the middle it only holds less, so that a little less than a half is left.
-    assert 0.3 < lifted.hold_probability(least_squeezes([lifted])[0][0]) < 0.52
+    assert 0.3 < lifted.hold_probability(least_squeezes((lifted,))[0][0]) < 0.52
 
 
 def test_a_motion_needs_what_its_worst_pose_needs() -> None:
     tilts = np.linspace(0.0, 2.0, 9)
     whole, each = _lifted(tilts), [_lifted(np.array([tilt])) for tilt in tilts]
-    (needed,), _ = least_squeezes([whole])
-    assert needed == pytest.approx(max(least_squeezes(each)[0]), rel=1e-6)
+    (needed,), _ = least_squeezes((whole,))
+    assert needed == pytest.approx(max(least_squeezes(tuple(each))[0]), rel=1e-6)
     assert whole.hold_probability(8.0) <= min(one.hold_probability(8.0) for one in each) + 1e-9
 
 
@@ -138,8 +138,8 @@ def test_grasps_searched_together_are_those_searched_alone() -> None:
     two = Contacts.from_arrays([[0.0, 0.0], [0.0, HALF], [0.0, -HALF]], [1.0, 0.5, 0.5])
     grasps = [_lifted(np.linspace(0.0, tilt, 4)) for tilt in (0.1, 0.7, 1.5)]
     grasps.insert(1, replace(grasps[0], contacts=two))  # with one contact less than the others
-    alone = [least_squeezes([grasp]) for grasp in grasps]
-    for together, each in zip(least_squeezes(grasps), zip(*alone, strict=True), strict=True):
+    alone = [least_squeezes((grasp,)) for grasp in grasps]
+    for together, each in zip(least_squeezes(tuple(grasps)), zip(*alone, strict=True), strict=True):
         np.testing.assert_array_equal(together, np.concatenate(each))
 
 

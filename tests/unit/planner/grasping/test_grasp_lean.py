@@ -10,7 +10,8 @@ import pytest
 
 from objectmodels import BoxModel
 from objectmodels.mechanics.push_thresholds import GRAVITY
-from planner.grasping.grasp_selection import HAND_LEAN, Candidate, Lean
+from planner.grasping.grasp_candidates import Candidate
+from planner.grasping.grasp_selection import HAND_LEAN, Lean
 from planner.types.defaults import DEFAULTS
 from planner.types.robot import Grip
 from planner.types.world_state import PlanarPose, SeenObject, WorldState

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from objectmodels.mechanics.standing_balance import TopLoad
-from planner.problem.places import most_overhang, overhangs, table_with_room
+from planner.problem.overhangs import most_overhang, overhangs, table_with_room
 from planner.types.defaults import DEFAULTS
 from planner.types.world_state import PlanarPose, WorldState
 from tests.unit.planner.conftest import planned, refused, world

@@ -7,7 +7,7 @@ import pytest
 
 from objectmodels import BoxModel
 from planner import plan
-from planner.pushing.contact_planner import Touch, best_experiment, outcome_probability
+from planner.pushing.contact_refusals import Touch, best_experiment, outcome_probability
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan
 from planner.types.refusal import Refusal
