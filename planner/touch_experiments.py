@@ -31,6 +31,7 @@ from objectmodels.geometry.side_faces import Face
 from objectmodels.identification.trial import Trial
 from objectmodels.mechanics import push_thresholds
 from objectmodels.models.object_model import ObjectModel
+from objectmodels.safety_figure import SafetyFigure
 from planner.problem.directions import face_name
 from planner.types.actions import Push
 from planner.types.robot import RobotLimits
@@ -38,10 +39,10 @@ from planner.types.world_state import SeenObject
 
 Kind = Literal["tilt", "slide", "off-centre slide", "rub", "press"]
 
-MOST_FORCE = 10.0
+MOST_FORCE: SafetyFigure = 10.0
 """Largest force with which an object is touched, if the finger has as much [N]."""
 
-BELOW_TOP = 0.010
+BELOW_TOP: SafetyFigure = 0.010
 """Distance of a tilt's contact from the top [m]."""
 
 SLIDE = 0.012
@@ -50,7 +51,7 @@ SLIDE = 0.012
 TILT = np.radians(8.0)
 """Largest tilt of an experiment [rad]."""
 
-TILT_SHARE = 0.4
+TILT_SHARE: SafetyFigure = 0.4
 """A tilt stays below this share of the angle of no return, in the worst case believed."""
 
 SPEED: Mapping[Kind, float] = {
@@ -68,7 +69,7 @@ RUB = 0.010
 PRESS, RAISED = 0.003, 0.0015
 """Way of a press, and how far it raises an edge of the base at least if the object tilts [m]."""
 
-_SIGMAS = 2.0
+_SIGMAS: SafetyFigure = 2.0
 _SURE, _HEIGHTS = 0.99, 9  # believed probability of a slide that is sure, and heights tried
 
 

@@ -40,6 +40,7 @@ from objectmodels.mechanics.friction_limit import (
     sticking_force,
     turning_rate,
 )
+from objectmodels.safety_figure import SafetyFigure
 
 if TYPE_CHECKING:
     from objectmodels.geometry.pushed_body import PushedBody
@@ -363,13 +364,13 @@ class _Pushes:
 
 Vector3 = tuple[float, float, float]
 
-EDGE = 0.010
+EDGE: SafetyFigure = 0.010
 """Distance that a chosen contact keeps from the ends of a flat face, a fingertip's radius [m]."""
 
-SIGMAS = 1.0
+SIGMAS: SafetyFigure = 1.0
 """Standard deviations of the parameters with which a chosen contact must still stick."""
 
-STROKE_SLACK = 0.005
+STROKE_SLACK: SafetyFigure = 0.005
 """What a stroke allows for on top of that [m]."""
 
 _OFFSETS = np.linspace(1.0, 0.2, 17)  # of contacts that are compared, as shares of the farthest

@@ -26,6 +26,7 @@ from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.rotations import left_of, spatial_cross
 from objectmodels.geometry.side_faces import FLAT, Face, SidePress
 from objectmodels.models.object_parts import LiftOffLid, ScrewCap
+from objectmodels.safety_figure import SafetyFigure
 from planner.problem.footprints import footprint, overlaps
 from planner.problem.planning_problem import GraspProblem
 from planner.refusals.no_plan import length_mark, no_plan
@@ -34,7 +35,7 @@ from planner.types.robot import Grip, Robot
 from planner.types.world_state import LengthMark, SeenObject, WorldState
 
 _HEADINGS = np.radians(np.arange(0.0, 180.0, 22.5))  # in W, across which a round side is held
-_BORDER = 0.004  # distance of a contact from the border of its side [m]
+_BORDER: SafetyFigure = 0.004  # distance of a contact from the border of its side [m]
 _OVER = 0.0015  # between fingertips and what a knob stands on [m]
 _SQUARE = np.array([0.0, math.pi / 2.0])  # pitches at which the fingers come: level, from above
 _ASKEW = np.radians([30.0, 45.0, 60.0])

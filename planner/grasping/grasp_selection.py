@@ -23,6 +23,7 @@ from objectmodels.mechanics.grasp_stability import Contacts, Lifted, least_squee
 from objectmodels.mechanics.outcome_probability import normal_cdf
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.models.object_model import ObjectModel
+from objectmodels.safety_figure import SafetyFigure
 from planner.grasping.grasp_candidates import Candidate
 from planner.problem.planning_problem import GraspProblem
 from planner.refusals.no_plan import no_plan
@@ -38,7 +39,7 @@ from planner.types.world_state import plain_vector
 # (e + h φ). What is not known of mass and centre of mass counts to first order; all else is
 # `HAND_LEAN`.
 
-HAND_LEAN = math.radians(1.2)
+HAND_LEAN: SafetyFigure = math.radians(1.2)
 """Standard deviation of a lean by what is not in the model, as simulated lifts have it [rad]."""
 
 
@@ -76,7 +77,7 @@ class Lean:
 _PATCH = np.array([[0.0, 0.0], [0.0, 0.004], [0.0, -0.004]])  # contacts at a knob [m]
 _TILTS = 8  # at which a motion is looked at
 
-ACCELERATION = 1.0
+ACCELERATION: SafetyFigure = 1.0
 """Of what is lifted and carried slowly, with what makes it tremble [m/s²]."""
 
 

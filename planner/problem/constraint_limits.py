@@ -20,6 +20,7 @@ from grammar.frames.command import Tilt
 from objectmodels import ObjectModel
 from objectmodels.mechanics.push_thresholds import largest_return, return_probability
 from objectmodels.models.object_parts import FlipLid
+from objectmodels.safety_figure import SafetyFigure
 from planner.problem.directions import FACE_OF_PUSH, HEADINGS
 from planner.problem.footprints import footprint, free_travel, leading_point
 from planner.problem.planning_problem import (
@@ -184,7 +185,7 @@ def _require_right(clause: g.Effector) -> None:
 # need, from the asked angle and from what the control may miss it by. It leans over by sin θ
 # times its height on the way.
 
-CLEARANCE = 0.01
+CLEARANCE: SafetyFigure = 0.01
 """Distance that a leaning object keeps from others [m]."""
 
 _HEADINGS = 24  # to which what is tilted may lean

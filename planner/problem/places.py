@@ -23,6 +23,7 @@ from objectmodels.geometry.base_shapes import Array, Polygon
 from objectmodels.geometry.rotations import left_of
 from objectmodels.models.object_parts import Cavity, inner_floor
 from objectmodels.models.shapes import standing_height, top_face
+from objectmodels.safety_figure import SafetyFigure
 from planner.problem.directions import HEADINGS, heading_of, unit
 from planner.problem.footprints import footprint, gap
 from planner.problem.overhangs import edge_name
@@ -205,7 +206,7 @@ class Aside(Region):
 # Model: what stands there keeps its heading; it and its neighbours cover convex polygons. Frames:
 # W is the world, B the box.
 
-WALL_ROOM = 0.008
+WALL_ROOM: SafetyFigure = 0.008
 """Room between the walls of a box and what is put into it [m]."""
 
 

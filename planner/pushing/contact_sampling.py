@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from objectmodels import ConeThresholds, Face, ObjectModel
 from objectmodels.geometry.base_shapes import Array, Disc
 from objectmodels.mechanics.friction_cone import worst_probability
+from objectmodels.safety_figure import SafetyFigure
 from planner.problem.constraint_limits import require_free_tilt
 from planner.problem.directions import HEADINGS, angle_between, face_name, heading_of, phrase, unit
 from planner.problem.footprints import (
@@ -41,7 +42,7 @@ from planner.types.plan import FORCE_BAND, reached_speed
 from planner.types.robot import ReachEffort, RobotLimits
 from planner.types.world_state import SeenObject
 
-EDGE = 0.006
+EDGE: SafetyFigure = 0.006
 """How far from the edges of a face contacts stay at least; fingertips may overhang them [m]."""
 
 _SIDESTEPS = {1: (0.0,), 2: (0.0, 0.01, -0.01, 0.02, -0.02)}

@@ -20,6 +20,7 @@ from objectmodels.exact.top_drag import drag_probability, press_range, top_drag
 from objectmodels.geometry.base_shapes import Array, is_within
 from objectmodels.mechanics.standing_balance import TopLoad
 from objectmodels.models.shapes import top_face
+from objectmodels.safety_figure import SafetyFigure
 from planner.problem.directions import unit
 from planner.problem.overhangs import Overhang, most_overhang, overhangs, table_with_room
 from planner.problem.planning_problem import PushProblem
@@ -37,7 +38,7 @@ FORCES = ("drag_slips", "press_too_weak", "finger_too_smooth", "force_not_allowe
 """Codes of refusals since no pressing force that is allowed takes an object along."""
 
 _CLOSE = 0.004  # what is nearer to its aim counts as there [m]
-_RIM = 0.005  # between the contact and the edge of the top, at least [m]
+_RIM: SafetyFigure = 0.005  # between the contact and the edge of the top, at least [m]
 _RATED, _CONFIRMED = 1, 3  # units of work of a force found, and of a hand asked for
 
 

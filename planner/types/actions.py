@@ -16,6 +16,8 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from objectmodels.safety_figure import SafetyFigure
+
 
 class Value(BaseModel):
     """A value that never changes, without unknown fields and infinities."""
@@ -67,7 +69,7 @@ Outcome = Literal["none", "slide", "topple", "slide+topple"]
 StopEvent = Literal["moves", "touching"]
 """The object has begun to move, or has met the object that `Push.meets` names."""
 
-FALLING = math.radians(11.0)
+FALLING: SafetyFigure = math.radians(11.0)
 """Tilt beyond the angle of no return at which a push lets a toppling object fall [rad]."""
 
 _UPRIGHT, _LEVEL = 0.95, 0.05  # of an approach, how much it goes down

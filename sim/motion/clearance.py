@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels.geometry.rotations import Array, rot_z, yaw_of
+from objectmodels.safety_figure import SafetyFigure
 from planner.types.actions import PourOut, SetOn
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import PlanarPose
@@ -30,11 +31,11 @@ from sim.robots.collision_spheres import (
 )
 from sim.robots.hand import GraspPosture, Hand, Mount, PostureSet
 
-FACE_CLEARANCE = 0.0005
+FACE_CLEARANCE: SafetyFigure = 0.0005
 """Least distance of all but the fingertips from the pushed face [m]."""
 
 _ROUNDING = 1e-9  # so that none is left out that touches [m]
-_HELD_CLEARANCE = 0.004  # of what is held from what it is poured or put into [m]
+_HELD_CLEARANCE: SafetyFigure = 0.004  # of what is held from what it is poured or put into [m]
 _SINKS = 0.001  # what stands on another object into that, at most [m]
 _UNKNOWN, _HIT, _CLEAR = -1, 0, 1
 

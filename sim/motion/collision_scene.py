@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from objectmodels.geometry.rotations import Array, circle_around, rot_z
 from objectmodels.models.object_parts import open_box_parts
 from objectmodels.models.shapes import CylinderModel
+from objectmodels.safety_figure import SafetyFigure
 from planner.types.world_state import SeenObject, WorldState
 from sim.robots.collision_spheres import (
     TABLE_CLEARANCE,
@@ -27,16 +28,16 @@ from sim.robots.collision_spheres import (
     height_above_table,
 )
 
-OBJECT_CLEARANCE = 0.012
+OBJECT_CLEARANCE: SafetyFigure = 0.012
 """Least distance of hand and arm from an object that they must not touch [m]."""
 
-LEAST_CLEARANCE = 0.006
+LEAST_CLEARANCE: SafetyFigure = 0.006
 """The same where no other way is left: as near as look and hand are sure of [m]."""
 
-FRAGILE_CLEARANCE = 0.030
+FRAGILE_CLEARANCE: SafetyFigure = 0.030
 """The same from one that is said to be fragile, always [m]."""
 
-SPARE = 0.002
+SPARE: SafetyFigure = 0.002
 """How much nearer the hand may get than was planned, as two looks differ by their noise [m]."""
 
 _ROUNDING = 1e-9  # so that it leaves none out that is near [m]

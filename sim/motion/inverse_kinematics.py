@@ -14,11 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels.geometry.rotations import Array, rot_z
+from objectmodels.safety_figure import SafetyFigure
 from planner.types.actions import Push
 from sim.motion.roadmap import LIMIT_MARGIN
 from sim.robots.hand import Angles, Mount, Posture, PostureSet
 
-EFFORT_SHARE = 0.5
+EFFORT_SHARE: SafetyFigure = 0.5
 """Share of the arm joints' largest torques that a push may take; the rest moves and holds it."""
 
 ENOUGH_MARGIN = 0.35

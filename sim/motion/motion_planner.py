@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels.geometry.rotations import Array, rot_y, rot_z
+from objectmodels.safety_figure import SafetyFigure
 from planner.types.actions import FlipOver, Push
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import TableState, WorldState
@@ -54,7 +55,7 @@ from sim.robots.hand import FlipPostureSet, GraspPosture, Mount, PostureSet
 from sim.robots.lid_path import LidShape, hinge_pose, lid_shape
 
 _DESCENT = np.linspace(1.0, 0.0, 5)  # of a hand to a lid, shares of its lift
-_BODY_CLEARANCE = 0.002  # of the hand from the object and its lid on its way down [m]
+_BODY_CLEARANCE: SafetyFigure = 0.002  # of the hand from the object and its lid on its way down [m]
 _LARGEST_STEP = 0.6  # more change of a joint between poses of a held object is a jump [rad]
 _AT_ONCE = 48  # hands that are looked at for one unit of work
 _LOOKED = 2  # units of work: to look at so many

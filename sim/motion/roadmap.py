@@ -16,9 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels.geometry.rotations import Array
+from objectmodels.safety_figure import SafetyFigure
 from sim.robots.arm import ArmKinematics
 
-LIMIT_MARGIN = 0.08
+LIMIT_MARGIN: SafetyFigure = 0.08
 """Least room to the joint limits on any way [rad]."""
 
 _COARSE = 8  # of the poses along a road, the first looked at

@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels.geometry.rotations import Array
+from objectmodels.safety_figure import SafetyFigure
 
-TABLE_CLEARANCE = 0.005
+TABLE_CLEARANCE: SafetyFigure = 0.005
 """Least distance of hand and arm from the table [m]."""
 
 

@@ -18,6 +18,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from objectmodels.geometry.rotations import Array, axis_rotation, rot_x, rot_y, spatial_cross
+from objectmodels.safety_figure import SafetyFigure
 from sim.robots.collision_spheres import sphere_row
 from sim.robots.hand import Angles, Posture
 
@@ -32,10 +33,10 @@ JOINT_STIFFNESS = 8.0
 EFFORT = 2.0
 """Largest torque of each finger joint [N·m]."""
 
-EFFORT_SHARE = 0.8
+EFFORT_SHARE: SafetyFigure = 0.8
 """Share of it that a push may take; the rest is for the impedance control."""
 
-STOP_ROOM = 0.02
+STOP_ROOM: SafetyFigure = 0.02
 """Room that a loaded joint keeps to its stops, which would bear what no sensor shows [rad]."""
 
 FINGER_LIMITS = np.radians([[-20.0, 20.0], [-40.0, 85.0], [0.0, 100.0]])
@@ -252,6 +253,10 @@ def _link_spheres(points: Array) -> list[Array]:
     return [sphere_row(a, b, LINK_RADIUS, 0.010) for a, b in itertools.pairwise(points)]
 
 
+PALM_RADIUS: SafetyFigure = 0.022
+"""Radius of the spheres that cover the palm [m]."""
+
+
 @functools.cache
 def _palm_spheres(wrist: float) -> Array:
     y, z = np.meshgrid(np.linspace(-0.036, 0.036, 4), np.linspace(0.010, 0.105, 5))
@@ -263,4 +268,4 @@ def _palm_spheres(wrist: float) -> Array:
         0.05,
         0.025,
     )
-    return np.vstack([np.column_stack([palm, np.full(len(palm), 0.022)]), block, behind])
+    return np.vstack([np.column_stack([palm, np.full(len(palm), PALM_RADIUS)]), block, behind])
