@@ -27,7 +27,6 @@ from objectmodels.mechanics.push_motion import best_turn
 from objectmodels.mechanics.push_outcomes import OUTCOMES, circle_corners
 from objectmodels.mechanics.push_thresholds import slide_threshold, yaw_arm
 from objectmodels.models.predictor import own_predictions
-from objectmodels.safety_figure import SafetyFigure
 from planner.problem.constraint_limits import prediction_with_return, push_with_tilt
 from planner.problem.directions import face_name
 from planner.problem.planning_problem import PushProblem, PushStep, Side

@@ -35,20 +35,6 @@ if TYPE_CHECKING:
     from sim.motion.motion_planner import GraspMotion
 
 
-# --- flip control ---------------------------------------------------------------------------------
-#
-# A fingertip flips a lid: under the tab, along the arc about the hinge, off, and back.
-#
-# Law: the commanded angle of the lid advances while less than the force limit is felt, no faster
-# than the plan's speed; the fingertip follows the arc of that angle, its spring bent by what the
-# lid resists. The limit is that of the angle at which the finger is felt to stand. What has come
-# of it only the camera tells: the lid must follow the finger, and the object must neither lean
-# nor move. Where it does, or where the force is not enough, the finger goes back the way it came.
-#
-# Frames: W is the world, E stands at the hinge (`sim.robots.lid_path`), T is the fingertip's
-# centre.
-
-
 def force_limits_at(step: FlipOver, shares: Array | float) -> Array:
     """Felt forces at which a flip stops, at shares of its arc [N]."""
     limits = step.force_limits or (step.force_limit,)
@@ -81,7 +67,18 @@ class FlipTuning:
 
 
 class FlipControl:
-    """One flip, from before the lid of an object that was seen until the hand is back there."""
+    """One flip, from before the lid of an object that was seen until the hand is back there.
+
+    Law: the commanded angle of the lid advances while less than the force limit is felt, no
+    faster than the plan's speed; the fingertip follows the arc of that angle, its spring bent
+    by what the lid resists. The limit is that of the angle at which the finger is felt to
+    stand. What has come of it only the camera tells: the lid must follow the finger, and the
+    object must neither lean nor move. Where it does, or where the force is not enough, the
+    finger goes back the way it came.
+
+    Frames: W is the world, E stands at the hinge (`sim.robots.lid_path`), T is the fingertip's
+    centre.
+    """
 
     tuning = FlipTuning()
 
@@ -231,9 +228,6 @@ class FlipControl:
         felt = float(self._recorder.touch.forces[0] @ self._recorder.inward)
         self._felt += min(1.0, self._period / self.tuning.filter_time) * (felt - self._felt)
         self._view.update_from_camera(self._recorder.frames)
-
-
-# --- grasp control --------------------------------------------------------------------------------
 
 
 CLOSING_SPEED = 0.020

@@ -33,18 +33,6 @@ from sim.traces.trace import EndReason
 from sim.worlds.ports import Frame, SeenPose
 from sim.worlds.sensors import noise_left
 
-# --- bystander guard ------------------------------------------------------------------------------
-#
-# A guard of what stands by: a pushed object that swings or drifts comes near to what was clear.
-#
-# Model: on its planned way an object keeps clear of everything. One finger steers a long object,
-# and a turn drifts, so that it may leave that way; then it stops short of what stands beside it,
-# and the next push begins there. Others stand where they were seen, and what was close at first
-# is left to the plan, which keeps as much of that gap as it can.
-#
-# Frames: W; footprints as in `planner.problem.footprints`.
-
-
 NEAREST: SafetyFigure = 0.003
 """Distance from another object at which a push ends: planned ones are larger [m]."""
 
@@ -54,6 +42,13 @@ _ENDS = ("stroke", "turned")  # of pushes in which the object stays on its face
 
 class BystanderGuard:
     """Ends a push in which the object comes too near to what stands by.
+
+    Model: on its planned way an object keeps clear of everything. One finger steers a long
+    object, and a turn drifts, so that it may leave that way; then it stops short of what stands
+    beside it, and the next push begins there. Others stand where they were seen, and what was
+    close at first is left to the plan, which keeps as much of that gap as it can.
+
+    Frames: W; footprints as in `planner.problem.footprints`.
 
     Args:
         push: what is to end; what it meets or stays clear of has limits of its own.
@@ -98,15 +93,6 @@ def _disc(corners: Array) -> tuple[Array, float]:
     """Centre, shape (2,), and radius of a disc around a polygon [m]."""
     middle = corners.mean(axis=0)
     return middle, float(np.linalg.norm(corners - middle, axis=1).max())
-
-
-# --- push guards ----------------------------------------------------------------------------------
-#
-# When a push ends: its stroke, its force, its speed, or a guard.
-#
-# Guards: a tilt that was not asked for, sliding where a tilt was asked for, a lost contact, a
-# speed beyond the plan's, a push that lasts too long. They know what the robot sees and feels; of
-# an object that is tilted, an estimate of how far it leans.
 
 
 _LEAST_WEIGHT = 0.1  # of a new frame: a third of a second at 30 Hz counts
@@ -274,6 +260,10 @@ def guard_conditions(push: PushAction) -> tuple[StopCondition, ...]:
 class Guards:
     """Ends and guards of a push.
 
+    Guards: a tilt that was not asked for, sliding where a tilt was asked for, a lost contact, a
+    speed beyond the plan's, a push that lasts too long. They know what the robot sees and
+    feels; of an object that is tilted, an estimate of how far it leans.
+
     Args:
         plan: what was to happen.
         period: of a control step [s].
@@ -385,9 +375,6 @@ class TiltGuards(Guards):
         if -view.correction > short or travel > self._push.stroke:
             return "slid", f"it slides instead of tilting, {1e3 * travel:.0f} mm so far"
         return None
-
-
-# --- guards ---------------------------------------------------------------------------------------
 
 
 End = tuple[EndReason, str]
@@ -660,16 +647,6 @@ def limit_conditions(push: Push, seen: SeenObject) -> Iterator[StopCondition]:
         yield StopCondition(when="too_close", limit=clear, unit="m", other=name, text=told)
 
 
-# --- hand guard -----------------------------------------------------------------------------------
-#
-# A guard of the hand: one that steers an object leaves the way that was found free.
-#
-# Model: on its way the hand keeps clear of everything, as was planned. Once it is aside of that
-# way, hand and arm are spheres again, and other objects stand where they were seen.
-#
-# Frames: W is the world.
-
-
 ASIDE: SafetyFigure = 0.004
 """Distance from the planned way within which nothing else is near [m]."""
 
@@ -678,6 +655,11 @@ _HAND_EVERY = 3  # control steps from one look to the next
 
 class HandGuard:
     """Ends a push in which the hand comes too near to what it does not push.
+
+    Model: on its way the hand keeps clear of everything, as was planned. Once it is aside of
+    that way, hand and arm are spheres again, and other objects stand where they were seen.
+
+    Frames: W is the world.
 
     Args:
         stance: of arm and hand.

@@ -334,19 +334,6 @@ def estimate_weight(vertical: Array, zero_samples: int) -> Weight:
     return Weight(mean, float(np.hypot(white, LEVER_ERROR * mean)), n)
 
 
-# --- lid sensing ----------------------------------------------------------------------------------
-#
-# Sensing of a lid: the camera's view of it and its object, and forces while it is held.
-#
-# The camera shows how far a lid is open, and the object to which it belongs; it does not show
-# where a lid is in the hand. The fingers' torques tell how hard a cap turns.
-#
-# Model: frames are noisy; each filtered value is an exponential mean of them. The object stands
-# where it was seen before, upright; it should stay so.
-#
-# Frames: W is the world.
-
-
 LEANS: SafetyFigure = math.radians(3.0)
 """Tilt of the object at which its lid is let go [rad]."""
 
@@ -412,6 +399,14 @@ class LidEstimator:
 
 class LidSense(HandSense):
     """Feels and sees while a lid is held.
+
+    The camera shows how far a lid is open, and the object to which it belongs; it does not show
+    where a lid is in the hand. The fingers' torques tell how hard a cap turns.
+
+    Model: frames are noisy; each filtered value is an exponential mean of them. The object
+    stands where it was seen before, upright; it should stay so.
+
+    Frames: W is the world.
 
     Attributes:
         view: of the lid and its object.

@@ -61,9 +61,6 @@ def motion_guide(plan: Plan, state: WorldState, robot: Robot) -> MotionGuide:
     return _flip_guide(step, state.objects[plan.object], robot.limits.fingertip_radius)
 
 
-# --- pushes ------------------------------------------------------------------------------------
-
-
 def _push_guide(push: PushAction, state: WorldState, robot: Robot) -> PushGuide:
     seen, radius = state.objects[push.object], robot.limits.fingertip_radius
     way = FingertipPath.from_push(push, seen, radius)
@@ -127,9 +124,6 @@ def _fingers(push: PushAction, state: WorldState, robot: Robot) -> Vector3 | Non
             points = answer[0].R_WP @ answer[0].posture.tip_midpoint
             return plain_vector(points / np.linalg.norm(points))
     return None
-
-
-# --- hands -------------------------------------------------------------------------------------
 
 
 def _grasp_guide(plan: Plan, state: WorldState, robot: Robot) -> GraspGuide:

@@ -169,16 +169,6 @@ class TurnEstimator:
         self._P = (np.eye(3) - K @ H) @ self._P
 
 
-# --- fingertip sensing ----------------------------------------------------------------------------
-#
-# Sensing with the pushing fingers: where the tips are and what they press.
-#
-# Model: a fingertip touches with the point of its sphere that faces the object, and its joints'
-# torques balance the force there: τ = Jᵀ f, J at that point and not at the sphere's centre.
-#
-# Frames: P is the palm, T a fingertip's centre; forces are those on the object, in W.
-
-
 @dataclass(frozen=True)
 class Touch:
     """Fingertips at one time.
@@ -202,6 +192,12 @@ def sense_touch(
 ) -> Touch:
     """Places of the pushing fingertips and what they press, by their joints' sensors.
 
+    Model: a fingertip touches with the point of its sphere that faces the object, and its
+    joints' torques balance the force there: τ = Jᵀ f, J at that point and not at the sphere's
+    centre.
+
+    Frames: P is the palm, T a fingertip's centre; forces are those on the object, in W.
+
     Args:
         port: of the robot.
         mount: of the arm.
@@ -220,11 +216,6 @@ def sense_touch(
         tips.append(R_WP @ p_PT + p_WP)
         forces.append(R_WP @ f_P)
     return Touch(np.array(tips), np.array(forces))
-
-
-# --- last look ------------------------------------------------------------------------------------
-#
-# The last look: what the robot saw, for as long as nothing was done since.
 
 
 class Camera(Protocol):
@@ -281,13 +272,6 @@ class LastLook:
             yield
         finally:
             self._holds = before
-
-
-# --- state estimation -----------------------------------------------------------------------------
-#
-# Estimates of where everything stands, from camera frames.
-#
-# Frames: W is the world, B an object.
 
 
 def mean_pose(poses: Iterable[SeenPose]) -> PlanarPose:

@@ -371,14 +371,6 @@ def _lift_off(legs: tuple[HeldSegment, ...]) -> tuple[HeldSegment, ...]:
     return slow, replace(first, start=hangs), *rest
 
 
-# --- lid execution --------------------------------------------------------------------------------
-#
-# Lids: one that comes off is pulled off and put aside, put on, or turned; one on a hinge flipped.
-#
-# Law: as for anything that is held (`sim.control.plan_execution`). A cap is turned by the arm,
-# which lets go, turns back and grips anew where the wrist ends.
-
-
 @dataclass(frozen=True)
 class LidTuning:
     """Speeds, and what must be seen, of a plan in which a lid is held."""
@@ -393,7 +385,11 @@ class LidTuning:
 
 
 class LidExecution(GraspExecution):
-    """One plan in which a lid is held."""
+    """One plan in which a lid is held.
+
+    Law: as for anything that is held (`GraspExecution`). A cap is turned by the arm, which lets
+    go, turns back and grips anew where the wrist ends.
+    """
 
     lid_tuning = LidTuning()
 
@@ -535,16 +531,12 @@ def _flip_and_leave(control: FlipControl) -> tuple[EndReason, str]:
     return end, detail
 
 
-# --- push execution -------------------------------------------------------------------------------
-#
-# A push carried out: look, go to an object, do something there, come back home.
-#
-# The robot knows what its ports tell it: joint angles, finger torques and late, noisy camera
-# frames. Frames: W is the world, T the midpoint of the pushing fingertips' centres.
-
-
 class PushExecution:
-    """The hand's way to the contact of a push and back; `recorder` records all of it."""
+    """The hand's way to the contact of a push and back; `recorder` records all of it.
+
+    The robot knows what its ports tell it: joint angles, finger torques and late, noisy camera
+    frames. Frames: W is the world, T the midpoint of the pushing fingertips' centres.
+    """
 
     def __init__(
         self,
@@ -626,16 +618,6 @@ class PushExecution:
         self.recorder.step(stance.joint_angles(tip, turned), stance.posture.joint_angles)
 
 
-# --- plan execution -------------------------------------------------------------------------------
-#
-# Carries out a plan in the simulated world: look, go there, touch, push, come back.
-#
-# The push is the paper's interface to its arm: a movement vector, a force magnitude and a largest
-# speed. The fingertips advance along the vector while less than the force is felt, no faster than
-# the speed, and end on the stroke, the force, the speed or a guard. Arm and hand are joint
-# impedances throughout; what is commanded is where their springs rest.
-
-
 _CONTROLS: dict[str, type[ForceController]] = {
     "tilted": TiltControl,
     "turned": TurnControl,
@@ -653,6 +635,11 @@ def execute(
     progress: Progress | None = None,
 ) -> Trace:
     """Carries out a plan.
+
+    The push is the paper's interface to its arm: a movement vector, a force magnitude and a
+    largest speed. The fingertips advance along the vector while less than the force is felt, no
+    faster than the speed, and end on the stroke, the force, the speed or a guard. Arm and hand
+    are joint impedances throughout; what is commanded is where their springs rest.
 
     Args:
         plan: what to do.

@@ -1,25 +1,7 @@
 """Control of a push: its force, its line, its turn, its tilt.
 
-Keeping an object on its line while one fingertip pushes it.
-
-Model: quasi-static sliding with an ellipsoidal limit surface of friction radius c̄ about a centre
-of friction. The fingertip, a sphere of radius r that does not turn, rolls on the face without
-slipping. With κ the face's curvature (0 of a flat one, 1/R of a round one), d the distance from the
-face to the object's middle, s the contact's offset along the face and g that of the centre of
-friction, the face's inward normal at the contact has the heading φ = θ − κ s, and with the
-travelled distance as time
-
-    θ′ = m (α (φ − u) − β (ν s − g)),    s′ = ρ r θ′,    y′ = u + d θ′
-    α = d / (d² + c̄²),  β = 1 / (d² + c̄²),  ν = 1 − κ d,  ρ = 1 / (1 + κ r)
-
-where θ is the heading error, y the lateral error of the middle and u the slope of the fingertip's
-path; m is 1 if c̄ is as believed. On a flat face the middle is ahead of the tip by d + r along the
-normal and aside by s; on a round one it lies on the normal. This is unstable, so (θ, s, g, m) are
-estimated by a Kalman filter from late camera frames and u is chosen by least squares over what
-remains of the way.
-
-Frame: D has its x axis along the push and its origin at W's; θ is the heading of the face's inward
-normal in D, where the face would be touched in its middle.
+A `ForceController` advances a fingertip under a force limit; pushes along a line, tilts and turns
+are kinds of it. A `LateralController` steers a push of one fingertip.
 """
 
 from __future__ import annotations
@@ -57,23 +39,6 @@ from sim.motion.inverse_kinematics import ArmConfiguration
 from sim.traces.trace import EndReason
 from sim.worlds.ports import SeenPose
 
-# --- force control --------------------------------------------------------------------------------
-#
-# Planned motions under force: their plan, beliefs, and the law of their advance.
-#
-# Law: from the touch on, the command advances at
-#
-#     ṡ = v clip((F_limit(t) − F_felt) / band, −1, 1)
-#
-# F_felt is the sum of the fingers' forces along the movement vector and F_limit rises from the
-# touch to the plan's force. While the object stands, v is so low that the fingers' stiffness
-# raises the force at a bounded rate; v rises at a bounded rate after. What v is then and where
-# the command goes is each motion's own: `sim.control.push_control`,
-# `sim.control.push_control`, `sim.control.push_control`.
-#
-# Frames: W is the world, T the midpoint of the pushing fingertips' centres.
-
-
 _FORCE_RATE = 10.0  # of an object that stands [N/s]
 
 FASTEST_START = 0.012
@@ -104,7 +69,19 @@ class ExecutionContext:
 
 
 class ForceController(TouchControl, ABC):
-    """One planned motion, from before a face to its end: first `touch`, then `act`."""
+    """One planned motion, from before a face to its end: first `touch`, then `act`.
+
+    Law: from the touch on, the command advances at
+
+        ṡ = v clip((F_limit(t) − F_felt) / band, −1, 1)
+
+    F_felt is the sum of the fingers' forces along the movement vector and F_limit rises from
+    the touch to the plan's force. While the object stands, v is so low that the fingers'
+    stiffness raises the force at a bounded rate; v rises at a bounded rate after. What v is
+    then and where the command goes is each motion's own.
+
+    Frames: W is the world, T the midpoint of the pushing fingertips' centres.
+    """
 
     def __init__(self, errand: ExecutionContext) -> None:
         self.plan = plan = errand.plan
@@ -184,9 +161,6 @@ class ForceController(TouchControl, ABC):
             float(angle / np.sqrt(frames)) + _LOOK_ANGLE,
             float(place / np.sqrt(frames)) + _LOOK_PLACE,
         )
-
-
-# --- lateral control ------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -277,6 +251,25 @@ class LateralTuning:
 
 class LateralController:
     """Estimates how the object moves and says which way the fingertip must go.
+
+    Model: quasi-static sliding with an ellipsoidal limit surface of friction radius c̄ about a
+    centre of friction. The fingertip, a sphere of radius r that does not turn, rolls on the face
+    without slipping. With κ the face's curvature (0 of a flat one, 1/R of a round one), d the
+    distance from the face to the object's middle, s the contact's offset along the face and g that
+    of the centre of friction, the face's inward normal at the contact has the heading φ = θ − κ s,
+    and with the travelled distance as time
+
+        θ′ = m (α (φ − u) − β (ν s − g)),    s′ = ρ r θ′,    y′ = u + d θ′
+        α = d / (d² + c̄²),  β = 1 / (d² + c̄²),  ν = 1 − κ d,  ρ = 1 / (1 + κ r)
+
+    where θ is the heading error, y the lateral error of the middle and u the slope of the
+    fingertip's path; m is 1 if c̄ is as believed. On a flat face the middle is ahead of the tip by
+    d + r along the normal and aside by s; on a round one it lies on the normal. This is unstable,
+    so (θ, s, g, m) are estimated by a Kalman filter from late camera frames and u is chosen by
+    least squares over what remains of the way.
+
+    Frame: D has its x axis along the push and its origin at W's; θ is the heading of the face's
+    inward normal in D, where the face would be touched in its middle.
 
     Args:
         pushed: the object.
@@ -409,21 +402,6 @@ class LateralController:
         return float(np.clip(u, normal - tuning.largest_slope, normal + tuning.largest_slope))
 
 
-# --- push control ---------------------------------------------------------------------------------
-#
-# The push itself: force and speed together, from the touch until an end or a guard.
-#
-# Law: the fingertips' command advances along the movement vector as in
-# `sim.control.push_control`. Once the object moves, the speed rises to the plan's; near
-# the end of the stroke it falls with what remains (`planner.types.plan`). The stroke is that of
-# the object's middle. Two fingers keep the object's heading by themselves, so that the fingertips
-# tell it; where they square the object up to themselves its middle swings aside, which the camera
-# tells. One finger is steered by `sim.control.push_control`, which knows it too.
-#
-# Ends and guards stand in `sim.control.guards`, limits and events in
-# `sim.control.guards`.
-
-
 @dataclass(frozen=True)
 class PushTuning:
     """Speeds and corrections of a push along a line."""
@@ -461,7 +439,17 @@ class _Line:
 
 
 class PushControl(ForceController):
-    """One push, from before the face to its end."""
+    """One push, from before the face to its end.
+
+    Law: the fingertips' command advances along the movement vector as in `ForceController`.
+    Once the object moves, the speed rises to the plan's; near the end of the stroke it falls
+    with what remains (`planner.types.plan`). The stroke is that of the object's middle. Two
+    fingers keep the object's heading by themselves, so that the fingertips tell it; where they
+    square the object up to themselves its middle swings aside, which the camera tells. One
+    finger is steered by a `LateralController`, which knows it too.
+
+    Ends, guards, limits and events stand in `sim.control.guards`.
+    """
 
     tuning = PushTuning()
 
@@ -569,20 +557,6 @@ class PushControl(ForceController):
         )
 
 
-# --- tilt control ---------------------------------------------------------------------------------
-#
-# A tilt and back: leans an object on the far edge of its base, holds it, lets it back.
-#
-# After the touch the fingertips go along the arc on which the contact turns about that edge, a
-# `TiltArc`, sticking to the face, no faster than the force limit allows (the law of
-# `sim.control.push_control`), and slower as the asked tilt comes near, so that they stop
-# on it. They hold still for a moment, then go back the same way and carry the object down until
-# its base stands and presses on them no more. Where they cannot go on (it slides, it leans too
-# far, the force does not suffice), they let it back at once.
-#
-# Frames: W is the world, T the midpoint of the pushing fingertips' centres.
-
-
 @dataclass(frozen=True)
 class TiltTuning:
     """Rates of a tilt, and what shows that the object stands again."""
@@ -603,7 +577,17 @@ class TiltTuning:
 
 
 class TiltControl(ForceController):
-    """One tilt, from before the face until the object stands again."""
+    """One tilt, from before the face until the object stands again.
+
+    After the touch the fingertips go along the arc on which the contact turns about that edge,
+    a `TiltArc`, sticking to the face, no faster than the force limit allows (the law of
+    `ForceController`), and slower as the asked tilt comes near, so that they stop on it. They
+    hold still for a moment, then go back the same way and carry the object down until its base
+    stands and presses on them no more. Where they cannot go on (it slides, it leans too far,
+    the force does not suffice), they let it back at once.
+
+    Frames: W is the world, T the midpoint of the pushing fingertips' centres.
+    """
 
     tuning = TiltTuning()
 
@@ -695,16 +679,6 @@ class TiltControl(ForceController):
         self._most_force = max(self._most_force, self._felt)
 
 
-# --- turn control ---------------------------------------------------------------------------------
-#
-# A push that turns an object: one finger off the middle of a face, the palm turning along.
-#
-# Law: as in `sim.control.push_control`, the contact advances while less than the force
-# limit is felt; its direction is fixed relative to the face, which turns. The turn is estimated
-# by `sim.control.object_estimate`; the speed falls with what remains of it, and the push
-# ends when the estimate reaches it.
-
-
 @dataclass(frozen=True)
 class TurnTuning:
     """Speeds of a push that turns an object."""
@@ -718,7 +692,13 @@ class TurnTuning:
 
 
 class TurnControl(ForceController):
-    """One push that turns an object, from before the face to its end."""
+    """One push that turns an object, from before the face to its end.
+
+    Law: as in `ForceController`, the contact advances while less than the force limit is felt;
+    its direction is fixed relative to the face, which turns. The turn is estimated by a
+    `TurnEstimator`; the speed falls with what remains of it, and the push ends when the
+    estimate reaches it.
+    """
 
     tuning = TurnTuning()
 
