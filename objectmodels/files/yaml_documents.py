@@ -587,15 +587,32 @@ def length_of(key: str) -> Any:
     return Field(min_length=int(limit.least), max_length=int(limit.most))
 
 
-def _printable_name(text: str) -> str:
-    if text != text.strip() or not text.isprintable():
-        raise ValueError("signs that can be printed, without white space at the ends")
+# Characters that show nothing, or change how others are shown: controls, formats, white space.
+_UNSEEN = (
+    r"\x00-\x1f\x7f-\xa0\xad\u0600-\u0605\u061c\u06dd\u070f\u0890\u0891\u08e2\u1680\u180e"
+    r"\u2000-\u200f\u2028-\u202f\u205f-\u206f\u3000\ufeff\ufff9-\ufffb"
+    "\U000110bd\U000110cd\U00013430-\U0001345f\U0001bca0-\U0001bcaf\U0001d173-\U0001d17a"
+    "\U000e0000-\U000e0fff"
+)
+
+NAME = f"^[^- {_UNSEEN}]([^{_UNSEEN}]*[^ {_UNSEEN}])?$"
+"""Pattern of a name, in Python as in JSON Schema."""
+
+
+def _written_name(text: str) -> str:
     if text.startswith("-"):
         raise ValueError("a name that does not begin with a dash, as options of commands do")
+    if re.fullmatch(NAME, text) is None:
+        raise ValueError("signs that can be printed, without white space at the ends")
     return text
 
 
-Name = Annotated[str, length_of("name"), AfterValidator(_printable_name)]
+Name = Annotated[
+    str,
+    Field(json_schema_extra={"pattern": NAME}),
+    length_of("name"),
+    AfterValidator(_written_name),
+]
 """Name or synonym of an object, a model or a scene."""
 
 Mass = Annotated[float, range_of("mass")]
