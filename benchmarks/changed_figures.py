@@ -57,10 +57,11 @@ class Figure(BaseModel):
 
     @property
     def tests(self) -> Path:
-        """Folder or file with the tests of its room, relative to the project."""
+        """Tests of its room, or of a module that is in none, relative to the project."""
         at = Path(self.path)
-        beside = Path("tests/unit", at.parent, f"test_{at.name}")
-        return beside if (ROOT / beside).exists() else beside.parent
+        room = Path("tests/unit", at.parent)
+        beside = room / f"test_{at.name}"
+        return beside if len(at.parts) == 2 and (ROOT / beside).exists() else room
 
     def change(self, project: Path, factor: float) -> None:
         """Writes the factor before the figure in a copy of the project."""

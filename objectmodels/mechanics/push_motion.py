@@ -370,6 +370,13 @@ EDGE: SafetyFigure = 0.010
 SIGMAS: SafetyFigure = 1.0
 """Standard deviations of the parameters with which a chosen contact must still stick."""
 
+CONE_SHARE: SafetyFigure = 0.9
+"""Slope of the chosen force as a share of the friction coefficient that is left then."""
+
+RADIUS_SIGMAS: SafetyFigure = 2.0
+"""Deviations of the friction radius for which a chosen direction and its stroke allow; it is the
+least known of all, and large ones slant the force most."""
+
 STROKE_SLACK: SafetyFigure = 0.005
 """What a stroke allows for on top of that [m]."""
 
@@ -500,15 +507,12 @@ def best_turn(model: PushedBody, face: Face, angle: float, height: float) -> Tur
     farthest = 0.0 if face.curvature else max(face.width / 2.0 - EDGE, 0.0)
     p, n = face.points_at(sense * farthest * _OFFSETS, height)
     contacts = _Contacts(model, p, n)
-    # Slope of the chosen force as a share of the friction coefficient that is left then.
-    holds = 0.9 * max(model.finger_friction - SIGMAS * model.finger_friction_sd, 0.0)
+    holds = CONE_SHARE * max(model.finger_friction - SIGMAS * model.finger_friction_sd, 0.0)
     # A force square to its lever arm turns best; more slant than that is of no use.
     along, across = np.abs(contacts.r.T)
     slope = -sense * np.minimum(holds, along / np.maximum(across, 1e-9))
     force = np.column_stack((np.ones(len(p)), slope))
-    # Deviations of the friction radius for which a chosen direction and its stroke allow; it is the
-    # least known of all, and large ones slant the force most.
-    widest = _shifted_radius(model, 2.0)
+    widest = _shifted_radius(model, RADIUS_SIGMAS)
     d = contact_velocity(contacts.r, force, widest)
     d /= np.linalg.norm(d, axis=1)[:, None]
     predicted = turning_motion(model, p, n, np.arctan2(d[:, 1], d[:, 0]), angle, sigmas=SIGMAS)

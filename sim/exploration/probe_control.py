@@ -221,6 +221,7 @@ class ProbeControl(TouchControl):
         at_stop = self.stance.mount.hand.is_at_stop(self.recorder.port.finger_angles(finger))
         if felt > push.force_limit or at_stop:
             return "force", f"it does not move with {felt:.1f} N, the most of this finger"
+        # It feels less than a tenth of the most for 0.3 s, or has gone 15 mm along the face.
         aside = float((self._here.midpoint - self._origin) @ [-self._u[1], self._u[0], 0.0])
         self._most = max(self._most, felt)
         self._lost = self._lost + self._period if felt < 0.1 * self._most else 0.0

@@ -36,6 +36,10 @@ FACE_CLEARANCE: SafetyFigure = 0.0005
 
 _ROUNDING = 1e-9  # so that none is left out that touches [m]
 _HELD_CLEARANCE: SafetyFigure = 0.004  # of what is held from what it is poured or put into [m]
+_OPEN_CLEARANCE: SafetyFigure = 0.002  # of the open hand from what it is about to hold [m]
+_OWNER_CLEARANCE: SafetyFigure = 0.0023  # of the hand from the object whose lid it holds [m]
+_LID_CLEARANCE: SafetyFigure = 0.0015  # of a hand that puts a lid aside from the table [m]
+_TILTED_CLEARANCE: SafetyFigure = 0.002  # of what is tilted over the table from it [m]
 _SINKS = 0.001  # what stands on another object into that, at most [m]
 _UNKNOWN, _HIT, _CLEAR = -1, 0, 1
 
@@ -220,7 +224,7 @@ class HoldClearance:
             if objects[name].model.inside is not None and not objects[name].fragile
         }
         if self._owner is not None:
-            near[self._owner] = 0.0023 - self._spare
+            near[self._owner] = _OWNER_CLEARANCE - self._spare
         others = (
             replace(each, clearance=near[each.name]) if each.name in near else each
             for each in scenery.others
@@ -248,7 +252,7 @@ class HoldClearance:
             return blocked
         for last, one in zip(free.last, hand, strict=True):
             stands = stood if last else self.about
-            if (stands.distance_to(one) < 0.002).any():
+            if (stands.distance_to(one) < _OPEN_CLEARANCE).any():
                 what = f"the open hand does not get around the {self._plan.object}"
                 return ReachAnswer(False, "object", what)
         return self.blocked_hold
@@ -291,7 +295,8 @@ class HoldClearance:
     def _hand_meets(self, hand: Array) -> ReachAnswer | None:
         """The answer if table or others are in the way of the hand's spheres; else None."""
         low = height_above_table(hand).min(initial=np.inf)
-        if low < (TABLE_CLEARANCE if self._owner is None else 0.0015):  # a lid is put aside flat
+        # A lid is put aside flat.
+        if low < (TABLE_CLEARANCE if self._owner is None else _LID_CLEARANCE):
             up = 1e3 * float(low)
             return ReachAnswer(False, "table", f"the hand would come to {up:.0f} mm over the table")
         name = self.scenery.hit_by(hand)
@@ -312,7 +317,7 @@ class HoldClearance:
         level = np.maximum(way.R_WB[:, 2, 2], way.R_WB[:, 2] @ way.R_WB[-1, 2])
         tilted = level < 1.0 - 1e-9
         low = height_above_table(body[tilted]).min(initial=np.inf)
-        if low < 0.002:
+        if low < _TILTED_CLEARANCE:
             return ReachAnswer(False, "table", f"{what} would hit the table while it is tilted")
         kept = dict(self._plan.limits.clear_of)
         into = {step.into for step in self._plan.steps if isinstance(step, PourOut)}

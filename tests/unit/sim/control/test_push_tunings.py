@@ -17,8 +17,8 @@ from objectmodels.geometry.rotations import Array, rot_y
 from planner.types.actions import Push
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
-from sim.control.guarded_touch import TOUCH_BEYOND, TOUCH_FORCE, TOUCH_SPEED
-from sim.control.press_control import SLIPS, DragControl
+from sim.control.guarded_touch import TOUCH_FORCE, TOUCH_SPEED
+from sim.control.press_control import DragControl
 from sim.control.push_control import (
     ExecutionContext,
     ForceController,
@@ -132,7 +132,6 @@ def test_a_touch_is_looked_for_15_mm_beyond_the_face() -> None:
     assert early.value.end == "no_touch"
     beyond = float(robot.tips[FINGER][0]) + 0.01 - 0.50
     assert beyond == pytest.approx(0.015, abs=0.001)
-    assert TOUCH_BEYOND < STANDOFF
 
 
 @dataclass
@@ -150,7 +149,6 @@ def test_a_touch_is_felt_within_four_steps() -> None:
     control, robot = _control(PushControl, _push(), Sudden())
     control.touch()
     # Of 0.9 N 1 − 0.75⁴ = 0.68 are felt after four steps of a filter of 40 ms, 0.6 are asked for.
-    assert TOUCH_FORCE < 0.684 * 0.9
     assert robot.time - 1.0 == pytest.approx(3 * PERIOD, abs=1e-6)
 
 
@@ -288,7 +286,6 @@ def test_a_drag_ends_where_the_fingertip_slips() -> None:
     assert end == "slipped"
     # 8 mm beyond where it stayed, and what is seen late and filtered at 40 mm/s.
     assert 0.028 < way < 0.028 + 0.012
-    assert SLIPS == 0.008
 
 
 @pytest.mark.parametrize(("share", "lost"), [(0.12, False), (0.08, True)])
