@@ -47,23 +47,25 @@ class FlipTuning:
 
     acceleration: float = 2.0  # of the commanded angle [rad/s²]
     braking: float = 3.0  # rate per remaining angle near the end [1/s]
-    slowest: float = 0.15  # rate near the end, and until the lid is seen to move [rad/s]
-    caught: float = math.radians(4.0)  # a lid that is seen to have moved so far does move [rad]
+    least_rate: float = 0.15  # rate near the end, and until the lid is seen to move [rad/s]
+    caught_angle: float = math.radians(
+        4.0
+    )  # a lid that is seen to have moved so far does move [rad]
     # How far the finger goes on for a lid that lags behind [rad].
-    beyond: float = math.radians(12.0)
-    reached: float = math.radians(2.0)  # seen angle from the end that counts as the end [rad]
+    overrun: float = math.radians(12.0)
+    end_tolerance: float = math.radians(2.0)  # seen angle from the end that counts as the end [rad]
     # How far a lid that follows is seen behind the finger [rad].
-    follows: float = math.radians(15.0)
-    band: float = 0.2  # share of the force limit over which the speed falls to zero
+    largest_lag: float = math.radians(15.0)
+    force_band: float = 0.2  # share of the force limit over which the speed falls to zero
     filter_time: float = 0.04  # time constant of the felt force [s]
-    stuck: SafetyFigure = 0.8  # time at the force limit after which it does not move [s]
-    wait: float = 0.6  # for the camera, once the finger is at its end [s]
+    stuck_time: SafetyFigure = 0.8  # time at the force limit after which it does not move [s]
+    wait_time: float = 0.6  # for the camera, once the finger is at its end [s]
     # Way of the fingertip that a whole turn of the palm takes as long as [m].
     palm_way: float = 0.15
     # Tilt [rad] and displacement [m] of the object at which the fingertip lets go of its lid, or
     # more where the camera is noisy.
-    leans: SafetyFigure = math.radians(2.5)
-    moves: SafetyFigure = 0.006
+    largest_tilt: SafetyFigure = math.radians(2.5)
+    largest_displacement: SafetyFigure = 0.006
 
 
 class FlipControl:
@@ -142,7 +144,7 @@ class FlipControl:
 
     def _along(self) -> tuple[EndReason, str]:
         """Follows the arc until the lid is seen where it should be, or something is wrong."""
-        last = self._step.end + self._sign * self.tuning.beyond
+        last = self._step.end + self._sign * self.tuning.overrun
         rate, stuck, waited = 0.0, 0.0, 0.0
         while True:
             end = self._end_now(stuck, waited)
@@ -150,7 +152,9 @@ class FlipControl:
                 return end
             limit = self._recorder.force_limit = self._limit()
             rate = min(self._largest_rate(), rate + self.tuning.acceleration * self._period)
-            room = float(np.clip((limit - self._felt) / (self.tuning.band * limit), -1.0, 1.0))
+            room = float(
+                np.clip((limit - self._felt) / (self.tuning.force_band * limit), -1.0, 1.0)
+            )
             remaining = self._sign * (last - self._angle)
             advance = min(rate * room * self._period, remaining)
             self._to_angle(self._angle + self._sign * advance)
@@ -160,26 +164,26 @@ class FlipControl:
     def _largest_rate(self) -> float:
         """Largest rate now [rad/s]: slow until the lid moves, and as its end is near."""
         tuning = self.tuning
-        if abs(self._view.lid - self._step.start) < tuning.caught:
-            return min(tuning.slowest, self._rate)
+        if abs(self._view.lid - self._step.start) < tuning.caught_angle:
+            return min(tuning.least_rate, self._rate)
         near = tuning.braking * self._sign * (self._step.end - self._angle)
-        return min(self._rate, max(tuning.slowest, near))
+        return min(self._rate, max(tuning.least_rate, near))
 
     def _end_now(self, stuck: float, waited: float) -> tuple[EndReason, str] | None:
         """Why it ends now; None if it goes on."""
         tuning = self.tuning
         view, seen = self._view, np.degrees(self._view.lid)
-        if view.tilt > max(tuning.leans, view.unsure_angle):
+        if view.tilt > max(tuning.largest_tilt, view.unsure_angle):
             return "tilted", f"it was seen to lean by {np.degrees(view.tilt):.0f}°"
-        if view.displacement > max(tuning.moves, view.unsure):
+        if view.displacement > max(tuning.largest_displacement, view.unsure):
             return "slid", f"it was seen to move by {1e3 * view.displacement:.0f} mm"
-        if self._sign * (self._view.lid - self._step.end) > -tuning.reached:
+        if self._sign * (self._view.lid - self._step.end) > -tuning.end_tolerance:
             return "handled", f"the lid is seen open by {seen:.0f}°"
-        if self._sign * (self._finger() - self._view.lid) > tuning.follows:
+        if self._sign * (self._finger() - self._view.lid) > tuning.largest_lag:
             return "missed", f"the lid does not follow the finger: it is seen open by {seen:.0f}°"
-        if stuck > tuning.stuck:
+        if stuck > tuning.stuck_time:
             return "force", f"the lid does not move with {self._felt:.1f} N"
-        if waited > tuning.wait:
+        if waited > tuning.wait_time:
             return "missed", f"the lid is seen open by {seen:.0f}° only"
         return None
 
@@ -248,8 +252,9 @@ class HandTuning:
     swing_period: float = 0.25
     swing_speed: float = 0.5  # of the arm's joints together, near objects [rad/s]
     swing_step: float = 0.02  # between arm poses that are kept for the way back [rad]
-    presses: SafetyFigure = 2.0  # force down on what is held at which it stands on something [N]
-    winding: float = 10.0  # rate at which the squeeze rises and falls [N/s]
+    # Force down on what is held at which it stands on something [N].
+    standing_force: SafetyFigure = 2.0
+    winding_rate: float = 10.0  # rate at which the squeeze rises and falls [N/s]
 
 
 class HandMotion:
@@ -292,13 +297,13 @@ class HandMotion:
 
     def wind(self) -> None:
         """A little more squeeze, for one control step."""
-        self.wound += self.tuning.winding * self._port.period
+        self.wound += self.tuning.winding_rate * self._port.period
         self.stay()
 
     def let_go(self) -> None:
         """Unwinds the springs, and opens the hand."""
         self.squeeze, self.bears = 0.0, False
-        steps = max(1, round(self.wound / (self.tuning.winding * self._port.period)))
+        steps = max(1, round(self.wound / (self.tuning.winding_rate * self._port.period)))
         wound, borne = self.wound, self._borne
         for left in np.linspace(1.0, 0.0, steps + 1)[1:]:
             self.wound, self._borne = left * wound, left * borne
@@ -383,7 +388,7 @@ class HandMotion:
         far = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(poses, axis=0), axis=1)))
         for at in self._shares(float(far[-1]), self.tuning.swing_speed):
             self._command(np.array([np.interp(at, far, joint) for joint in poses.T]))
-            if stop and self._sense.weight < -self.tuning.presses:
+            if stop and self._sense.weight < -self.tuning.standing_force:
                 break
 
     def back_to(self, place: int, *, stop: bool = False) -> None:

@@ -220,7 +220,7 @@ def _flip_guide(step: FlipOver, seen: SeenObject, radius: float) -> FlipGuide:
     R_WE, p_WE = hinge_pose(seen)
     arc = path.points[path.touching] @ R_WE.T + p_WE
     forces = grasp_control.force_limits_at(step, path.shares[path.touching])
-    moves, force = grasp_control.FlipControl.tuning.moves, step.force_limit
+    moves, force = grasp_control.FlipControl.tuning.largest_displacement, step.force_limit
     return FlipGuide(
         object=seen.name,
         tip_radius=radius,

@@ -76,23 +76,26 @@ class GraspTuning:
     """Speeds, and what the hand must feel, of a plan of the whole hand."""
 
     # How far each side closes beyond the believed width to find something [m].
-    beyond: float = 0.008
+    closes_beyond: float = 0.008
     # Of a width between thumb and fingers that is not the object's [m].
     width_error: SafetyFigure = 0.012
-    winds_beyond: SafetyFigure = 1.5  # times the squeeze for which the springs are wound up at most
-    enough: SafetyFigure = 0.8  # share of the squeeze that must be felt
-    still: float = 0.5  # time for which the hand hangs still to look at what it holds [s]
-    lifted: SafetyFigure = 0.35  # share of the believed weight that must hang on the fingers
+    # Times the squeeze for which the springs are wound up at most.
+    most_winding_share: SafetyFigure = 1.5
+    least_squeeze_share: SafetyFigure = 0.8  # share of the squeeze that must be felt
+    look_time: float = 0.5  # time for which the hand hangs still to look at what it holds [s]
+    # Share of the believed weight that must hang on the fingers.
+    least_weight_share: SafetyFigure = 0.35
     # Way upwards over which the weight comes onto the fingers, and the object swings [m].
-    lift_off: float = 0.008
+    lift_off_height: float = 0.008
     # Height over where it is to stand at which setting down becomes slow [m].
-    slow_down: float = 0.015
+    slow_height: float = 0.015
     feeling_speed: float = 0.015  # of what is set down then, or lifted off [m/s]
-    into: float = 0.006  # how far below that place it is looked for [m]
-    righted: float = 0.15  # time after which nothing runs out any more, once it is tilted back [s]
-    slowest_pour: float = 0.12  # share of the rate of tilting just before enough has run out
-    stands: float = 0.5  # share of its weight with which it stands
-    presses: float = 0.4  # or with so much less [N]
+    search_depth: float = 0.006  # how far below that place it is looked for [m]
+    # Time after which nothing runs out any more, once it is tilted back [s].
+    run_out_time: float = 0.15
+    least_pour_share: float = 0.12  # share of the rate of tilting just before enough has run out
+    standing_share: float = 0.5  # share of its weight with which it stands
+    standing_force: float = 0.4  # or with so much less [N]
 
 
 class GraspExecution:
@@ -199,15 +202,15 @@ class GraspExecution:
         self._grasped = len(motion.came) - 1
         self._holds = True
         while min(sense.thumb, sense.fingers) < CONTACT:
-            if motion.opening < -tuning.beyond:
+            if motion.opening < -tuning.closes_beyond:
                 raise EarlyEndError("no_grasp", self._felt_too_little("closed"))
             motion.close()
-        while sense.squeeze < squeeze and motion.wound < tuning.winds_beyond * squeeze:
+        while sense.squeeze < squeeze and motion.wound < tuning.most_winding_share * squeeze:
             motion.wind()
         sense.forget()
-        motion.wait(tuning.still)
+        motion.wait(tuning.look_time)
         wrong = abs(sense.width - self._grasp.width) > tuning.width_error
-        if min(sense.thumb, sense.fingers) < tuning.enough * squeeze or wrong:
+        if min(sense.thumb, sense.fingers) < tuning.least_squeeze_share * squeeze or wrong:
             raise EarlyEndError("no_grasp", self._felt_too_little("squeezed"))
         sense.remember()
         motion.squeeze = squeeze
@@ -232,7 +235,7 @@ class GraspExecution:
         motion.take_over(holding)
         self._grasped = len(motion.came) - 1
         self._holds = True
-        motion.wait(self.tuning.still)
+        motion.wait(self.tuning.look_time)
         self._sense.remember(holding.R_PB, holding.p_PG)
         motion.squeeze = self._grasp.squeeze
         motion.swing(np.array([self._port.commanded[0], *self._way.there]))
@@ -260,10 +263,10 @@ class GraspExecution:
 
     def _hold_up(self, step: LiftUp) -> None:
         """Weighs what was lifted."""
-        felt = self._weigh(max(step.hold, self.tuning.still))
+        felt = self._weigh(max(step.hold, self.tuning.look_time))
         believed = self._held.model.weight
         self._recorder.report("lift", f"it weighs {felt.mean:.2f} N, give or take {felt.sd:.2f} N")
-        if felt.mean < self.tuning.lifted * believed:
+        if felt.mean < self.tuning.least_weight_share * believed:
             raise EarlyEndError(
                 "no_grasp",
                 f"{felt.mean:.1f} N hang on the fingers, and the {self._plan.object} should weigh "
@@ -287,7 +290,7 @@ class GraspExecution:
         self._motion.go(first)
         container = self._held.model.container
         assert container is not None, "only a container is poured from"
-        full = self._weigh(self.tuning.still).mean
+        full = self._weigh(self.tuning.look_time).mean
         if step.volume is None:
             for leg in tilting:
                 self._motion.go(leg)
@@ -299,7 +302,7 @@ class GraspExecution:
             done = [first, *done]
         for leg in upright_again(done[:-1], done[-1], share):
             self._motion.go(leg)
-        poured = (full - self._weigh(self.tuning.still).mean) / (GRAVITY * container.density)
+        poured = (full - self._weigh(self.tuning.look_time).mean) / (GRAVITY * container.density)
         self._recorder.report("pour", f"{1e6 * poured:.0f} ml have run out, as the weight tells")
 
     def _pour_some(
@@ -320,7 +323,9 @@ class GraspExecution:
                     return done, share
                 faster = pace + period / ACCELERATES
                 ahead = (1.0 - share) / (leg.share_rate * ACCELERATES)
-                pace = min(float(np.clip(min(left, ahead), self.tuning.slowest_pour, 1.0)), faster)
+                pace = min(
+                    float(np.clip(min(left, ahead), self.tuning.least_pour_share, 1.0)), faster
+                )
                 share = min(1.0, share + pace * leg.share_rate * period)
                 self._motion.reach(leg, share)
         for _ in range(round(wait / period)):
@@ -336,7 +341,7 @@ class GraspExecution:
         """
         sense = self._sense
         gone = max(full - sense.weight, 0.0)
-        coming = sense.weight - sense.weight_ahead(self.tuning.righted)
+        coming = sense.weight - sense.weight_ahead(self.tuning.run_out_time)
         return gone + float(np.clip(coming, 0.0, gone))
 
     def _set_down(self, leg: HeldSegment) -> None:
@@ -344,17 +349,19 @@ class GraspExecution:
         tuning = self.tuning
         self._recorder.report("set_down", f"setting the {self._plan.object} down")
         height = float(leg.start[2] - leg.end[2])
-        slow = min(tuning.slow_down, height)
+        slow = min(tuning.slow_height, height)
         down = np.array([0.0, 0.0, -1.0])
         near = leg.start + (height - slow) * down
         if height > slow:
             self._motion.go(replace(leg, end=near))
-        hangs = self._weigh(tuning.still).mean
+        hangs = self._weigh(tuning.look_time).mean
         self._motion.squeeze, self._motion.bears = 0.0, False
         last = replace(
-            leg, start=near, end=leg.end + tuning.into * down, speed=tuning.feeling_speed
+            leg, start=near, end=leg.end + tuning.search_depth * down, speed=tuning.feeling_speed
         )
-        self._motion.go(last, until=min(tuning.stands * hangs, hangs - tuning.presses))
+        self._motion.go(
+            last, until=min(tuning.standing_share * hangs, hangs - tuning.standing_force)
+        )
         self._motion.let_go()
         self._holds = False
 
@@ -363,7 +370,7 @@ def _lift_off(legs: tuple[HeldSegment, ...]) -> tuple[HeldSegment, ...]:
     """Legs upwards, slow until it hangs: what hangs askew swings as fast as it is lifted off."""
     first, *rest = legs
     way = first.end - first.start
-    share = GraspExecution.tuning.lift_off / float(np.linalg.norm(way))
+    share = GraspExecution.tuning.lift_off_height / float(np.linalg.norm(way))
     if share >= 1.0:
         return legs
     hangs = first.start + share * way
@@ -375,13 +382,13 @@ def _lift_off(legs: tuple[HeldSegment, ...]) -> tuple[HeldSegment, ...]:
 class LidTuning:
     """Speeds, and what must be seen, of a plan in which a lid is held."""
 
-    follows: SafetyFigure = 0.5  # share of a lift that a lid which comes along is seen lifted
-    looks: float = 0.4  # time after which the camera shows what became of it [s]
-    more_strokes: int = 6  # for what slips through the fingers
-    turned: float = math.radians(4.0)  # less than that is missing of no turn [rad]
-    slow_down: float = 0.012  # height over the rim at which putting it on becomes slow [m]
+    follow_share: SafetyFigure = 0.5  # share of a lift that a lid which comes along is seen lifted
+    look_time: float = 0.4  # time after which the camera shows what became of it [s]
+    spare_strokes: int = 6  # for what slips through the fingers
+    turn_tolerance: float = math.radians(4.0)  # less than that is missing of no turn [rad]
+    slow_height: float = 0.012  # height over the rim at which putting it on becomes slow [m]
     slow_speed: float = 0.015  # [m/s]
-    into: float = 0.008  # how far below the rim it is pressed at most [m]
+    press_depth: float = 0.008  # how far below the rim it is pressed at most [m]
 
 
 class LidExecution(GraspExecution):
@@ -414,9 +421,9 @@ class LidExecution(GraspExecution):
         """Turns the cap, gripping anew between the strokes, until it is seen turned."""
         before, first = self._feels.view.lid, legs[0]
         self._recorder.report("lid", f"turning the cap by {np.degrees(step.angle):.0f}°")
-        for stroke in range(len(legs) + self.lid_tuning.more_strokes):
+        for stroke in range(len(legs) + self.lid_tuning.spare_strokes):
             turned = self._feels.view.lid - before
-            if abs(step.angle) - abs(turned) < self.lid_tuning.turned:
+            if abs(step.angle) - abs(turned) < self.lid_tuning.turn_tolerance:
                 self._recorder.report("lid", f"the cap is seen turned by {np.degrees(turned):.0f}°")
                 return
             up = np.array([0.0, 0.0, self._handled.pitch * turned / THREAD])
@@ -427,21 +434,21 @@ class LidExecution(GraspExecution):
                 self._take_hold()
             self._feels.torque, self._feels.most_torque = 0.0, step.torque_limit
             self._motion.go(leg)
-            self._motion.wait(self.lid_tuning.looks)
+            self._motion.wait(self.lid_tuning.look_time)
             self._feels.most_torque = np.inf
         seen = np.degrees(self._feels.view.lid - before)
         raise EarlyEndError("missed", f"the cap is seen turned by {seen:.0f}° only")
 
     def _hold_up(self, step: LiftUp) -> None:
         """Requires that the lid came along; raises `EarlyEndError` if it is seen where it was."""
-        self._motion.wait(max(step.hold, self.lid_tuning.looks))
+        self._motion.wait(max(step.hold, self.lid_tuning.look_time))
         seen, lid = self._feels.view.lid, self._handled.state.objects[self._handled.name].model.lid
-        if isinstance(lid, LiftOffLid) and seen < self.lid_tuning.follows * step.height:
+        if isinstance(lid, LiftOffLid) and seen < self.lid_tuning.follow_share * step.height:
             raise EarlyEndError("missed", f"the lid is seen lifted by {1e3 * seen:.0f} mm only")
 
     def _require_on(self, step: PutOn) -> None:
         """Requires that the lid sits on its rim; raises `EarlyEndError` if it is seen off."""
-        self._motion.wait(self.lid_tuning.looks)
+        self._motion.wait(self.lid_tuning.look_time)
         if self._feels.view.is_off:
             raise EarlyEndError("missed", f"the lid does not sit on the {step.onto}")
 
@@ -450,13 +457,13 @@ class LidExecution(GraspExecution):
         tuning = self.lid_tuning
         self._recorder.report("lid", f"putting the lid onto the {step.onto}")
         height = float(leg.start[2] - leg.end[2])
-        slow = min(tuning.slow_down, height)
+        slow = min(tuning.slow_height, height)
         near = leg.end + np.array([0.0, 0.0, slow])
         if height > slow:
             self._motion.go(replace(leg, end=near))
-        hangs = self._weigh(tuning.looks).mean
+        hangs = self._weigh(tuning.look_time).mean
         self._motion.bears = False
-        into = leg.end - np.array([0.0, 0.0, tuning.into])
+        into = leg.end - np.array([0.0, 0.0, tuning.press_depth])
         down = replace(leg, start=near, end=into, speed=tuning.slow_speed)
         made = self._motion.go(down, until=hangs - step.press)
         # Fingers that press while they open would drag it along.

@@ -74,12 +74,12 @@ class DragTuning:
 
     force_time: float = 0.15  # in which a lack of pressing force is made up for [s]
     force_rate: float = 12.0  # of the pressing force [N/s]
-    pressed: float = 0.9  # share of the force from which the drag begins
-    wait: float = 4.0  # for that [s]
+    pressed_share: float = 0.9  # share of the force from which the drag begins
+    press_time: float = 4.0  # for that [s]
     across_rate: float = 4.0  # rate at which deviations across the vector are corrected [1/s]
-    slowest: float = 0.008  # speed at the end [m/s]
-    sprung: float = 0.3  # force along the vector that is left [N], and time for it [s]
-    springs_back: float = 1.5
+    least_speed: float = 0.008  # speed at the end [m/s]
+    spring_force: float = 0.3  # force along the vector that is left [N], and time for it [s]
+    spring_time: float = 1.5
 
 
 class DragControl(ForceController):
@@ -100,8 +100,8 @@ class DragControl(ForceController):
 
     def _press(self) -> tuple[EndReason, str] | None:
         """Presses until the force is there; returns an end if it does not come."""
-        while self._felt < self.tuning.pressed * self.plan.push.press:
-            if self._elapsed_time > self.tuning.wait:
+        while self._felt < self.tuning.pressed_share * self.plan.push.press:
+            if self._elapsed_time > self.tuning.press_time:
                 return "force", f"it presses with {self._felt:.1f} N only"
             forces, touch = self._here.forces[0], self.way.inward
             along_face = forces - (forces @ touch) * touch
@@ -122,7 +122,7 @@ class DragControl(ForceController):
             end = self._end(travel, come, lost) or stopped
             if end is not None:
                 return end
-            allowed = max(self.tuning.slowest, profile.braking * (push.stroke - come))
+            allowed = max(self.tuning.least_speed, profile.braking * (push.stroke - come))
             speed = min(allowed, self._faster(speed, push.speed, profile.acceleration))
             off = here - origin
             off = off - (off @ self._u) * self._u - (off @ self.way.inward) * self.way.inward
@@ -157,8 +157,8 @@ class DragControl(ForceController):
 
     def _spring_back(self) -> None:
         """Lets the finger, bent against the drag, spring back while it still presses."""
-        until = self.recorder.port.time + self.tuning.springs_back
+        until = self.recorder.port.time + self.tuning.spring_time
         while self.recorder.port.time < until:
-            if float(self._here.forces[0] @ self._u) < self.tuning.sprung:
+            if float(self._here.forces[0] @ self._u) < self.tuning.spring_force:
                 return
-            self._advance(-self.tuning.slowest * self._u)
+            self._advance(-self.tuning.least_speed * self._u)

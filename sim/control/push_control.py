@@ -233,7 +233,7 @@ class LateralTuning:
     """Weights of the least squares over the remaining way, and the filter's doubt."""
 
     steps: int = 20  # into which the remaining way is divided
-    shortest: float = 0.01  # remaining way over which it is solved at least [m]
+    shortest_way: float = 0.01  # remaining way over which it is solved at least [m]
     lateral_weight: float = 1.0 / 0.0015  # of an error at the end [1/m], [1/rad]
     heading_weight: float = 1.0 / math.radians(1.0)
     # Heading on the way that weighs one, root mean square [rad]. With its centre of friction aside
@@ -244,7 +244,7 @@ class LateralTuning:
     largest_slope: float = 0.4  # relative to φ, inside the friction cone, so that the tip sticks
     # Growth of the doubt per centimetre of way, from friction that varies and tips that slip: of
     # heading [rad], contact and centre of friction [m], and m.
-    drift: tuple[float, float, float, float] = (0.004, 0.0002, 0.0004, 0.02)
+    doubt_growth: tuple[float, float, float, float] = (0.004, 0.0002, 0.0004, 0.02)
     least_mobility: float = 0.25
     most_mobility: float = 2.0
 
@@ -346,7 +346,7 @@ class LateralController:
         turned = float(turning @ [*others, 1.0])
         rolled = np.array([1.0, self._pushed.rolling * self._pushed.tip_radius, 0.0, 0.0])
         F = np.eye(4) + np.outer(rolled, [*mobility * turning[:3], turned])
-        drift = np.square(self.tuning.drift) * np.linalg.norm(step) / 0.01
+        drift = np.square(self.tuning.doubt_growth) * np.linalg.norm(step) / 0.01
         self._P = F @ self._P @ F.T + np.diag(drift)
         self._history.append(_State(time, tip_D, now.belief + mobility * turned * rolled))
 
@@ -374,7 +374,7 @@ class LateralController:
         """Slope u = dy/dx of the fingertip's path in D, for the remaining way [m]."""
         tuning = self.tuning
         pushed, (heading, contact, centre, mobility) = self._pushed, self._now.belief
-        step = max(remaining, tuning.shortest) / tuning.steps
+        step = max(remaining, tuning.shortest_way) / tuning.steps
         turning = mobility * pushed.turning(step, step)
         # One step of (y, θ, s, g) and what the slope adds to it.
         change = np.array([pushed.depth, 1.0, pushed.rolling * pushed.tip_radius, 0.0])
@@ -406,14 +406,14 @@ class LateralController:
 class PushTuning:
     """Speeds and corrections of a push along a line."""
 
-    follows: float = 0.3  # share of the commanded speed with which a moving object follows
-    slowest: float = 0.008  # speed at the end [m/s]
+    follow_share: float = 0.3  # share of the commanded speed with which a moving object follows
+    least_speed: float = 0.008  # speed at the end [m/s]
     across_rate: float = 4.0  # rate at which deviations across the vector are corrected [1/s]
     largest_correction: float = 0.010  # of them [m]
     largest_slope: float = 0.2  # of the fingertips' path then, inside the friction cone
     # Deviations of the friction radius by which a larger one is believed: too large a one is
     # corrected on the way.
-    stiffer: float = 0.5
+    radius_sigmas: float = 0.5
     # Standard deviation of the centre of friction along the face, from friction that varies [m].
     centre_sd: float = 0.002
 
@@ -497,13 +497,13 @@ class PushControl(ForceController):
         if push.ends_on == "stroke":
             profile = speed_profile(push.speed, push.stroke)
         if travel < MOVED or (
-            measured < self.tuning.follows * before and before > 2.0 * self.tuning.slowest
+            measured < self.tuning.follow_share * before and before > 2.0 * self.tuning.least_speed
         ):
             return start
         allowed = self._faster(before, push.speed, profile.acceleration)
         if push.ends_on == "stroke":
             allowed = min(
-                allowed, max(self.tuning.slowest, profile.braking * (push.stroke - travel))
+                allowed, max(self.tuning.least_speed, profile.braking * (push.stroke - travel))
             )
         return allowed
 
@@ -520,7 +520,7 @@ class PushControl(ForceController):
         Its middle swings aside while it does.
         """
         come, aside = follower.displacement @ self._u[:2], follower.displacement @ self._leftwards
-        remaining = max(self.plan.push.stroke - float(come), LateralController.tuning.shortest)
+        remaining = max(self.plan.push.stroke - float(come), LateralController.tuning.shortest_way)
         return float(come), float(
             np.clip(-aside / remaining, -self.tuning.largest_slope, self.tuning.largest_slope)
         )
@@ -538,7 +538,7 @@ class PushControl(ForceController):
                 depth=float(-into @ push.p_BC[:2]),
                 tip_radius=self._tip_radius,
                 friction_radius=model.friction_radius
-                + self.tuning.stiffer * model.friction_radius_sd,
+                + self.tuning.radius_sigmas * model.friction_radius_sd,
                 facing=facing,
                 curvature=face.curvature,
                 centre=float(left @ model.com[:2]),
@@ -565,15 +565,18 @@ class TiltTuning:
     speed_share: float = 0.8
     rate: SafetyFigure = math.radians(6.0)  # of tilting and of letting back [rad/s]
     back_rate: SafetyFigure = math.radians(5.0)
-    slowest: float = math.radians(1.0)  # where it ends and where the base meets the table [rad/s]
+    least_rate: float = math.radians(
+        1.0
+    )  # where it ends and where the base meets the table [rad/s]
     braking: float = 2.0  # rate per remaining tilt [1/s]
     acceleration: SafetyFigure = math.radians(12.0)  # [rad/s²]
     # Tilt of an object that stands, as far as is seen [rad].
-    stands: float = math.radians(1.0)
-    gone: float = 0.15  # share of the largest force that a standing object no longer exceeds
-    behind: float = 0.02  # most way back behind the touch [m]
+    standing_tilt: float = math.radians(1.0)
+    # Share of the largest force that a standing object no longer exceeds.
+    standing_force_share: float = 0.15
+    retreat_way: float = 0.02  # most way back behind the touch [m]
     arc_steps: int = 8  # places of the arc that the arm is asked for beforehand
-    hold: float = 0.5  # time for which the tilt is held [s]
+    hold_time: float = 0.5  # time for which the tilt is held [s]
 
 
 class TiltControl(ForceController):
@@ -611,7 +614,7 @@ class TiltControl(ForceController):
         try:
             early = self._raise()
             if early is None:
-                for _ in range(round(self.tuning.hold / self._period)):
+                for _ in range(round(self.tuning.hold_time / self._period)):
                     self._lean(0.0)
         except EarlyEndError as stopped:
             early = stopped.end, stopped.detail
@@ -640,16 +643,16 @@ class TiltControl(ForceController):
             rate = self._faster(rate, fastest, tuning.acceleration)
             if travel < MOVED:
                 rate = min(rate, standing)
-            allowed = min(rate, max(tuning.slowest, tuning.braking * (wanted - self._view.tilt)))
+            allowed = min(rate, max(tuning.least_rate, tuning.braking * (wanted - self._view.tilt)))
             self._lean(allowed * self._room())
         return None
 
     def _let_back(self) -> bool:
         """Carries it down; whether it stands."""
         tuning = self.tuning
-        behind = -tuning.behind / self._arc.arc_radius
+        behind = -tuning.retreat_way / self._arc.arc_radius
         while self._angle > behind and not self._stands():
-            near = max(tuning.slowest, tuning.braking * self._view.own)
+            near = max(tuning.least_rate, tuning.braking * self._view.own)
             self._lean(
                 -min(
                     tuning.back_rate,
@@ -660,8 +663,8 @@ class TiltControl(ForceController):
         return self._stands()
 
     def _stands(self) -> bool:
-        gone = self._felt < self.tuning.gone * self._most_force
-        return bool(gone and self._view.tilt < self.tuning.stands)
+        gone = self._felt < self.tuning.standing_force_share * self._most_force
+        return bool(gone and self._view.tilt < self.tuning.standing_tilt)
 
     def _lean(self, rate: float) -> None:
         """Goes on along the arc at a rate [rad/s] for a control step."""
@@ -685,7 +688,7 @@ class TurnTuning:
 
     # Speed of the contact as a share of that of the fingertip, which is farther out.
     contact_share: float = 0.8
-    slowest: float = math.radians(1.5)  # turning rate at the end [rad/s]
+    least_rate: float = math.radians(1.5)  # turning rate at the end [rad/s]
     braking: float = 2.0
     palm_share: float = 0.1  # share of its error that the palm's heading loses in a control step
     face_end: SafetyFigure = 0.002  # distance from the end of a face at which the push stops [m]
@@ -758,7 +761,9 @@ class TurnControl(ForceController):
         if abs(keeper.travel) < MOVED:
             return start
         remaining = abs(self.plan.push.turn - keeper.turn_angle)
-        at_end = float(max(self.tuning.slowest, self.tuning.braking * remaining) / abs(keeper.rate))
+        at_end = float(
+            max(self.tuning.least_rate, self.tuning.braking * remaining) / abs(keeper.rate)
+        )
         return self._faster(before, min(at_end, self.tuning.contact_share * self.plan.push.speed))
 
     def _follow(self, keeper: TurnEstimator, advance: float) -> None:

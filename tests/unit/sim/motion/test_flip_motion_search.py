@@ -176,11 +176,11 @@ def test_noise_is_not_taken_for_motion() -> None:
         leans.append(view.tilt)
     # Single frames are farther off than what ends the work; filtered ones must not be.
     tuning = FlipControl.tuning
-    assert tuning.moves < max(shown) < view.unsure
-    assert max(leans) < max(tuning.leans, view.unsure_angle)
+    assert tuning.largest_displacement < max(shown) < view.unsure
+    assert max(leans) < max(tuning.largest_tilt, view.unsure_angle)
     quiet = LidEstimator(cup, 0.0, Vision())
-    assert quiet.unsure < tuning.moves
-    assert quiet.unsure_angle < tuning.leans
+    assert quiet.unsure < tuning.largest_displacement
+    assert quiet.unsure_angle < tuning.largest_tilt
 
 
 # -- in the simulated world ----------------------------------------------------------------------
