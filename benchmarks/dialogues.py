@@ -18,8 +18,9 @@ from typing import Any, NamedTuple
 import yaml
 
 from grammar.frames.command import Frame
-from nlcontrol import Controller, Conversation
 from nlcontrol.results.result import Result
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 
 DIALOGUES = Path(__file__).parents[1] / "tests" / "data" / "dialogues"
 

@@ -29,11 +29,11 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 
 from benchmarks.record import Kept, carried_out
-from nlcontrol import Controller
 from nlcontrol.learning.exploration_session import CENTRE_OF_MASS, explore
 from nlcontrol.learning.learning_reports import ExplorationReport
 from nlcontrol.learning.lessons import apply_lesson
 from nlcontrol.reports.exploration_report import with_truth
+from nlcontrol.session.controller import Controller
 from objectmodels import ObjectModel
 from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.identification import initial_belief

@@ -30,8 +30,10 @@ from typing import Any
 import numpy as np
 
 from benchmarks.record import Kept, carried_out
-from nlcontrol import Controller, Registry
+from nlcontrol import Registry
 from nlcontrol.errors import ErrorInfo
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from objectmodels import BoxModel, CylinderModel, ObjectModel, PrismModel
 from objectmodels.models.object_parts import Cavity
 from planner.types.refusal import Refusal
@@ -142,7 +144,7 @@ def run(seed: int) -> Row:
     )
     controller = Controller(scene, registry=registry, seed=seed)
     try:
-        result = controller.say(said, plan_only=True)
+        result = Conversation(controller).say(said, plan_only=True)
     except Exception as raised:
         fault = f"raised {type(raised).__name__}: {raised}"
         code = getattr(raised, "code", type(raised).__name__)

@@ -29,8 +29,9 @@ from benchmarks.worlds.strokes import (
     towards,
     upright,
 )
-from nlcontrol import Controller, Registry
+from nlcontrol import Registry
 from nlcontrol.batches.drawn_scenes import scene_of
+from nlcontrol.session.controller import Controller
 from planner.types.actions import Push
 from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer, ReachEffort

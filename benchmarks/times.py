@@ -128,7 +128,8 @@ def first_parts(modules: Sequence[str]) -> dict[str, float]:
     for name in modules:
         import_module(name)
     lap("imports")
-    from nlcontrol import Controller
+    from nlcontrol.session.controller import Controller
+    from nlcontrol.session.conversation import Conversation
 
     controller = Controller("kitchen")
     controller.look()
@@ -139,7 +140,7 @@ def first_parts(modules: Sequence[str]) -> dict[str, float]:
     lap("resolve")
     controller.plan(frame)
     lap("plan")
-    controller.say(sentence, plan_only=True)
+    Conversation(controller).say(sentence, plan_only=True)
     lap("say, parsed and planned before")
     return times
 
@@ -264,7 +265,8 @@ def warm_plans(
 def _plan_times(task: Task, tables: int, seed: int) -> list[PlanTime]:
     import numpy as np
 
-    from nlcontrol import Controller
+    from nlcontrol.session.controller import Controller
+    from nlcontrol.session.conversation import Conversation
 
     times = []
     for number in range(tables):
@@ -275,7 +277,7 @@ def _plan_times(task: Task, tables: int, seed: int) -> list[PlanTime]:
         for turn in range(task.said):
             text = task.sentence(rng)
             wall, spent = time.perf_counter(), time.process_time()
-            status = controller.say(text, plan_only=True).status
+            status = Conversation(controller).say(text, plan_only=True).status
             spent, wall = time.process_time() - spent, time.perf_counter() - wall
             times.append(PlanTime(status, turn == 0, spent, wall))
     return times
@@ -303,7 +305,8 @@ def search_work(
     """
     from benchmarks.goals.drawn_worlds import believed
     from benchmarks.goals.sentences import Job, said
-    from nlcontrol import Controller
+    from nlcontrol.session.controller import Controller
+    from nlcontrol.session.conversation import Conversation
     from planner import plan
     from planner.problem.planning_problem import SearchBudget
 
@@ -321,7 +324,7 @@ def search_work(
 
         scene, sentence = said(Job(seed, number))
         controller = Controller(scene, registry=believed(), seed=seed, planner=planned)
-        controller.say(sentence.text, plan_only=True)
+        Conversation(controller).say(sentence.text, plan_only=True)
         total, whole = total + work, whole + spent
         if spent >= slow:
             text = f"{', '.join(answers)}: {sentence.text}"
@@ -357,7 +360,7 @@ def simulation(runs: int = 3) -> None:
 
 def _everything(scene: Scene) -> float:
     """Wall seconds per simulated second of an execution, planning and start left out."""
-    from nlcontrol import Controller
+    from nlcontrol.session.controller import Controller
     from planner.types.plan import Plan
     from sim.simulated_executor import simulation
 
@@ -529,7 +532,8 @@ def long_use(sentences: int = 200, seed: int = 0) -> int:
     first five sentences, if files were left open, or if the last quarter took half as long again
     as the first.
     """
-    from nlcontrol import Controller, Conversation
+    from nlcontrol.session.controller import Controller
+    from nlcontrol.session.conversation import Conversation
 
     conversation = Conversation(Controller("kitchen", seed=seed))
     memories, files, times = [], [], []

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from grammar.frames.command import Span, Spans
+from objectmodels.errors import NlcontrolError
 
 
-class ParseError(Exception):
+class ParseError(NlcontrolError):
     """A sentence, or a part of it, cannot be read.
 
     Attributes:

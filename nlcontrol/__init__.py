@@ -1,12 +1,14 @@
 """The front of nlcontrol: say a sentence, get a predicted, executed and checked action.
 
-    from nlcontrol import Controller
+    from nlcontrol import Session
 
-    result = Controller(scene="kitchen").say("push the ice tea box away without toppling it")
-    print(result.text)
+    with Session("kitchen") as session:
+        print(session.say("push the ice tea box away without toppling it"))
+        print(session.say("a bit more"))
 
-What users need is re-exported here and loaded on first use, so importing nlcontrol costs next to
-nothing and never loads the simulator.
+These names are loaded on first use, so importing nlcontrol costs next to nothing and never loads
+the simulator. More stand in `nlcontrol.types`, `nlcontrol.objects`, `nlcontrol.robots`,
+`nlcontrol.views` and `nlcontrol.batches`.
 """
 
 from __future__ import annotations
@@ -19,102 +21,54 @@ guard_packages()
 
 TYPE_CHECKING = False  # `typing` is not imported before signals are held
 if TYPE_CHECKING:
-    from grammar import Command as Command
-    from grammar import Frame as Frame
-    from grammar import ParseError as ParseError
-    from grammar import parse as parse
+    from grammar.parser import parse as parse
     from nlcontrol.batches.batch import batch as batch
-    from nlcontrol.batches.rows import BatchRow as BatchRow
-    from nlcontrol.batches.rows import DrawnScene as DrawnScene
-    from nlcontrol.checks.verdicts import Check as Check
-    from nlcontrol.errors import ControlError as ControlError
-    from nlcontrol.errors import ErrorInfo as ErrorInfo
-    from nlcontrol.questions.answer import Answer as Answer
     from nlcontrol.results.result import Result as Result
+    from nlcontrol.service.async_session import AsyncClient as AsyncClient
+    from nlcontrol.service.documents import Offer as Offer
+    from nlcontrol.service.methods import Run as Run
     from nlcontrol.service.remote_session import Client as Client
     from nlcontrol.service.session import Session as Session
-    from nlcontrol.session.controller import Controller as Controller
-    from nlcontrol.session.conversation import Conversation as Conversation
-    from nlcontrol.session.events import Event as Event
-    from nlcontrol.session.executor import Executor as Executor
-    from nlcontrol.session.executor import Perception as Perception
-    from nlcontrol.session.executor import Planner as Planner
-    from objectmodels import BoxModel as BoxModel
-    from objectmodels import CylinderModel as CylinderModel
-    from objectmodels import HullModel as HullModel
-    from objectmodels import ModelError as ModelError
-    from objectmodels import ObjectModel as ObjectModel
-    from objectmodels import PrismModel as PrismModel
-    from objectmodels import Registry as Registry
-    from objectmodels.identification import fit as fit
-    from objectmodels.mechanics.push_outcomes import Prediction as Prediction
-    from objectmodels.mechanics.push_outcomes import Thresholds as Thresholds
-    from planner.affordances import Affordance as Affordance
-    from planner.types.defaults import DEFAULTS as DEFAULTS
-    from planner.types.defaults import Defaults as Defaults
-    from planner.types.defaults import with_settings as with_settings
+    from objectmodels.errors import NlcontrolError as NlcontrolError
+    from objectmodels.identification.joint_fit import fit as fit
+    from objectmodels.models.object_model import ObjectModel as ObjectModel
+    from objectmodels.models.shapes import BoxModel as BoxModel
+    from objectmodels.registry.model_registry import Registry as Registry
     from planner.types.plan import Plan as Plan
-    from planner.types.plan import Reached as Reached
-    from planner.types.refusal import Refusal as Refusal
-    from planner.types.robot import Robot as Robot
-    from sim.simulated_executor import SimulatedExecutor as SimulatedExecutor
-    from sim.supervision import Monitor as Monitor
-    from sim.supervision import StopToken as StopToken
-    from sim.traces.trace import Trace as Trace
-    from sim.truth.scene_file import Scene as Scene
     from sim.truth.scene_file import load_scene as load_scene
-    from sim.views.trace_picture import save_picture as save_picture
-    from sim.views.viewer_recording import save_replay as save_replay
 
 __version__ = "0.1.0"
 
 _HOMES = {
-    "grammar": ["Command", "Frame", "ParseError", "parse"],
-    "nlcontrol.batches.batch": ["batch"],
-    "nlcontrol.batches.rows": ["BatchRow", "DrawnScene"],
-    "nlcontrol.checks.verdicts": ["Check"],
-    "nlcontrol.errors": ["ControlError", "ErrorInfo"],
-    "nlcontrol.questions.answer": ["Answer"],
-    "nlcontrol.results.result": ["Result"],
-    "nlcontrol.service.remote_session": ["Client"],
-    "nlcontrol.service.session": ["Session"],
-    "nlcontrol.session.controller": ["Controller"],
-    "nlcontrol.session.conversation": ["Conversation"],
-    "nlcontrol.session.events": ["Event"],
-    "nlcontrol.session.executor": ["Executor", "Perception", "Planner"],
-    "objectmodels": [
-        "BoxModel",
-        "CylinderModel",
-        "HullModel",
-        "ModelError",
-        "ObjectModel",
-        "PrismModel",
-        "Registry",
-    ],
-    "objectmodels.identification": ["fit"],
-    "objectmodels.mechanics.push_outcomes": ["Prediction", "Thresholds"],
-    "planner.affordances": ["Affordance"],
-    "planner.types.defaults": ["DEFAULTS", "Defaults", "with_settings"],
-    "planner.types.plan": ["Plan", "Reached"],
-    "planner.types.refusal": ["Refusal"],
-    "planner.types.robot": ["Robot"],
-    "sim.simulated_executor": ["SimulatedExecutor"],
-    "sim.supervision": ["Monitor", "StopToken"],
-    "sim.traces.trace": ["Trace"],
-    "sim.truth.scene_file": ["Scene", "load_scene"],
-    "sim.views.trace_picture": ["save_picture"],
-    "sim.views.viewer_recording": ["save_replay"],
+    "parse": "grammar.parser",
+    "batch": "nlcontrol.batches.batch",
+    "Result": "nlcontrol.results.result",
+    "AsyncClient": "nlcontrol.service.async_session",
+    "Offer": "nlcontrol.service.documents",
+    "Run": "nlcontrol.service.methods",
+    "Client": "nlcontrol.service.remote_session",
+    "Session": "nlcontrol.service.session",
+    "NlcontrolError": "objectmodels.errors",
+    "fit": "objectmodels.identification.joint_fit",
+    "ObjectModel": "objectmodels.models.object_model",
+    "BoxModel": "objectmodels.models.shapes",
+    "Registry": "objectmodels.registry.model_registry",
+    "Plan": "planner.types.plan",
+    "load_scene": "sim.truth.scene_file",
 }
 
-__all__ = [name for names in _HOMES.values() for name in names]
+__all__ = list(_HOMES)
 __all__ += ["__version__"]
 
 
 def __getattr__(name: str) -> object:
-    home = next((module for module, names in _HOMES.items() if name in names), None)
-    if home is None:
+    if name not in _HOMES:
         raise AttributeError(f"module 'nlcontrol' has no attribute '{name}'")
-    value: object = getattr(importlib.import_module(home), name)
+    value: object = getattr(importlib.import_module(_HOMES[name]), name)
+    if not isinstance(value, type):  # a call, which refuses arguments of a wrong type here
+        from nlcontrol.argument_types import checked_arguments
+
+        value = checked_arguments(value)  # type: ignore[arg-type]
     globals()[name] = value
     return value
 

@@ -18,6 +18,7 @@ from pydantic import Field
 
 from nlcontrol.interruption import EXIT_CODES
 from nlcontrol.json_document import DocumentPart
+from objectmodels.errors import NlcontrolError
 
 if TYPE_CHECKING:
     from grammar.frames.command import Span
@@ -204,7 +205,7 @@ class ErrorInfo(DocumentPart):
         return FAMILIES.get(self.family or "", CODES["internal"])
 
 
-class ControlError(Exception):
+class ControlError(NlcontrolError):
     """Whatever went wrong, with a code and with what would have been right.
 
     Attributes:
@@ -214,15 +215,11 @@ class ControlError(Exception):
     def __init__(self, info: ErrorInfo) -> None:
         super().__init__(info.message)
         self.info = info
+        self.code, self.message, self.suggestions = info.code, info.message, info.suggestions
 
     def __reduce__(self) -> tuple[type[ControlError], tuple[ErrorInfo]]:
         """So that it comes home from another process."""
         return type(self), (self.info,)
-
-    @property
-    def code(self) -> str:
-        """Stable name of the kind of error."""
-        return self.info.code
 
 
 def error(
@@ -267,7 +264,7 @@ def known_error(raised: Exception) -> ControlError | None:
     about: dict[str, Any]
     match raised:
         case DefaultsError():
-            return error("bad_default", str(raised), suggestions=raised.suggestions)
+            about = {}
         case ParseError(span=span, spans=spans, path=path):
             several = spans if len(spans) > 1 else ()
             about = {"family": "sentence", "span": span, "spans": several, "path": path}

@@ -1,4 +1,4 @@
-"""Mistakes in what is asked of a model: the package's error, and names that may have been meant."""
+"""The base of all errors, that of this package, and names that may have been meant."""
 
 from __future__ import annotations
 
@@ -11,7 +11,21 @@ TIE = 5.0
 """Names this close to the best one in similarity are as likely meant as it."""
 
 
-class ModelError(ValueError):
+class NlcontrolError(Exception):
+    """Whatever nlcontrol raises on purpose; each package derives its own error from it.
+
+    Attributes:
+        code: stable name of the kind of error in snake case.
+        message: one plain sentence.
+        suggestions: what would have been right.
+    """
+
+    code: str
+    message: str
+    suggestions: tuple[str, ...]
+
+
+class ModelError(NlcontrolError, ValueError):
     """A model, a model file or a question to a model that makes no sense.
 
     Attributes:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from objectmodels.errors import NlcontrolError
 
-class SimError(Exception):
+
+class SimError(NlcontrolError):
     """Something that is asked for cannot be had.
 
     Attributes:

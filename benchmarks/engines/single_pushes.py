@@ -29,9 +29,9 @@ from pydrake.systems.framework import DiagramBuilder
 from benchmarks.engines.agreement import Outcome
 from benchmarks.worlds.drake import BodyInDrake, DrakeWorld
 from benchmarks.worlds.pushes import STEP, Push, Stands, World, random_push, roll_out
-from nlcontrol import Controller
 from nlcontrol.outcome_maps.face_experiment import contacts_of
 from nlcontrol.references.object_names import face_of
+from nlcontrol.session.controller import Controller
 from objectmodels import BoxModel, ObjectModel
 from objectmodels.descriptions.description_reading import (
     Format,

@@ -22,8 +22,10 @@ from benchmarks.goals.sentences import Job, Kind, Sentence, beliefs_of, said
 from benchmarks.goals.wishes import Wished, harm, is_met, is_told
 from benchmarks.record import Kept
 from grammar.frames.command import Frame
-from nlcontrol import Controller, Registry
+from nlcontrol import Registry
 from nlcontrol.checks.verdicts import Check
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from objectmodels import ObjectModel
 from objectmodels.geometry.rotations import from_quaternion
 from planner.types.plan import Plan
@@ -186,7 +188,7 @@ def _told(result: Result) -> dict[str, Any]:
 def _said(job: Job, scene: Scene, sentence: Sentence) -> dict[str, Any]:
     """What came of a sentence whose steps are judged one by one."""
     robot, start = Watched(scene, registry=beliefs_of(job), seed=job.seed), time.perf_counter()
-    result = robot.say(sentence.text, plan_only=not job.executed)
+    result = Conversation(robot).say(sentence.text, plan_only=not job.executed)
     seconds = time.perf_counter() - start
     begun = list(zip(result.steps, robot.watches, strict=False))
     accepted = bool(begun) and all(watch.plan_of(step) for step, watch in begun)
@@ -215,7 +217,9 @@ def _wished(job: Job, scene: Scene, sentence: Sentence) -> dict[str, Any]:
     wish, registry = sentence.wish, beliefs_of(job)
     assert wish is not None, "it is about several things"
     start = time.process_time()
-    planned = Controller(scene, registry=registry, seed=job.seed).say(sentence.text, plan_only=True)
+    planned = Conversation(Controller(scene, registry=registry, seed=job.seed)).say(
+        sentence.text, plan_only=True
+    )
     accepted = planned.status in ("planned", "answered", "done")
     came = _told(planned) | {"seconds": time.process_time() - start, "accepted": accepted}
     if planned.answer is not None:
@@ -224,7 +228,7 @@ def _wished(job: Job, scene: Scene, sentence: Sentence) -> dict[str, Any]:
         return came | {"executed": True, "met": met, "satisfied": good}
     if not (job.executed and accepted):
         return came
-    result = Controller(scene, registry=registry, seed=job.seed).say(sentence.text)
+    result = Conversation(Controller(scene, registry=registry, seed=job.seed)).say(sentence.text)
     before = {
         item.name: TruePlace(
             Registry.built_in().get(item.model), item.pose.R_WB, item.p_WB, fragile=item.fragile

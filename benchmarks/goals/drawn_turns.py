@@ -25,9 +25,10 @@ from benchmarks.goals.judge import Places
 from benchmarks.goals.sense import sensible
 from benchmarks.goals.sentences import HARD, TRIES, Kind, fits, sentence_about
 from grammar.frames import command as g
-from nlcontrol import Conversation, Registry
+from nlcontrol import Registry
 from nlcontrol.batches.drawn_scenes import Generator, pushable_models
 from nlcontrol.errors import ControlError
+from nlcontrol.session.conversation import Conversation
 from planner.types.world_state import SeenObject, WorldState
 from sim.truth.scene_file import Scene
 

@@ -24,10 +24,12 @@ import numpy as np
 from benchmarks.goals.drawn_worlds import VISION, believed, drawn_truth, harder
 from benchmarks.goals.tables import Columns, counters, grouped, table
 from benchmarks.record import Kept
-from nlcontrol import Controller, Registry
+from nlcontrol import Registry
 from nlcontrol.batches.drawn_scenes import Generator
 from nlcontrol.checks.verdicts import PLANNED_ENDS
 from nlcontrol.learning.lessons import change_contents
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from objectmodels import ObjectModel
 from sim.truth.object_truth import Truth, truth_as_believed
 from sim.truth.scene_file import Pose, Scene, SceneObject, load_scene
@@ -221,7 +223,7 @@ def wrongly_believed(seed: int) -> ObjectModel:
 def run(job: Job) -> Done:
     """Says a sentence in its world; what it stumbles over is a result too."""
     try:
-        result = robot_of(job).say(job.text)
+        result = Conversation(robot_of(job)).say(job.text)
     except Exception:  # one case that breaks must not end the run
         return Done(job=job, status="crashed", message=traceback.format_exc(limit=-3))
     lessons = [lesson.text for step in result.steps for lesson in step.lessons]

@@ -43,6 +43,8 @@ from benchmarks.worlds.strokes import Array, Generator, heading_of, upright
 from grammar.frames.command import Command
 from nlcontrol.checks.frame_checks import require_checkable
 from nlcontrol.errors import ControlError
+from nlcontrol.session.conversation import Conversation
+from nlcontrol.session.frame_execution import run_command
 from objectmodels import ObjectModel
 from planner.problem.planning_problem import is_handled
 from planner.types.defaults import Defaults
@@ -146,7 +148,7 @@ def second_search(robot: Watched, command: Command) -> Finding:
     """
     robot.defaults = patient(robot.defaults)
     robot.forget_steps()
-    result = robot.carry_out(command)
+    result = run_command(robot, command)
     many = f"{robot.defaults.most_work} units of work"
     if result.status != "done" and all(watch.trace is None for watch in robot.watches):
         return Finding("confirmed", f"no plan with up to {many} either")
@@ -364,7 +366,7 @@ def confirm(doubt: Doubt) -> Confirmation:
     scene, sentence = said(doubt.case)
     registry, seed = beliefs_of(doubt.case), doubt.case.seed
     robot, fresh = (Watched(scene, registry=registry, seed=seed) for _ in range(2))
-    result = robot.say(sentence.text, plan_only=not doubt.case.executed)
+    result = Conversation(robot).say(sentence.text, plan_only=not doubt.case.executed)
     finding = judge_refusal(
         robot,
         sentence.target,

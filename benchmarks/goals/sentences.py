@@ -36,7 +36,6 @@ from benchmarks.goals.sense import sensible, tips
 from benchmarks.goals.wish_sense import is_sensible
 from benchmarks.goals.wish_sentences import say
 from benchmarks.goals.wishes import WISHED, Wish, Wished
-from nlcontrol import Controller
 from nlcontrol.batches.drawn_scenes import (
     FRAGILE,
     Generator,
@@ -46,6 +45,7 @@ from nlcontrol.batches.drawn_scenes import (
     scene_of,
 )
 from nlcontrol.errors import ControlError
+from nlcontrol.session.controller import Controller
 from objectmodels import BoxModel, CylinderModel, ObjectModel, Registry
 from planner.types.world_state import SeenObject, WorldState
 from sim.robots.cell_description import Vision

@@ -42,8 +42,8 @@ from benchmarks.goals.sentences import SIDES
 from benchmarks.goals.tables import Columns, counters, grouped, share, table
 from benchmarks.record import Kept
 from grammar.frames import command as g
-from nlcontrol import Conversation
 from nlcontrol.parallel_tasks import end_with_parent
+from nlcontrol.session.conversation import Conversation
 from planner.types.defaults import DEFAULTS as D
 
 if TYPE_CHECKING:
@@ -218,7 +218,7 @@ def _out_of_reach(robot: Watched, before: Places, after: Places) -> Iterator[str
     """Names of what was moved to where the robot can neither push nor lift it."""
     for name in moved(before, after) if robot.held is None else ():
         said = [f"push the {name} 5 cm {side}" for side in SIDES] + [f"lift the {name} by 5 cm"]
-        answers = (robot.say(text, plan_only=True).status for text in said)
+        answers = (Conversation(robot).say(text, plan_only=True).status for text in said)
         if not any(status in ("planned", "done") for status in answers):
             yield name
 

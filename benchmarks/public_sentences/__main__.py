@@ -32,8 +32,8 @@ from benchmarks.public_sentences.template_sources import Sentence
 from grammar.errors import ParseError
 from grammar.frames.command import Command
 from grammar.parser import default_parser
-from nlcontrol import Controller
 from nlcontrol.errors import ControlError
+from nlcontrol.session.controller import Controller
 
 _MISSING = {"in", "out_of", "off", "on"}
 """Places that are understood, and refused by the name of the capability that is missing."""

@@ -28,6 +28,7 @@ from nlcontrol.checks.frame_checks import check
 from nlcontrol.checks.own_accounts import Knowledge
 from nlcontrol.checks.own_verdicts import ToldClause, told_clauses, verdicts
 from nlcontrol.checks.verdicts import Check, holds
+from nlcontrol.session.conversation import Conversation
 from sim.robots.cell_description import Vision
 from sim.simulated_executor import SimulatedExecutor
 from sim.traces.trace import Trace
@@ -127,7 +128,7 @@ def run(job: Job) -> Row:
     models = dict(controller.models)
     row = Row(job=job, sentence=one.sentence, trouble=one.trouble)
     try:
-        result = controller.say(one.sentence)
+        result = Conversation(controller).say(one.sentence)
     except Exception as raised:  # one case that breaks must not end the others
         return row.model_copy(update={"error": repr(raised)})
     came: dict[str, Any] = {

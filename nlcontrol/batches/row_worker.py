@@ -22,6 +22,7 @@ from nlcontrol.errors import ControlError, error, exception_info, known_errors_r
 from nlcontrol.installed_versions import library_versions
 from nlcontrol.results.result import Result, result_with
 from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from objectmodels import ObjectModel, Registry
 from planner.types.defaults import with_settings
 from sim.truth.scene_file import Scene, load_scene
@@ -77,7 +78,7 @@ def run_row(order: Order | RowResult) -> RowResult:
         with known_errors_raised():
             defaults = with_settings(scene.defaults, order.row.settings)
         controller = Controller(scene, registry=registry, seed=order.row.seed, defaults=defaults)
-        result = controller.say(order.row.said, plan_only=not order.row.execute)
+        result = Conversation(controller).say(order.row.said, plan_only=not order.row.execute)
     except Exception as raised:  # one row that breaks must not end a batch of thousands
         info = exception_info(raised)
         foreseen = isinstance(raised, ControlError) and raised.code != "internal"

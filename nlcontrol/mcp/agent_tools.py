@@ -495,7 +495,7 @@ class AgentTools:
         """Begins to carry out a plan; the run is kept for `verdict`.
 
         Raises:
-            ControlError: `motion_not_allowed`, or as `PlanningSession.execute`.
+            ControlError: `motion_not_allowed`, or as `PlanningSession.start`.
         """
         if not self.allow_motion:
             raise error(
@@ -505,7 +505,7 @@ class AgentTools:
                     "ask the person who runs this server to start it with --allow-motion",
                 ),
             )
-        run = self.session.execute(asked.plan_id)
+        run = self.session.start(plan_id=asked.plan_id)
         self._runs[run.run_id] = run
         # The verdict of the last 20 can still be asked for.
         for old in list(self._runs)[:-20]:

@@ -6,13 +6,14 @@ All numbers are in SI units, places in W. The result of a sentence is a
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, StrictBool
+from pydantic import BeforeValidator, Field, StrictBool, ValidationError
 
 from grammar.frames.command import Command, Frame, Spans
-from nlcontrol.errors import ControlError, ErrorInfo
+from nlcontrol import __version__
+from nlcontrol.errors import ControlError, ErrorInfo, error
 from nlcontrol.json_document import Document, DocumentPart
 from nlcontrol.results.result import Result
 from nlcontrol.session.events import Event
@@ -97,13 +98,41 @@ class SessionSpec(TableSpec):
     approval: Literal["plan", "none"] = "none"
 
 
+def session_spec(
+    scene: SessionSpec | str,
+    seed: int,
+    defaults: Mapping[str, float] | None,
+    objects: Iterable[StatedObject] | None,
+    approval: Literal["plan", "none"],
+) -> SessionSpec:
+    """What is asked for of a session; raises `bad_arguments` if it makes no sense."""
+    if isinstance(scene, SessionSpec):
+        return scene
+    try:
+        return SessionSpec(
+            scene=scene,
+            seed=seed,
+            defaults=dict(defaults or {}),
+            objects=None if objects is None else tuple(objects),
+            approval=approval,
+        )
+    except ValidationError as raised:
+        fault = raised.errors(include_url=False)[0]
+        place = ".".join(map(str, fault["loc"]))
+        raise error(
+            "bad_arguments",
+            f"`{place}` of a session is {fault['input']!r}: {fault['msg']}",
+            suggestions=("docs/sessions.md tells what a session takes",),
+        ) from raised
+
+
 class SessionInfo(Document):
     """A session that is open.
 
     Attributes:
         session_id: of it.
         spec: as it was asked for.
-        executes: plans can be carried out here; not on a table that was stated.
+        has_robot: plans can be carried out here; not on a table that was stated.
         state: `idle`, `running` (a run is under way or queued) or `lost` (its process has ended).
         run_id: of the run that is under way or queued.
         expires_in: time until it is closed if nothing is asked of it [s].
@@ -111,10 +140,20 @@ class SessionInfo(Document):
 
     session_id: str
     spec: SessionSpec
-    executes: bool
+    has_robot: bool
     state: Literal["idle", "running", "lost"]
     run_id: str | None = None
     expires_in: float
+
+
+class SessionList(Document):
+    """Sessions.
+
+    Attributes:
+        sessions: that are open.
+    """
+
+    sessions: tuple[SessionInfo, ...]
 
 
 class TableObject(DocumentPart):
@@ -434,3 +473,92 @@ class PoseFrame(DocumentPart):
     time: float
     source: PoseSource
     poses: dict[str, tuple[float, float, float, float, float, float, float]]
+
+
+# The host: its health, scenes and objects.
+
+
+class Health(Document):
+    """Numbers of what there is and what waits.
+
+    Attributes:
+        version: of nlcontrol.
+        sessions: that are open.
+        planners: processes that plan for those who have no session.
+        running: runs that are under way.
+        queued: runs that wait for their turn.
+    """
+
+    version: str = __version__
+    sessions: int = Field(ge=0)
+    planners: int = Field(ge=0)
+    running: int = Field(ge=0)
+    queued: int = Field(ge=0)
+
+
+class SceneSummary(DocumentPart):
+    """A scene of the host.
+
+    Attributes:
+        name: of it.
+        objects: names of all that stands there.
+    """
+
+    name: str
+    objects: tuple[str, ...]
+
+
+class SceneList(Document):
+    """Scenes.
+
+    Attributes:
+        scenes: that may be asked for.
+    """
+
+    scenes: tuple[SceneSummary, ...]
+
+
+class ObjectSummary(DocumentPart):
+    """An object model in a few figures.
+
+    Attributes:
+        name: of the model; text that others wrote.
+        synonyms: further names.
+        kind: of shape.
+        size: of a box around it as it stands [m].
+        mass, mass_sd: and its standard deviation [kg].
+        friction, friction_sd: coefficient at the table, and its standard deviation.
+    """
+
+    name: str
+    synonyms: tuple[str, ...]
+    kind: str
+    size: tuple[float, float, float]
+    mass: float
+    mass_sd: float
+    friction: float
+    friction_sd: float
+
+
+class ObjectList(Document):
+    """Object models of the host.
+
+    Attributes:
+        objects: in the order of their names.
+    """
+
+    objects: tuple[ObjectSummary, ...]
+
+
+class ObjectDescription(Document):
+    """An object model.
+
+    Attributes:
+        summary: in a few figures.
+        model: every figure, as docs/models.md names them.
+        geometry: its shapes, for a viewer.
+    """
+
+    summary: ObjectSummary
+    model: dict[str, Any]
+    geometry: SceneGeometry

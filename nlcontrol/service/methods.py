@@ -27,7 +27,8 @@ from pydantic import (
 )
 
 from grammar.frames.command import Command, Frame
-from nlcontrol.errors import ControlError
+from nlcontrol.argument_types import checked_arguments
+from nlcontrol.errors import ControlError, error
 from nlcontrol.json_document import DocumentPart, plain_json
 from nlcontrol.questions.push_prediction import PushPrediction
 from nlcontrol.results.result import Result
@@ -44,11 +45,11 @@ from nlcontrol.service.documents import (
     TableView,
     Understanding,
 )
+from nlcontrol.session.events import Event
 from nlcontrol.session.executor import Motion
 from nlcontrol.session.frame_documents import Frames
 
 if TYPE_CHECKING:
-    from nlcontrol.session.events import Event
     from sim.traces.trace import Trace
 
 
@@ -289,6 +290,7 @@ def question(
         row = Question(name, asks, answers, told, path_of, alone, alone_told, reads, example, tool)
         signature = inspect.signature(method)
 
+        @checked_arguments
         @wraps(method)
         def ask(self: Questions, *args: Any, **kwargs: Any) -> Any:
             arguments = signature.bind(self, *args, **kwargs).arguments
@@ -509,50 +511,95 @@ class Run(Protocol):
 
 
 class PlanningSession(Questions, ABC):
-    """A table, a robot and a conversation: look, plan, approve, do, verify."""
+    """A table, a robot and a conversation: look, plan, approve, do, verify.
+
+    Attributes:
+        session_id: name of the session.
+    """
+
+    session_id: str
+
+    @property
+    @abstractmethod
+    def has_robot(self) -> bool:
+        """Plans can be carried out here; not on a table that was stated."""
 
     @abstractmethod
-    def execute(
+    def start(
         self,
-        plan_id: str,
+        said: str | Frames | Offer | None = None,
         *,
+        plan_id: str | None = None,
         text: str | None = None,
+        motion: Motion | None = None,
         on_event: Callable[[Event], object] | None = None,
     ) -> Run:
-        """Begins to carry out a sentence by the plan that was approved.
+        """Begins to do what a sentence says, or what was planned, and returns at once.
 
-        The robot looks again first. A plan id is used once, and expires.
+        Before it carries out a plan the robot looks again. A plan is carried out once, and expires.
 
         Args:
-            plan_id: of an `Offer`.
+            said: a sentence, frames, or what `plan` offered.
+            plan_id: of an offer, in its place.
             text: under which the plan was approved, such as the sentence that a person saw beside
                 it; not compared if not given.
-            on_event: told of every event, in the thread that carries it out.
+            motion: `simulate` also lets a question move something, `never` nothing at all.
+            on_event: told of every event, in a thread of the run. If it fails, the run comes to
+                rest, and `Run.result` raises what it raised.
 
         Raises:
-            ControlError: `unknown_plan`, `used_plan`, `expired_plan`, `stale_plan` (something
-                moved, or is believed in another way), `other_sentence` (the text is not the one
-                that was planned), `busy`, `no_robot` (the table was stated).
+            ControlError: `busy`, `no_robot` (the table was stated); for a sentence
+                `approval_required` if plans are to be approved first; for a plan `unknown_plan`,
+                `used_plan`, `expired_plan`, `stale_plan` (something moved, or is believed in
+                another way), `other_sentence` (the text is not the one that was planned);
+                `bad_arguments`.
         """
 
-    @abstractmethod
+    @checked_arguments
     def say(
         self,
         said: str | Frames,
         *,
         motion: Motion | None = None,
         on_event: Callable[[Event], object] | None = None,
-    ) -> Run:
-        """Begins to do what a sentence says, planned and executed at one go.
+    ) -> Result:
+        """Does what a sentence says, planned and executed at one go, and tells what came of it.
+
+        It may be a remark on what was said and done before: "again", "no, the other one", "undo
+        that". What is not understood or refused is a result too. If the wait is interrupted, the
+        run is stopped.
 
         Args:
             said: a sentence, or frames.
-            motion: `simulate` also lets a question move something, `never` nothing at all.
-            on_event: told of every event, in the thread that carries it out.
+            motion: as for `start`.
+            on_event: as for `start`.
 
         Raises:
-            ControlError: `approval_required` if plans are to be approved first, `busy`, `no_robot`.
+            ControlError: as for `start`.
+            Exception: what the callback has raised, once the robot is at rest.
         """
+        return ended_result(self.start(said, motion=motion, on_event=on_event))
+
+    @checked_arguments
+    def execute(
+        self,
+        plan: Offer | str,
+        *,
+        text: str | None = None,
+        on_event: Callable[[Event], object] | None = None,
+    ) -> Result:
+        """Carries out what was planned, as `start` does, and tells what came of it.
+
+        Args:
+            plan: what `plan` offered, or its plan id.
+            text: as for `start`.
+            on_event: as for `start`.
+
+        Raises:
+            ControlError: as for `start`; what was offered without a plan is `unknown_plan`.
+            Exception: what the callback has raised, once the robot is at rest.
+        """
+        return ended_result(self.start(plan_id=plan_id_of(plan), text=text, on_event=on_event))
 
     @abstractmethod
     def stop(self) -> None:
@@ -580,6 +627,43 @@ class PlanningSession(Questions, ABC):
         traceback: TracebackType | None,
     ) -> None:
         self.close()
+
+
+def ended_result(run: Run) -> Result:
+    """The result of a run; if the wait for it is interrupted, the run is stopped and awaited."""
+    try:
+        return run.result()
+    except KeyboardInterrupt:
+        run.stop()
+        run.result()
+        raise
+
+
+def start_arguments(
+    said: str | Frames | Offer | None, plan_id: str | None
+) -> tuple[str | Frames | None, str | None]:
+    """A sentence, or a plan id in its place; raises `bad_arguments` unless it is one of both."""
+    given = plan_id_of(said) if isinstance(said, Offer) else said
+    if (given is None) == (plan_id is None):
+        raise error(
+            "bad_arguments",
+            "what begins is either a sentence or a plan",
+            suggestions=("start(sentence), start(offer), or start(plan_id=…)",),
+        )
+    return (None, plan_id_of(said)) if isinstance(said, Offer) else (said, plan_id)
+
+
+def plan_id_of(plan: Offer | str) -> str:
+    """The plan id of an offer; raises `unknown_plan` where the offer bears none."""
+    if isinstance(plan, str):
+        return plan
+    if plan.plan_id is None:
+        raise error(
+            "unknown_plan",
+            f"nothing was planned that could be carried out: {plan.result.status}",
+            suggestions=("`result` says why", "plan another sentence"),
+        )
+    return plan.plan_id
 
 
 def is_question(session: PlanningSession, said: str | Frames) -> bool:

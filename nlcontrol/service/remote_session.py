@@ -1,202 +1,57 @@
-"""A planning session at a server, as one in this process is."""
+"""A planning service as a program uses it: sessions and runs as those of this process are.
+
+from nlcontrol import Client
+
+with Client("http://127.0.0.1:8000") as client, client.sessions.open("kitchen") as session:
+print(session.say("push the ice tea box away"))
+"""
 
 from __future__ import annotations
 
-import importlib.util
 import time
-import uuid
-import weakref
-from collections.abc import Callable, Iterator, Mapping
-from pathlib import Path
-from tempfile import TemporaryDirectory
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from threading import Thread
-from typing import TYPE_CHECKING, Any, Literal, NoReturn, TypeVar
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Literal, Self
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel
 
-from nlcontrol.errors import ControlError, ErrorInfo, error
+from nlcontrol.argument_types import checked_arguments
+from nlcontrol.errors import ControlError
 from nlcontrol.results.result import Result
-from nlcontrol.service.documents import NumberedEvent, RunInfo, SessionInfo, SessionSpec
-from nlcontrol.service.methods import PlanningSession, Question, SaidBody, is_question
+from nlcontrol.service.connection import BlockingConnection
+from nlcontrol.service.documents import (
+    Health,
+    NumberedEvent,
+    ObjectDescription,
+    ObjectList,
+    ObjectSummary,
+    Offer,
+    RunInfo,
+    RunPage,
+    SceneList,
+    SceneSummary,
+    SessionInfo,
+    SessionList,
+    SessionSpec,
+    StatedObject,
+    session_spec,
+)
+from nlcontrol.service.methods import PlanningSession, Question, is_question
+from nlcontrol.service.remote_calls import (
+    EventReading,
+    HostCalls,
+    RunCalls,
+    SessionCalls,
+    result_of,
+)
 from nlcontrol.session.events import LOGGER, Event
+from nlcontrol.session.executor import Motion
+from nlcontrol.session.frame_documents import Frames
 from sim.traces.trace import Trace
 
 if TYPE_CHECKING:
-    import httpx
-    from httpx_sse import ServerSentEvent
-
-    from nlcontrol.session.executor import Motion
-    from nlcontrol.session.frame_documents import Frames
-
-
-# A connection to a planning service: requests, answers as documents, problems as errors.
-#
-# A request that is lost on its way is sent again where that cannot do anything twice.
-
-
-D = TypeVar("D", bound=BaseModel)
-
-PAUSES = (0.1, 0.3, 1.0, 3.0)
-"""Waits before what was lost is tried again [s]."""
-
-CONNECT_TIME, SILENCE, KEPT = 5.0, 45.0, 2.0
-"""Longest time to connect, longest silence of a stream (it has a heartbeat), and the time for which
-an idle connection is kept: less than servers keep it, which would lose a request [s]."""
-
-
-class ServiceConnection:
-    """A connection to a planning service; threads may share it.
-
-    Args:
-        url: of the service.
-        token: that it asks for, if any.
-        timeout: longest time to wait for an answer, by the clock on the wall [s].
-        transport: of the requests, if not over a network.
-
-    Raises:
-        ControlError: `missing_extra`; `usage` if the URL is none.
-    """
-
-    def __init__(
-        self,
-        url: str,
-        *,
-        token: str | None = None,
-        timeout: float = 120.0,
-        transport: httpx.BaseTransport | None = None,
-    ) -> None:
-        if importlib.util.find_spec("httpx") is None:
-            raise error(
-                "missing_extra",
-                "a client of the planning service needs httpx",
-                suggestions=("install from the checkout: pip install '.[serve]'",),
-            )
-        import httpx
-
-        try:
-            base = httpx.URL(url)
-            if base.scheme not in ("http", "https") or not base.host:
-                raise ValueError
-            self._http = httpx.Client(
-                base_url=base,
-                headers={} if token is None else {"Authorization": f"Bearer {token}"},
-                timeout=httpx.Timeout(timeout, connect=CONNECT_TIME),
-                limits=httpx.Limits(keepalive_expiry=KEPT),
-                transport=transport,
-                # A proxy of the environment does not lead to this machine.
-                trust_env=base.host not in ("127.0.0.1", "localhost", "::1"),
-            )
-        except (httpx.InvalidURL, ValueError, TypeError) as raised:
-            raise error(
-                "usage",
-                f"'{url}' with this token is no address of a service",
-                suggestions=("give one like http://127.0.0.1:8000",),
-            ) from raised
-        self.url = url
-        # Runs outlive the session that began them, and need it still.
-        weakref.finalize(self, self._http.close)
-
-    def document(
-        self, kind: type[D], method: str, path: str, body: Any = None, **options: Any
-    ) -> D:
-        """The answer to a request, as a document; see `response`.
-
-        Raises:
-            ControlError: also `bad_answer`, if it is no such document.
-        """
-        answer = self.response(method, path, body, **options)
-        try:
-            return kind.model_validate_json(answer.content)
-        except ValidationError as raised:
-            self._refuse_answer(f"no {kind.__name__} came for {method} {path}", raised)
-
-    def response(
-        self,
-        method: str,
-        path: str,
-        body: Any = None,
-        *,
-        headers: Mapping[str, str] | None = None,
-        repeatable: bool = True,
-    ) -> httpx.Response:
-        """The answer to a request.
-
-        Args:
-            method: of HTTP.
-            path: below the service's URL.
-            body: to be sent as JSON.
-            headers: further ones.
-            repeatable: it may be sent again if it is not known whether it arrived.
-
-        Raises:
-            ControlError: that of the service; `no_service` if it cannot be reached; `bad_answer`.
-        """
-        import httpx
-
-        pauses = iter(PAUSES if repeatable else ())
-        while True:
-            try:
-                response = self._http.request(method, path, json=body, headers=headers)
-            except httpx.TransportError as raised:
-                pause = next(pauses, None)
-                if pause is None or isinstance(raised, httpx.ReadTimeout):
-                    self._tell_lost(raised)
-                time.sleep(pause)
-            else:
-                self._require_success(response)
-                return response
-
-    def stream(self, path: str, after: int = 0) -> Iterator[ServerSentEvent]:
-        """The events of a stream, those after a number alone.
-
-        Raises:
-            ControlError: as in `response`; `no_service` where the stream is lost.
-        """
-        import httpx
-        from httpx_sse import EventSource
-
-        headers = {"Accept": "text/event-stream", "Last-Event-ID": str(after)}
-        timeout = httpx.Timeout(SILENCE, connect=CONNECT_TIME)
-        try:
-            with self._http.stream("GET", path, headers=headers, timeout=timeout) as response:
-                if not response.is_success:
-                    response.read()
-                self._require_success(response)
-                if response.status_code != httpx.codes.NO_CONTENT:
-                    yield from EventSource(response).iter_sse()
-        except httpx.TransportError as raised:
-            self._tell_lost(raised)
-
-    def _require_success(self, response: httpx.Response) -> None:
-        if response.is_success:
-            return
-        try:
-            problem = response.json()
-            known = {key: problem[key] for key in ErrorInfo.model_fields if key in problem}
-            info = ErrorInfo.model_validate({"message": problem.get("detail", ""), **known})
-        except (ValueError, TypeError, AttributeError) as raised:
-            self._refuse_answer(f"HTTP status {response.status_code} came", raised)
-        raise ControlError(info)
-
-    def _refuse_answer(self, message: str, raised: Exception) -> NoReturn:
-        raise error(
-            "bad_answer",
-            f"{self.url}: {message}",
-            suggestions=("see that `nlcontrol serve` of this version answers there",),
-        ) from raised
-
-    def _tell_lost(self, raised: Exception) -> NoReturn:
-        raise error(
-            "no_service",
-            f"{self.url} cannot be reached: {raised or type(raised).__name__}",
-            suggestions=(f"`nlcontrol serve` starts one; see that it runs at {self.url}",),
-        ) from raised
-
-
-# A run at a server.
-
-
-UNDER_WAY = ("queued", "running")
+    pass
 
 
 class RemoteRun:
@@ -204,25 +59,27 @@ class RemoteRun:
 
     Args:
         connection: to the service.
-        info: of the run, as it began.
+        run_id: name of the run.
         on_event: told of every event, in a thread of its own. If it fails, the run is told to stop,
             and `result` raises what it raised.
     """
 
     def __init__(
         self,
-        connection: ServiceConnection,
-        info: RunInfo,
+        connection: BlockingConnection,
+        run_id: str,
         on_event: Callable[[Event], object] | None = None,
     ) -> None:
-        self._connection = connection
-        self._run_id = info.run_id
-        self._path = f"/v1/runs/{info.run_id}"
+        self._connection, self._run_id = connection, run_id
+        self._calls = RunCalls(connection, run_id)
         self._listener: Thread | None = None
         self._failure: Exception | None = None
         if on_event is not None:
             self._listener = Thread(target=self._listen, args=(on_event,), daemon=True)
             self._listener.start()
+
+    def __repr__(self) -> str:
+        return f"<Run {self._run_id} at {self._connection.url}>"
 
     @property
     def run_id(self) -> str:
@@ -231,7 +88,7 @@ class RemoteRun:
 
     def info(self) -> RunInfo:
         """The run as it is now."""
-        return self._connection.document(RunInfo, "GET", self._path)
+        return self._connection.run(self._calls.read())
 
     def events(self, after: int = 0) -> Iterator[NumberedEvent]:
         """Its events as they happen, until it has ended; what is lost on the way is had again.
@@ -242,24 +99,20 @@ class RemoteRun:
         Raises:
             ControlError: `no_service` if the service stays away.
         """
-        failures = 0
+        reading = EventReading(after)
         while True:
             try:
-                for streamed in self._connection.stream(f"{self._path}/events", after):
-                    if (told := _numbered_event(streamed.data)) is None or told.number <= after:
+                for data in self._connection.stream(f"{self._calls.path}/events", reading.after):
+                    if (told := reading.fresh_event(data)) is None:
                         continue
-                    after, failures = told.number, 0
                     yield told
                     if told.event.kind == "ended":
                         return
             except ControlError as lost:
-                if lost.code != "no_service" or failures == len(PAUSES):
-                    raise
-            info = self.info()
-            if info.state not in UNDER_WAY and (after >= info.events or failures == len(PAUSES)):
+                reading.require_hope(lost)
+            if reading.is_over(self.info()):
                 return
-            time.sleep(PAUSES[min(failures, len(PAUSES) - 1)])
-            failures += 1
+            time.sleep(reading.next_pause())
 
     def result(self, timeout: float | None = None) -> Result:
         """The result; waits until it has ended.
@@ -275,40 +128,24 @@ class RemoteRun:
         info = self._ended_info(timeout)
         if self._failure is not None:
             raise self._failure
-        if info.result is None:
-            raise ControlError(info.error or ErrorInfo(code="internal", message=info.state))
-        return info.result
+        return result_of(info)
 
     def stop(self) -> None:
         """Asks it to let go and come to rest; its result is then `cancelled`."""
-        self._connection.response("POST", f"{self._path}/stop")
+        self._connection.run(self._calls.stop())
 
     def trace(self) -> Trace | None:
         """The trace of what happened; None if nothing moved. Waits until it has ended."""
         self._ended_info(None)
-        try:
-            content = self._connection.response("GET", f"{self._path}/trace").content
-        except ControlError as raised:
-            if raised.code == "no_file":
-                return None
-            raise
-        with TemporaryDirectory() as folder:
-            file = Path(folder, "trace.npz")
-            file.write_bytes(content)
-            return Trace.load(file)
+        return self._connection.run(self._calls.trace())
 
     def _ended_info(self, timeout: float | None) -> RunInfo:
         """The run once it has ended, and the callback was told so."""
-        deadline = None if timeout is None else time.monotonic() + timeout
         if self._listener is not None:
+            begun = time.monotonic()
             self._listener.join(timeout)
-        pause = 0.02
-        while (info := self.info()).state in UNDER_WAY:
-            if deadline is not None and time.monotonic() + pause > deadline:
-                raise TimeoutError(f"run {self._run_id} goes on after {timeout} s")
-            time.sleep(pause)
-            pause = min(1.5 * pause, 0.25)
-        return info
+            timeout = None if timeout is None else timeout - (time.monotonic() - begun)
+        return self._connection.run(self._calls.read_ended(timeout))
 
     def _listen(self, on_event: Callable[[Event], object]) -> None:
         try:
@@ -326,115 +163,214 @@ class RemoteRun:
             self.stop()
 
 
-def _numbered_event(data: str) -> NumberedEvent | None:
-    """An event of the run; None if it is of another kind, as that of a place in the queue."""
-    try:
-        return NumberedEvent.model_validate_json(data)
-    except ValidationError:
-        return None
-
-
-class Client(PlanningSession):
+class RemoteSession(PlanningSession):
     """A planning session at a server; see `nlcontrol.service.methods.PlanningSession`.
 
-    Args:
-        url: of the service, like `http://127.0.0.1:8000`.
-        scene: name of a scene of the host, or all that is asked for of the session.
-        seed, defaults, approval: as in a `SessionSpec`, if none is given.
-        token: that the service asks for, if any.
-        timeout: longest time to wait for an answer, by the clock on the wall [s].
-        transport: of the requests, if not over a network.
+    Every call raises `no_service` where the service is lost.
 
-    Raises:
-        ControlError: `no_service`, or what the service has against it; `missing_extra` without
-            httpx. Every call raises `no_service` where the service is lost.
+    Args:
+        connection: to the service.
+        info: of the session, as it was opened.
     """
 
-    def __init__(
+    def __init__(self, connection: BlockingConnection, info: SessionInfo) -> None:
+        self._connection = connection
+        self._calls = SessionCalls(connection, info)
+        self.session_id, self.spec = info.session_id, info.spec
+        self._has_robot = info.has_robot
+
+    def __repr__(self) -> str:
+        return f"<Session {self.session_id} of {self.spec.scene} at {self._connection.url}>"
+
+    @property
+    def has_robot(self) -> bool:
+        """Plans can be carried out here; not on a table that was stated."""
+        return self._has_robot
+
+    def answer_question(self, asked: Question, fields: Mapping[str, Any]) -> BaseModel:
+        """The document with which the service answers a question."""
+        return self._connection.run(self._calls.answer(asked, fields))
+
+    @checked_arguments
+    def ask(self, said: str | Frames, *, motion: Motion = "never") -> Result:
+        """The answer to a question; it moves nothing unless that is allowed."""
+        if motion == "simulate" and is_question(self, said):
+            return self.say(said, motion=motion)
+        return super().ask(said)
+
+    @checked_arguments
+    def start(
         self,
-        url: str,
+        said: str | Frames | Offer | None = None,
+        *,
+        plan_id: str | None = None,
+        text: str | None = None,
+        motion: Motion | None = None,
+        on_event: Callable[[Event], object] | None = None,
+    ) -> RemoteRun:
+        """Begins to do what a sentence says, or what was planned; see `PlanningSession.start`."""
+        info = self._connection.run(self._calls.start(said, plan_id, text, motion))
+        return RemoteRun(self._connection, info.run_id, on_event)
+
+    def stop(self) -> None:
+        """Asks what is being carried out to let go and come to rest; plans are dropped."""
+        self._connection.run(self._calls.post("stop"))
+
+    def reset(self) -> None:
+        """Puts everything back as it was at the beginning; see `PlanningSession.reset`."""
+        self._connection.run(self._calls.post("reset"))
+
+    def close(self) -> None:
+        """Ends the session; one that has ended with its server is left at that."""
+        self._connection.run(self._calls.close())
+
+
+class RemoteSessions:
+    """The sessions of a service."""
+
+    def __init__(self, connection: BlockingConnection) -> None:
+        self._connection, self._calls = connection, HostCalls(connection)
+
+    def __repr__(self) -> str:
+        return f"<Sessions at {self._connection.url}>"
+
+    @checked_arguments
+    def open(
+        self,
         scene: SessionSpec | str = "kitchen",
         *,
         seed: int = 0,
         defaults: Mapping[str, float] | None = None,
+        objects: Sequence[StatedObject] | None = None,
         approval: Literal["plan", "none"] = "none",
+    ) -> RemoteSession:
+        """Opens a session.
+
+        Args:
+            scene: name of a scene of the host, or all that is asked for of the session.
+            seed: of everything random.
+            defaults: meanings of clauses by their names, on top of the scene's.
+            objects: all that stands on a table of the caller's own.
+            approval: `plan` if nothing may move but what was approved.
+
+        Raises:
+            ControlError: `no_service`, or what the service has against it.
+        """
+        spec = session_spec(scene, seed, defaults, objects, approval)
+        info = self._connection.run(self._calls.open_session(spec))
+        return RemoteSession(self._connection, info)
+
+    @checked_arguments
+    def get(self, session_id: str) -> RemoteSession:
+        """A session that is open; raises `unknown_session`."""
+        info = self._connection.run(self._calls.read(SessionInfo, f"sessions/{session_id}"))
+        return RemoteSession(self._connection, info)
+
+    def list(self) -> tuple[SessionInfo, ...]:
+        """All that are open."""
+        return self._connection.run(self._calls.read(SessionList, "sessions")).sessions
+
+
+class RemoteRuns:
+    """The runs of a service, and those that it remembers."""
+
+    def __init__(self, connection: BlockingConnection) -> None:
+        self._connection, self._calls = connection, HostCalls(connection)
+
+    def __repr__(self) -> str:
+        return f"<Runs at {self._connection.url}>"
+
+    @checked_arguments
+    def get(self, run_id: str) -> RemoteRun:
+        """A run by its name; raises `unknown_run`."""
+        info = self._connection.run(self._calls.read(RunInfo, f"runs/{run_id}"))
+        return RemoteRun(self._connection, info.run_id)
+
+    @checked_arguments
+    def list(
+        self, *, session: str | None = None, cursor: str | None = None, limit: int = 50
+    ) -> RunPage:
+        """Runs, the latest first.
+
+        Args:
+            session: those of one session alone, by its name.
+            cursor: of the page before.
+            limit: runs on the page, at most.
+        """
+        page = self._calls.read(RunPage, "runs", session=session, cursor=cursor, limit=limit)
+        return self._connection.run(page)
+
+    @checked_arguments
+    def delete(self, run_id: str) -> None:
+        """Has the service forget a run that has ended, its events and its files."""
+        self._connection.run(self._calls.delete_run(run_id))
+
+
+class Client:
+    """A planning service; making one calls nothing.
+
+    Args:
+        url: of the service, like `http://127.0.0.1:8000`.
+        token: that it asks for, if any.
+        timeout: longest time to wait for an answer, by the clock on the wall [s].
+        transport: of the requests, if not over a network.
+
+    Attributes:
+        sessions: to be opened, and those that are open.
+        runs: under way, and those that the service remembers.
+
+    Raises:
+        ControlError: `missing_extra` without httpx; `usage` if the URL is none. Every call raises
+            `no_service` where the service is not reached.
+    """
+
+    @checked_arguments
+    def __init__(
+        self,
+        url: str,
+        *,
         token: str | None = None,
         timeout: float = 120.0,
-        transport: httpx.BaseTransport | None = None,
+        transport: Any = None,
     ) -> None:
-        self._connection = ServiceConnection(url, token=token, timeout=timeout, transport=transport)
-        spec = scene
-        if not isinstance(spec, SessionSpec):
-            spec = SessionSpec(
-                scene=spec, seed=seed, defaults=dict(defaults or {}), approval=approval
-            )
-        info = self._connection.document(
-            SessionInfo, "POST", "/v1/sessions", spec.model_dump(mode="json"), repeatable=False
+        self._connection = BlockingConnection(
+            url, token=token, timeout=timeout, transport=transport
         )
-        self.session_id = info.session_id
+        self._calls = HostCalls(self._connection)
+        self.sessions = RemoteSessions(self._connection)
+        self.runs = RemoteRuns(self._connection)
 
-    def answer_question(self, asked: Question, fields: Mapping[str, Any]) -> BaseModel:
-        """The document with which the service answers a question."""
-        return self._document(asked.answers, asked.path, dict(fields))
+    def __repr__(self) -> str:
+        return f"<Client of {self._connection.url}>"
 
-    def ask(self, said: str | Frames, *, motion: Motion = "never") -> Result:
-        """The answer to a question; it moves nothing unless that is allowed."""
-        if motion == "simulate" and is_question(self, said):
-            return self.say(said, motion=motion).result()
-        return super().ask(said)
+    def health(self) -> Health:
+        """Version of the service, and how much it has to do."""
+        return self._connection.run(self._calls.read(Health, "health"))
 
-    def execute(
-        self,
-        plan_id: str,
-        *,
-        text: str | None = None,
-        on_event: Callable[[Event], object] | None = None,
-    ) -> RemoteRun:
-        """Begins to carry out a plan that was approved; see `PlanningSession.execute`."""
-        return self._begin_run("runs", {"plan_id": plan_id, "text": text}, on_event)
+    def scenes(self) -> tuple[SceneSummary, ...]:
+        """Scenes in which sessions can be opened."""
+        return self._connection.run(self._calls.read(SceneList, "scenes")).scenes
 
-    def say(
-        self,
-        said: str | Frames,
-        *,
-        motion: Motion | None = None,
-        on_event: Callable[[Event], object] | None = None,
-    ) -> RemoteRun:
-        """Begins to do what a sentence says; see `PlanningSession.say`."""
-        return self._begin_run(
-            "say", {**SaidBody.fields_of({"said": said}), "motion": motion}, on_event
-        )
+    def objects(self) -> tuple[ObjectSummary, ...]:
+        """Object models of the host, in a few figures."""
+        return self._connection.run(self._calls.read(ObjectList, "objects")).objects
 
-    def stop(self) -> None:
-        """Asks what is being carried out to let go and come to rest; plans are dropped."""
-        self._post("stop")
-
-    def reset(self) -> None:
-        """Puts everything back as it was at the beginning; see `PlanningSession.reset`."""
-        self._post("reset")
+    @checked_arguments
+    def object(self, name: str) -> ObjectDescription:
+        """An object model by its name or a synonym; raises `unknown_object`."""
+        return self._connection.run(self._calls.read(ObjectDescription, f"objects/{name}"))
 
     def close(self) -> None:
-        """Ends the session; one that has ended with its server is left at that."""
-        try:
-            self._connection.response("DELETE", self._path, repeatable=False)
-        except ControlError as raised:
-            if raised.code not in ("unknown_session", "no_service"):
-                raise
+        """Ends the connection; sessions and runs of the service go on."""
+        self._connection.close()
 
-    @property
-    def _path(self) -> str:
-        return f"/v1/sessions/{self.session_id}"
+    def __enter__(self) -> Self:
+        return self
 
-    def _begin_run(
-        self, call: str, body: dict[str, Any], on_event: Callable[[Event], object] | None
-    ) -> RemoteRun:
-        # With a key, what is sent again moves nothing again.
-        key = {"Idempotency-Key": uuid.uuid4().hex}
-        info = self._document(RunInfo, call, body, headers=key)
-        return RemoteRun(self._connection, info, on_event)
-
-    def _document(self, kind: type[D], call: str, body: Any = None, **options: Any) -> D:
-        return self._connection.document(kind, "POST", f"{self._path}/{call}", body, **options)
-
-    def _post(self, call: str, body: Any = None) -> httpx.Response:
-        return self._connection.response("POST", f"{self._path}/{call}", body)
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        raised: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()

@@ -22,10 +22,13 @@ from pathlib import Path
 from threading import Condition, RLock, Thread
 from typing import TYPE_CHECKING, Literal
 
+from grammar.frames.command import Command
+from nlcontrol.argument_types import checked_arguments
 from nlcontrol.errors import ControlError, ErrorInfo, error, exception_info, known_errors_raised
 from nlcontrol.outcome_maps.outcome_map_table import map_document
 from nlcontrol.questions.push_prediction import PushPrediction, predict_push
 from nlcontrol.references.object_names import face_of
+from nlcontrol.results.result import Result
 from nlcontrol.service.bundle import RunRequest, run_request
 from nlcontrol.service.documents import (
     Affordances,
@@ -39,8 +42,14 @@ from nlcontrol.service.documents import (
     StatedObject,
     TableSpec,
     TableView,
+    session_spec,
 )
-from nlcontrol.service.methods import PlanningSession, is_question
+from nlcontrol.service.methods import (
+    PlanningSession,
+    ended_result,
+    is_question,
+    start_arguments,
+)
 from nlcontrol.service.offers import (
     LIFE,
     OfferedPlans,
@@ -52,22 +61,21 @@ from nlcontrol.service.offers import (
 )
 from nlcontrol.session.controller import Controller
 from nlcontrol.session.conversation import Conversation
+from nlcontrol.session.events import Event
+from nlcontrol.session.executor import Executor, Motion, Planner
 from nlcontrol.session.frame_documents import Frames, text_of
 from objectmodels import ModelError, Registry
 from objectmodels.mechanics.outcome_map import outcome_map
 from planner.problem.footprints import footprint, gap, room_to_edge
 from planner.types.defaults import with_settings
 from planner.types.world_state import PlanarPose, SeenObject
+from sim import Scene
 from sim.robots.cell_description import CellDescription, CellObject
 from sim.simulated_executor import SimulatedExecutor
 from sim.stated_table import StatedTable
 from sim.supervision import StopToken
 
 if TYPE_CHECKING:
-    from grammar.frames.command import Command
-    from nlcontrol.results.result import Result
-    from nlcontrol.session.events import Event
-    from nlcontrol.session.executor import Executor, Motion
     from sim.traces.trace import Trace
 
     Deed = Callable[[Callable[[Event], None], StopToken], Result]
@@ -112,6 +120,7 @@ class SessionRun:
         self._changed = Condition()
         self._events: list[NumberedEvent] = []
         self._result: Result | None = None
+        self._failure: Exception | None = None  # raised by the callback
         now = time.time()
         self._info = RunInfo(
             run_id=self.run_id,
@@ -152,8 +161,16 @@ class SessionRun:
         with self._changed:
             self._events.append(NumberedEvent(number=len(self._events) + 1, event=event))
             self._changed.notify_all()
-        if self._on_event is not None:
+        if self._on_event is None or self._failure is not None:
+            return
+        try:
             self._on_event(event)
+        except Exception as raised:
+            self._failure = raised
+            self.stop()
+
+    def __repr__(self) -> str:
+        return f"<Run {self.run_id} “{self._info.text}”: {self._info.state}>"
 
     @property
     def is_over(self) -> bool:
@@ -187,6 +204,8 @@ class SessionRun:
         with self._changed:
             if not self._changed.wait_for(lambda: self.is_over, timeout):
                 raise TimeoutError(f"it goes on after {timeout} s")
+        if self._failure is not None:
+            raise self._failure
         if self._info.error is not None:
             raise ControlError(self._info.error)
         assert self._result is not None, "a run ends with a result, or with an error"
@@ -291,9 +310,10 @@ class Session(PlanningSession):
     """A table, a robot and a conversation; see `nlcontrol.service.methods`.
 
     Args:
-        table: what is asked for, or the name of a scene, or the path of a scene file.
-        registry: object models; the default ones if not given.
+        scene: name of a built-in scene, path of a scene file, or a scene; or all that is asked for.
+        registry: object models; the default ones if not given. Those of the cell come on top.
         executor: a robot of one's own, whose cell takes the scene's place.
+        planner: how plans are found; `planner.plan` if not given.
         seed, defaults, objects, approval: as in a `SessionSpec`, if none is given.
         time_limit: of each plan and answer, by the clock on the wall [s]; none if not given.
         clock: by which plans expire [s].
@@ -308,12 +328,14 @@ class Session(PlanningSession):
         ControlError: the scene cannot be read, or a default is none.
     """
 
+    @checked_arguments
     def __init__(
         self,
-        table: SessionSpec | str | Path = "kitchen",
+        scene: SessionSpec | Scene | str | Path = "kitchen",
         *,
         registry: Registry | None = None,
         executor: Executor | None = None,
+        planner: Planner | None = None,
         seed: int = 0,
         defaults: Mapping[str, float] | None = None,
         objects: Sequence[StatedObject] | None = None,
@@ -321,22 +343,27 @@ class Session(PlanningSession):
         time_limit: float | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        if not isinstance(table, SessionSpec):
-            table = SessionSpec(
-                scene=str(table),
-                seed=seed,
-                defaults=dict(defaults or {}),
-                objects=None if objects is None else tuple(objects),
-                approval=approval,
-            )
+        self._scene = scene if isinstance(scene, Scene) else None
+        if isinstance(scene, Scene):
+            scene = scene.name
+        self.spec = session_spec(
+            str(scene) if isinstance(scene, Path) else scene,
+            seed,
+            defaults,
+            objects,
+            approval,
+        )
         self.session_id = f"session-{secrets.token_hex(8)}"
-        self.spec = table
-        self._registry, self._executor, self._time_limit = registry, executor, time_limit
+        self._registry, self._executor, self._planner = registry, executor, planner
+        self._time_limit = time_limit
         self._own_turn = RLock()
         self._run: SessionRun | None = None
         self._asked: SessionRun | None = None
         self._plans = OfferedPlans(clock)
         self._open()
+
+    def __repr__(self) -> str:
+        return f"<Session {self.session_id} of {self.spec.scene}>"
 
     def _open(self) -> None:
         """Begins with the table as it was asked for."""
@@ -349,7 +376,9 @@ class Session(PlanningSession):
         executor = self._executor
         with known_errors_raised():
             if executor is None:
-                executor = SimulatedExecutor.open(self.spec.scene, seed=self.spec.seed)
+                executor = SimulatedExecutor.open(
+                    self._scene or self.spec.scene, seed=self.spec.seed
+                )
             defaults = with_settings(executor.cell.defaults, self.spec.defaults)
             if objects is not None:
                 registry = Registry.default() if self._registry is None else self._registry.copy()
@@ -359,15 +388,17 @@ class Session(PlanningSession):
         return Controller(
             executor=executor,
             registry=self._registry,
+            planner=self._planner,
             defaults=defaults,
             time_limit=self._time_limit,
         )
 
     @property
-    def executes(self) -> bool:
+    def has_robot(self) -> bool:
         """Plans can be carried out here; not on a table that is stated."""
         return self.spec.objects is None
 
+    @checked_arguments
     def look(self, objects: Sequence[StatedObject] | None = None) -> TableView:
         """The table as the robot sees it now, or as it is stated; see `PlanningSession`."""
         with self._idle():
@@ -375,12 +406,12 @@ class Session(PlanningSession):
                 self._state(objects)
             state = self.controller.look()
             executor = self.controller.executor
-            source: Source = "camera" if self.executes else "stated"
+            source: Source = "camera" if self.has_robot else "stated"
             return table_view(state, executor.cell, executor.time, source)
 
     def _state(self, objects: Sequence[StatedObject]) -> None:
         """Takes what stands on the table from the caller; the conversation goes on."""
-        if self.executes:
+        if self.has_robot:
             raise error(
                 "bad_table",
                 "this robot sees by itself where everything stands",
@@ -389,10 +420,12 @@ class Session(PlanningSession):
         self.conversation.controller = self.controller = self._controller(objects)
         self.conversation.turn = self.controller.turn
 
+    @checked_arguments
     def parse(self, said: str | Frames) -> Command:
         """The frames of a sentence, its references not yet resolved; see `PlanningSession`."""
         return self.controller.command(said)
 
+    @checked_arguments
     def ask(self, said: str | Frames, *, motion: Motion = "never") -> Result:
         """The answer to a question; it moves nothing unless that is allowed.
 
@@ -402,11 +435,12 @@ class Session(PlanningSession):
             ControlError: `busy`; where motion is allowed, also what `say` raises.
         """
         if motion == "simulate" and is_question(self, said):
-            self._asked = self.say(said, motion=motion)
-            return self._asked.result()
+            self._asked = self.start(said, motion=motion)
+            return ended_result(self._asked)
         with self._idle():
             return self.conversation.plan(said).result
 
+    @checked_arguments
     def predict(
         self,
         name: str,
@@ -440,6 +474,7 @@ class Session(PlanningSession):
             yaw=yaw,
         )
 
+    @checked_arguments
     def map(self, name: str, *, face: str = "front", spacing: float = 0.01) -> FaceMap:
         """Outcomes of pushes all over a face.
 
@@ -457,6 +492,7 @@ class Session(PlanningSession):
             chart = outcome_map(seen.model, side, spacing=spacing)
         return FaceMap.model_validate(map_document(chart, face))
 
+    @checked_arguments
     def affordances(self, name: str) -> Affordances:
         """Outcomes that the robot can bring about with an object; see `PlanningSession`."""
         with self._idle(), self.controller.last_look.kept():
@@ -468,6 +504,7 @@ class Session(PlanningSession):
         with self._idle(), self.controller.last_look.kept():
             return self.controller.surroundings(name)[0]
 
+    @checked_arguments
     def plan(self, said: str | Frames) -> Offer:
         """A plan of a sentence, to be approved; nothing moves.
 
@@ -479,7 +516,7 @@ class Session(PlanningSession):
             proposal = self.conversation.plan(said)
             state = self.controller.look()
             plan_id = None
-            if proposal.intention is not None and self.executes:
+            if proposal.intention is not None and self.has_robot:
                 plan_id = self._plans.offer(proposal, text_of(said), state, era)
             return Offer(
                 plan_id=plan_id,
@@ -489,54 +526,62 @@ class Session(PlanningSession):
                 drawing=offer_drawing(proposal.result),
             )
 
-    def execute(
+    @checked_arguments
+    def start(
         self,
-        plan_id: str,
+        said: str | Frames | Offer | None = None,
         *,
+        plan_id: str | None = None,
         text: str | None = None,
-        on_event: Callable[[Event], object] | None = None,
-    ) -> SessionRun:
-        """Begins to carry out a sentence by the plan that was approved; see `PlanningSession`."""
-        with self._idle():
-            era = self._plans.era
-            self._require_robot()
-            plan = self._plans.approved(plan_id, text)
-            tolerances = Tolerances.of(self.controller.cell.vision)
-            require_unchanged(plan.state, self.controller.look(), tolerances)
-            self._plans.use(plan_id)
-
-            def execute(tell: Callable[[Event], None], stop: StopToken) -> Result:
-                return self.conversation.execute(plan.proposal, on_event=tell, stop=stop)
-
-            said, digest = plan.proposal.result.text, belief_digest(plan.state)
-            return self._begin("execute", execute, said, on_event, era, plan_id, digest)
-
-    def say(
-        self,
-        said: str | Frames,
-        *,
         motion: Motion | None = None,
         on_event: Callable[[Event], object] | None = None,
     ) -> SessionRun:
-        """Begins to do what a sentence says, planned and executed at one go.
-
-        Raises:
-            ControlError: `approval_required`, `busy`, `no_robot`.
-        """
+        """Begins to do what a sentence says, or what was planned; see `PlanningSession.start`."""
+        said, plan_id = start_arguments(said, plan_id)
         with self._idle():
             era = self._plans.era
             self._require_robot()
-            if self.spec.approval == "plan":
-                raise error(
-                    "approval_required",
-                    "in this session only plans that were approved are carried out",
-                    suggestions=("plan it, and execute the `plan_id` of that offer",),
-                )
+            if plan_id is not None:
+                return self._start_plan(plan_id, text, on_event, era)
+            assert said is not None, "either a sentence or a plan"
+            return self._start_sentence(said, motion, on_event, era)
 
-            def say(tell: Callable[[Event], None], stop: StopToken) -> Result:
-                return self.conversation.say(said, motion=motion, on_event=tell, stop=stop)
+    def _start_plan(
+        self,
+        plan_id: str,
+        text: str | None,
+        on_event: Callable[[Event], object] | None,
+        era: int,
+    ) -> SessionRun:
+        plan = self._plans.approved(plan_id, text)
+        tolerances = Tolerances.of(self.controller.cell.vision)
+        require_unchanged(plan.state, self.controller.look(), tolerances)
+        self._plans.use(plan_id)
 
-            return self._begin("say", say, text_of(said), on_event, era)
+        def execute(tell: Callable[[Event], None], stop: StopToken) -> Result:
+            return self.conversation.execute(plan.proposal, on_event=tell, stop=stop)
+
+        planned, digest = plan.proposal.result.text, belief_digest(plan.state)
+        return self._begin("execute", execute, planned, on_event, era, plan_id, digest)
+
+    def _start_sentence(
+        self,
+        said: str | Frames,
+        motion: Motion | None,
+        on_event: Callable[[Event], object] | None,
+        era: int,
+    ) -> SessionRun:
+        if self.spec.approval == "plan":
+            raise error(
+                "approval_required",
+                "in this session only plans that were approved are carried out",
+                suggestions=("plan it, and execute the `plan_id` of that offer",),
+            )
+
+        def say(tell: Callable[[Event], None], stop: StopToken) -> Result:
+            return self.conversation.say(said, motion=motion, on_event=tell, stop=stop)
+
+        return self._begin("say", say, text_of(said), on_event, era)
 
     def _begin(
         self,
@@ -607,7 +652,7 @@ class Session(PlanningSession):
             yield
 
     def _require_robot(self) -> None:
-        if not self.executes:
+        if not self.has_robot:
             raise error(
                 "no_robot",
                 "this table was stated, so there is no robot that could move anything on it",

@@ -7,20 +7,18 @@ the executor sees them. What is true in a simulated world stays behind the execu
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from threading import RLock
-from typing import TYPE_CHECKING, Unpack
+from typing import TYPE_CHECKING
 
 from grammar.frames.command import Command, Frame
-from nlcontrol.errors import ControlError, error, executor_failures_raised, known_errors_raised
+from nlcontrol.errors import error, executor_failures_raised, known_errors_raised
 from nlcontrol.references.object_names import names_on_table
 from nlcontrol.references.reference_resolution import NOTHING_SAID, resolve_references
 from nlcontrol.references.reference_search import Context
-from nlcontrol.results.result import Result, result_with, status_of
-from nlcontrol.session.events import FORCE_RATE, Event, Supervisor
-from nlcontrol.session.executor import Executor, Motion, Planner, StoppableRobot
+from nlcontrol.results.result import Result, result_with
+from nlcontrol.session.executor import CancellableRobot, Executor, Planner
 from nlcontrol.session.recipe import LOOKED, Journal, Recipe
 from nlcontrol.session.turns import in_turn
 from objectmodels import ModelError, ObjectModel, Registry
@@ -36,9 +34,7 @@ if TYPE_CHECKING:
     from grammar.parser import Parser
     from nlcontrol.checks.verdicts import Check
     from nlcontrol.questions.answer import Answer
-    from nlcontrol.session.conversation import Options
     from nlcontrol.session.frame_documents import Frames
-    from nlcontrol.session.frame_execution import Approval
     from planner.affordances import Affordance
     from planner.types.defaults import Defaults
     from planner.types.robot import Failed, Robot
@@ -237,7 +233,7 @@ class Controller:
         """The robot to ask; it raises what ends a search, once that was asked for."""
         if stop is None and self.time_limit is None:
             return self.robot
-        return StoppableRobot(self.robot, stop, self.time_limit)
+        return CancellableRobot(self.robot, stop, self.time_limit)
 
     def about(self, frame: Frame) -> WorldState:
         """The belief about the object of a question, which may not be on the table."""
@@ -307,66 +303,6 @@ class Controller:
         known = Knowledge(self.models, self.table, self.cell.vision, self.defaults)
         return verdicts(frame, trace, known)
 
-    @in_turn
-    def say(
-        self,
-        text: str | Frames,
-        *,
-        plan_only: bool = False,
-        motion: Motion | None = None,
-        progress: Progress | None = None,
-        on_event: Callable[[Event], object] | None = None,
-        stop: StopToken | None = None,
-        force_rate: float = FORCE_RATE,
-    ) -> Result:
-        """Does what a sentence says, and tells what came of it.
-
-        A question is answered from what is believed, and moves nothing unless `motion` says so.
-        Nothing is remembered from one sentence to the next; a `Conversation` remembers.
-
-        Args:
-            text: an English sentence; frames are taken too, see `do`.
-            plan_only: stop before anything is executed.
-            motion: `never`, as `plan_only`; `simulate`: a question too may move the robot, where it
-                asks for a weight or a friction that is not known well and touching would tell.
-            progress: told what happens during the simulation.
-            on_event: told of every event on the way (`nlcontrol.session.events`).
-            stop: asked all the time whether to go on; the result is then `cancelled`.
-            force_rate: events of kind `force` per second of the robot's time [Hz].
-
-        Raises:
-            ControlError: `internal`, a defect of nlcontrol.
-            Exception: what a callback has raised, once the robot is at rest.
-
-        Returns:
-            A result in every other case: what is not understood or refused is a result too.
-        """
-        from nlcontrol.session.conversation import Conversation
-
-        return Conversation(self).say(
-            text,
-            plan_only=plan_only,
-            motion=motion,
-            progress=progress,
-            on_event=on_event,
-            stop=stop,
-            force_rate=force_rate,
-        )
-
-    def do(self, frames: Frames, **options: Unpack[Options]) -> Result:
-        """Does what frames say, as `say` does what a sentence says.
-
-        Args:
-            frames: a command, its JSON, or a list of frames or of their JSON (docs/frames.md).
-            options: those of `say`.
-
-        Returns:
-            A result in every case; frames that make no sense give one with the place in `error`.
-        """
-        from nlcontrol.session.conversation import Conversation
-
-        return Conversation(self).do(frames, **options)
-
     def empty_result(self, text: str, command: Command | None = None) -> Result:
         """The result of a sentence of which nothing has come yet."""
         result = Result(ok=False, status="failed", text=text, scene=self.cell.name, seed=self.seed)
@@ -377,39 +313,4 @@ class Controller:
             paraphrase=command.paraphrase,
             left_out=command.left_out,
             frames=command.frames,
-        )
-
-    @in_turn
-    def carry_out(
-        self,
-        command: Command,
-        context: Context = NOTHING_SAID,
-        *,
-        plan_only: bool = False,
-        motion: Motion | None = None,
-        progress: Progress | None = None,
-        approval: Approval | None = None,
-    ) -> Result:
-        """Does what a command says, as `say` does; see `nlcontrol.session.frame_execution`.
-
-        Where its first plan was approved, its objects are resolved already.
-        """
-        from nlcontrol.session.frame_execution import run_command
-
-        result, supervisor = self.empty_result(command.text, command), Supervisor.of(progress)
-        supervisor.tell("understood", command.paraphrase, left_out=command.left_out)
-        try:
-            if approval is None:
-                held = None if self.held is None else self.held.name
-                command = self.resolve(command, replace(context, held=held))
-        except ControlError as raised:
-            return result_with(result, status=status_of(raised.info), error=raised.info)
-        return run_command(
-            self,
-            command,
-            result,
-            supervisor,
-            plan_only=plan_only,
-            motion=motion,
-            approval=approval,
         )

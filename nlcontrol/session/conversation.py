@@ -23,7 +23,7 @@ from nlcontrol.results.result import Result, result_with, status_of
 from nlcontrol.session.corrected_sentences import result_with_corrections
 from nlcontrol.session.events import FORCE_RATE, Event, Supervisor
 from nlcontrol.session.frame_documents import Frames, text_of
-from nlcontrol.session.frame_execution import Approval, Intention, Proposal
+from nlcontrol.session.frame_execution import Approval, Intention, Proposal, run_command
 from nlcontrol.session.recipe import Deed
 from nlcontrol.session.remarks import follow_up_frames as follow_up
 from nlcontrol.session.remarks import remark_aims as aims
@@ -300,7 +300,8 @@ class Conversation:
     ) -> Result:
         """The result of an intention, which is remembered."""
         context = Context() if meant.back else self.context
-        result = self.controller.carry_out(
+        result = run_command(
+            self.controller,
             meant.command,
             context,
             plan_only=plan_only,
@@ -415,7 +416,7 @@ class Conversation:
             for told in filter(None, (self._last, self._done)):
                 if any(follow_up.says_all_of(each, asked.frames[0]) for each in told.frames):
                     return why_answer(told)
-            return why_not_answer(self.controller.carry_out(asked, self.context, plan_only=True))
+            return why_not_answer(run_command(self.controller, asked, self.context, plan_only=True))
         last = self._last
         if last and last.answer and last.answer.query in ("value", "seen", "did", "compare"):
             last = self._done or last  # facts have no reasons

@@ -24,7 +24,7 @@ import grammar
 from grammar.frames.vocabulary import Direction
 from nlcontrol.errors import ControlError, ErrorInfo, refusal_error
 from nlcontrol.results.result import Result, result_with
-from nlcontrol.session.executor import PlanningRobot, StoppableRobot
+from nlcontrol.session.executor import CancellableRobot
 from nlcontrol.session.remarks.follow_up_frames import correct_frame
 from nlcontrol.session.remarks.remark_aims import without_spans
 from planner import plan
@@ -36,6 +36,7 @@ from sim.supervision import Stopped, StopToken
 
 if TYPE_CHECKING:
     from grammar.frames.command import Command, Frame, Span
+    from nlcontrol.session.controller import Controller
     from planner.types.world_state import WorldState
 
     Parse = Callable[[str], Command]
@@ -81,7 +82,7 @@ OTHER_WAY = r"(?:say |(?:tilt|topple) it to )?another (?:direction|side)"
 
 
 def result_with_corrections(
-    result: Result, controller: PlanningRobot, stop: StopToken | None = None
+    result: Result, controller: Controller, stop: StopToken | None = None
 ) -> Result:
     """The result with sentences that would do in place of the one that was said.
 
@@ -159,7 +160,7 @@ class _Trials:
     If something was done since, whatever can be said is taken to do.
     """
 
-    def __init__(self, controller: PlanningRobot, stop: StopToken | None) -> None:
+    def __init__(self, controller: Controller, stop: StopToken | None) -> None:
         self._controller, self._stop = controller, stop
         self._state = controller.last_look.state
         self._left = MOST_WORK
@@ -234,7 +235,7 @@ class _Trials:
 
     def _dead_end_of(self, frames: Frames, state: WorldState) -> tuple[int, ErrorInfo] | None:
         """The first frame without a plan, and why; None if there is none before what is unknown."""
-        robot = StoppableRobot(self._controller.robot, self._stop, self._controller.time_limit)
+        robot = CancellableRobot(self._controller.robot, self._stop, self._controller.time_limit)
         for step, frame in enumerate(frames):
             if frame.action == "explore":
                 from nlcontrol.session.exploration_commands import state_once_explored

@@ -14,8 +14,7 @@ from nlcontrol.errors import error
 from sim.robots.cell_description import LOOK, CellDescription
 
 if TYPE_CHECKING:
-    from grammar.frames.command import Command, Frame
-    from nlcontrol.questions.answer import Answer
+    from grammar.frames.command import Frame
     from objectmodels import ObjectModel
     from planner.touch_experiments import Experiment
     from planner.types.actions import Push
@@ -23,7 +22,6 @@ if TYPE_CHECKING:
     from planner.types.plan import Plan, PlanningResult
     from planner.types.robot import Failed, Grip, ReachAnswer, ReachEffort, Robot, RobotLimits
     from planner.types.world_state import Held, WorldState
-    from sim.control.object_estimate import LastLook
     from sim.exploration.trial_extraction import Recording
     from sim.supervision import Progress, StopToken
     from sim.traces.trace import Trace
@@ -121,51 +119,7 @@ class Planner(Protocol):
         """A plan that satisfies a frame, or why there is none; see `planner.plan`."""
 
 
-class PlanningRobot(Protocol):
-    """A robot with its beliefs, as plans are made: a `nlcontrol.session.controller.Controller`."""
-
-    executor: Executor
-    models: dict[str, ObjectModel]
-    defaults: Defaults
-    planner: Planner | None
-    last_look: LastLook
-    time_limit: float | None
-
-    @property
-    def robot(self) -> Robot:
-        """Arm and hand."""
-
-    @property
-    def held(self) -> Held | None:
-        """What is in the hand."""
-
-    def about(self, frame: Frame) -> WorldState:
-        """What is believed about the object of a frame."""
-
-    def answer(
-        self, frame: Frame, state: WorldState | None = None, *, stop: StopToken | None = None
-    ) -> Answer:
-        """The answer to a question; raises `ControlError` where there is none."""
-
-    def plan(
-        self, frame: Frame, state: WorldState | None = None, *, stop: StopToken | None = None
-    ) -> PlanningResult:
-        """A plan for a frame, or the reason why there is none."""
-
-    def execute(self, plan: Plan, progress: Progress | None = None) -> Trace:
-        """Carries out a plan."""
-
-    def parse(self, text: str) -> Command:
-        """The frames of a sentence."""
-
-    def resolve(self, command: Command) -> Command:
-        """The command with every object bound to one on the table."""
-
-
-# The robot that a planner asks, until it is to stop or its time is over.
-
-
-class StoppableRobot:
+class CancellableRobot:
     """Answers of a robot; none any more once a stop was asked for, or its time is over.
 
     Whatever a search does, it asks the robot again and again: there it ends with `Stopped`, or with

@@ -52,8 +52,8 @@ from planner.types.refusal import Refusal
 from sim.supervision import Progress, Stopped
 
 if TYPE_CHECKING:
+    from nlcontrol.session.controller import Controller
     from nlcontrol.session.events import Supervisor
-    from nlcontrol.session.executor import PlanningRobot
     from objectmodels import ObjectModel
     from planner.types.robot import RobotLimits
     from planner.types.world_state import WorldState
@@ -153,7 +153,7 @@ def answer_with_offer(
 
 
 def explore_parameters(
-    controller: PlanningRobot, frame: g.Frame, progress: Progress | None
+    controller: Controller, frame: g.Frame, progress: Progress | None
 ) -> tuple[Exploration | None, Answer]:
     """Touches an object until what a sentence asks is known, and tells it.
 
@@ -185,7 +185,7 @@ def explore_parameters(
 
 
 def explore_frame(
-    controller: PlanningRobot,
+    controller: Controller,
     index: int,
     frame: g.Frame,
     result: Result,
@@ -213,7 +213,7 @@ def explore_frame(
     return result_with_step(result, step, "done" if frame.query is None else "answered")
 
 
-def exploration_notice(controller: PlanningRobot, frame: g.Frame, state: WorldState) -> str:
+def exploration_notice(controller: Controller, frame: g.Frame, state: WorldState) -> str:
     """The touches that would be made, in a sentence.
 
     Raises:
@@ -230,7 +230,7 @@ def exploration_notice(controller: PlanningRobot, frame: g.Frame, state: WorldSt
     )
 
 
-def state_once_explored(controller: PlanningRobot, frame: g.Frame, state: WorldState) -> WorldState:
+def state_once_explored(controller: Controller, frame: g.Frame, state: WorldState) -> WorldState:
     """The belief when that is found out for which a sentence touches or lifts an object.
 
     Raises:
@@ -243,7 +243,7 @@ def state_once_explored(controller: PlanningRobot, frame: g.Frame, state: WorldS
     return replace(state, objects={**state.objects, name: replace(seen, model=known)})
 
 
-def _on_table(controller: PlanningRobot, frame: g.Frame) -> str:
+def _on_table(controller: Controller, frame: g.Frame) -> str:
     """Name of the object in the scene."""
     name = frame.object.id if frame.object else None
     if name is None or name not in controller.executor.cell.names:
@@ -262,7 +262,7 @@ def asks_for_lifting(frame: g.Frame) -> bool:
 
 
 def weigh_by_lifting(
-    controller: PlanningRobot, name: str, frame: g.Frame, progress: Progress | None
+    controller: Controller, name: str, frame: g.Frame, progress: Progress | None
 ) -> Answer:
     """Lifts an object, weighs it, and sets it down.
 
@@ -302,7 +302,7 @@ def weigh_by_lifting(
     )
 
 
-def _lift_and_return(controller: PlanningRobot, name: str, frame: g.Frame) -> Plan:
+def _lift_and_return(controller: Controller, name: str, frame: g.Frame) -> Plan:
     """Up, and down again where it stood."""
     goal = frame.goal
     if isinstance(goal, g.Parameters) and not set(goal.which) <= {"mass"}:

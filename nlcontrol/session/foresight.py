@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, get_args
 from grammar import paraphrase
 from grammar.frames import command as g
 from nlcontrol.errors import ControlError, ErrorInfo, refusal_error
-from nlcontrol.session.executor import PlanningRobot, StoppableRobot
+from nlcontrol.session.executor import CancellableRobot
 from nlcontrol.text_format import place_text
 from objectmodels.geometry.rotations import from_quaternion
 from planner import plan, planning
@@ -48,6 +48,7 @@ from sim.robots.cell_description import LOOK, Vision
 from sim.supervision import Stopped, StopToken
 
 if TYPE_CHECKING:
+    from nlcontrol.session.controller import Controller
     from nlcontrol.session.events import Supervisor
     from planner.types.actions import Push
     from planner.types.world_state import PlanarPose, WorldState
@@ -72,7 +73,7 @@ MOST_EACH = 500
 
 
 def plan_with_foresight(
-    controller: PlanningRobot,
+    controller: Controller,
     made: Plan | Reached,
     state: WorldState,
     frames: Sequence[g.Frame],
@@ -108,7 +109,7 @@ def plan_with_foresight(
 
 
 def lasting_lift(
-    controller: PlanningRobot,
+    controller: Controller,
     state: WorldState,
     frames: Sequence[g.Frame],
     stop: StopToken,
@@ -140,12 +141,10 @@ def _refused_ahead(
     return None
 
 
-class _ForesightedRobot(StoppableRobot):
+class _ForesightedRobot(CancellableRobot):
     """A robot that gets to a grasp only if it can do what comes after it."""
 
-    def __init__(
-        self, controller: PlanningRobot, frames: Sequence[g.Frame], stop: StopToken
-    ) -> None:
+    def __init__(self, controller: Controller, frames: Sequence[g.Frame], stop: StopToken) -> None:
         super().__init__(controller.robot, stop, controller.time_limit)
         self._controller, self._frames = controller, frames
 
@@ -245,7 +244,7 @@ def spent_text(made: Plan, times: int) -> str:
 # stopped by what still stands there. An object that was moved may stop more of them, never fewer.
 
 
-class RecallingRobot(StoppableRobot):
+class RecallingRobot(CancellableRobot):
     """A robot that is not asked again for what it could not do, while nothing matters has moved."""
 
     def __init__(self, robot: Robot, stop: StopToken | None, time_limit: float | None) -> None:
@@ -362,7 +361,7 @@ class Ways:
 
 
 def ways_around(
-    controller: PlanningRobot,
+    controller: Controller,
     frames: Frames,
     index: int,
     refused: tuple[Refusal, WorldState] | None,
@@ -418,7 +417,7 @@ class StepSearch:
 
     def __init__(
         self,
-        controller: PlanningRobot,
+        controller: Controller,
         frames: Frames,
         moved: frozenset[str],
         stop: StopToken,
@@ -609,7 +608,7 @@ _WAY = 0.05  # of a push, and up in a lift, that is a hold on an object [m]
 
 
 def stranded_things(
-    controller: PlanningRobot, trace: Trace, look: Callable[[], WorldState], stop: StopToken
+    controller: Controller, trace: Trace, look: Callable[[], WorldState], stop: StopToken
 ) -> Iterator[str]:
     """Sentences on what fell, and is neither pushed nor lifted from where it lies."""
     names = fallen_things(trace)
@@ -633,7 +632,7 @@ def fallen_things(trace: Trace) -> list[str]:
 
 
 def _stranded(
-    controller: PlanningRobot, name: str, state: WorldState, stop: StopToken
+    controller: Controller, name: str, state: WorldState, stop: StopToken
 ) -> Iterator[str]:
     robot = RecallingRobot(controller.robot, stop, controller.time_limit)
     # Each plan may take a tenth of the usual work.
@@ -662,7 +661,7 @@ def _frames_of(name: str) -> Iterator[g.Frame]:
 
 
 def with_way_back(
-    controller: PlanningRobot, made: PlanningResult, state: WorldState
+    controller: Controller, made: PlanningResult, state: WorldState
 ) -> PlanningResult:
     """The plan, with a note if there is no way back from the fall in which it ends.
 

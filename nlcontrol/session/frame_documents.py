@@ -12,13 +12,14 @@ import re
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import BaseModel, ValidationError
 
 from grammar.frame_validation import path_text, sensible_frames
 from grammar.frames.command import Command, Frame
 from grammar.paraphrasing.command_wording import paraphrase
+from nlcontrol.argument_types import ReadByOwnRules
 from nlcontrol.errors import ControlError, ErrorInfo, known_errors_raised
 from nlcontrol.json_document import SCHEMA_VERSION, is_readable
 from nlcontrol.references.reference_resolution import parts_within
@@ -30,7 +31,9 @@ from objectmodels.files.yaml_documents import LIMITS, classes_in, read_bytes, sh
 if TYPE_CHECKING:
     from grammar.parser import Parser
 
-Frames = Command | Mapping[str, Any] | Sequence[Frame | Mapping[str, Any]]
+Frames = Annotated[
+    Command | Mapping[str, Any] | Sequence[Frame | Mapping[str, Any]], ReadByOwnRules("frames")
+]
 """Frames as a program has them: a command, its JSON, or a list of frames or of their JSON."""
 
 MOST_FRAMES = 50

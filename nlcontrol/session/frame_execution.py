@@ -35,6 +35,7 @@ from nlcontrol.checks.verdicts import PLANNED_ENDS, Check
 from nlcontrol.errors import ControlError, refusal_error
 from nlcontrol.plan_text import plan_lines
 from nlcontrol.questions.answer import Answer
+from nlcontrol.references.reference_resolution import NOTHING_SAID
 from nlcontrol.reports.result_report import check_line
 from nlcontrol.results.result import (
     Result,
@@ -42,6 +43,7 @@ from nlcontrol.results.result import (
     Step,
     result_with,
     result_with_step,
+    status_of,
     stop_info,
     summary,
     unanswered_status,
@@ -67,12 +69,13 @@ from planner.types.plan import Plan, PlanningResult, Reached
 from planner.types.refusal import Refusal
 from planner.types.robot import Failed, FailedHold, FailedPush
 from planner.types.world_state import Held, WorldState
-from sim.supervision import Stopped, StopToken
+from sim.supervision import Progress, Stopped, StopToken
 from sim.traces.trace import EndReason, Trace, join_traces
 
 if TYPE_CHECKING:
     from grammar.frames.command import Command
     from nlcontrol.learning.learning_reports import Lesson
+    from nlcontrol.references.reference_search import Context
     from nlcontrol.session.controller import Controller
     from nlcontrol.session.executor import Motion
     from nlcontrol.session.remarks.undo_frames import PastPush, WayBack
@@ -193,22 +196,47 @@ def _moved_things(trace: Trace, held: Held | None) -> Iterator[str]:
 def run_command(
     controller: Controller,
     command: g.Command,
-    result: Result,
-    supervisor: Supervisor,
+    context: Context = NOTHING_SAID,
     *,
     plan_only: bool = False,
     motion: Motion | None = None,
+    progress: Progress | None = None,
     approval: Approval | None = None,
 ) -> Result:
     """Does what a command says, frame after frame, up to the first that fails.
 
-    With `plan_only` nothing is carried out, and the plan of the first frame is told. The command's
-    objects are resolved; the result has been begun by the controller. A question moves the robot
-    with the motion `simulate` alone. What was approved is carried out from where things were seen
-    last.
+    Args:
+        controller: the robot.
+        command: its objects not yet resolved, unless its first plan was approved.
+        context: what "it" and "the other one" refer to.
+        plan_only: nothing is carried out, and the plan of the first frame is told.
+        motion: `simulate` lets a question move the robot, too.
+        progress: told what happens.
+        approval: the first plan, which is carried out from where things were seen last.
     """
+    result, supervisor = controller.empty_result(command.text, command), Supervisor.of(progress)
+    supervisor.tell("understood", command.paraphrase, left_out=command.left_out)
+    try:
+        if approval is None:
+            held = None if controller.held is None else controller.held.name
+            command = controller.resolve(command, replace(context, held=held))
+    except ControlError as raised:
+        return result_with(result, status=status_of(raised.info), error=raised.info)
+    return _run_frames(controller, command.frames, result, supervisor, plan_only, motion, approval)
+
+
+def _run_frames(
+    controller: Controller,
+    frames: tuple[g.Frame, ...],
+    result: Result,
+    supervisor: Supervisor,
+    plan_only: bool,
+    motion: Motion | None = None,
+    approval: Approval | None = None,
+) -> Result:
+    """The result of frames whose objects are resolved."""
     # Other steps are looked for twice in one command.
-    frames, left = command.frames, 2
+    left = 2
     made = {} if approval is None else {approval.frame: approval.made}
     result, index = result_with(result, frames=frames), 0
     while index < len(frames):
@@ -292,7 +320,7 @@ def _proposal(
     """What would come of frames; nothing of it is told, and nothing moves."""
     command = g.Command(text="", frames=frames, paraphrase="")
     result, unheard = controller.empty_result("", command), Supervisor(stop=supervisor.stop)
-    return run_command(controller, command, result, unheard, plan_only=True)
+    return _run_frames(controller, frames, result, unheard, plan_only=True)
 
 
 class FrameRun:

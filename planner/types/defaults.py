@@ -15,6 +15,8 @@ from dataclasses import dataclass, fields, replace
 from functools import cache
 from typing import Annotated, Any, get_type_hints
 
+from objectmodels.errors import NlcontrolError
+
 
 @dataclass(frozen=True)
 class Kind:
@@ -62,15 +64,20 @@ CLEARED = ("no", "ask", "yes")
 Choice = Annotated[int, Kind("", "", 1.0, len(CLEARED) - 1, zero=True, whole=True, words=CLEARED)]
 
 
-class DefaultsError(ValueError):
+class DefaultsError(NlcontrolError, ValueError):
     """A default that is none, or that has no sensible value.
 
     Attributes:
+        code: `bad_default`.
+        message: what is wrong.
         suggestions: what would be right.
     """
 
+    code = "bad_default"
+
     def __init__(self, message: str, suggestions: tuple[str, ...] = LISTED) -> None:
         super().__init__(message)
+        self.message = message
         self.suggestions = suggestions
 
 

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from benchmarks.goals.sense import sensible
-from nlcontrol import Controller
+from nlcontrol.session.controller import Controller
 from planner.types.defaults import DEFAULTS
 
 Generator = np.random.Generator

@@ -21,7 +21,6 @@ import trimesh
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from nlcontrol import Controller, Conversation
 from nlcontrol.errors import CODES, FAMILIES, exception_info
 from nlcontrol.json_document import SCHEMA_VERSION
 from nlcontrol.outcome_maps.face_experiment import Record
@@ -33,6 +32,8 @@ from nlcontrol.service.bundle import (
     rerun,
     run_request,
 )
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from objectmodels import ModelError, ObjectModel, Registry
 from objectmodels.descriptions.description_import import import_description
 from objectmodels.descriptions.description_reading import Format, description_texts

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from nlcontrol import Controller
 from nlcontrol.cli import run
+from nlcontrol.session.controller import Controller
 from planner.types.defaults import DEFAULTS, with_settings
 from tests.unit.sim.truth.test_scene_files import SCENE
 

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from nlcontrol import Controller
 from nlcontrol.cli import run
 from nlcontrol.errors import ControlError
 from nlcontrol.learning.exploration_session import explore
+from nlcontrol.session.controller import Controller
 from objectmodels import Registry
 from planner.touch_experiments import experiments
 from planner.types.plan import Plan

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from nlcontrol import Trace
 from nlcontrol.cli import run
 from nlcontrol.results.result import Result
+from nlcontrol.robots import Trace
 
 pytestmark = pytest.mark.slow
 

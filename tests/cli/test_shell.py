@@ -20,10 +20,10 @@ from click.testing import CliRunner, Result
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nlcontrol import Conversation
 from nlcontrol.cli.commands import shell_command as lines
 from nlcontrol.cli.commands.shell_command import command
 from nlcontrol.results.result import Result as Answer
+from nlcontrol.session.conversation import Conversation
 from tests.patience import PATIENCE, wait_until
 
 NAMES = ("ice tea box", "cereal box", "coffee box")

@@ -16,8 +16,9 @@ from grammar.frames import vocabulary as words
 from grammar.frames.constraints import CONSTRAINTS
 from grammar.frames.goals import GOALS
 from grammar.parser import default_parser
-from nlcontrol import Controller, Conversation
 from nlcontrol.cli import run
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from nlcontrol.session.frame_documents import command_of
 from tests.docs.guide_blocks import code_blocks, only_block
 

@@ -11,9 +11,10 @@ from typing import get_args
 
 import pytest
 
-from nlcontrol import Controller
 from nlcontrol.cli import run
 from nlcontrol.cli.commands.say_command import plan as plan_command
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan
 from planner.types.refusal import RefusalReason
@@ -41,15 +42,15 @@ def test_the_guide_shows_what_is_printed(
 
 @pytest.mark.parametrize("text", re.findall(r"^\| “(.*?)” \|", SECTIONS["Aims"], re.MULTILINE))
 def test_each_aim_is_planned(kitchen: Controller, text: str) -> None:
-    made = kitchen.say(text, plan_only=True).plan
+    made = Conversation(kitchen).say(text, plan_only=True).plan
     assert made is not None
     assert made.aim is not None
 
 
 @pytest.mark.parametrize("words", re.findall(r"“(.*?)”", SECTIONS["What stops a push"]))
 def test_each_event_and_limit_stops_a_push(kitchen: Controller, words: str) -> None:
-    made = kitchen.say(f"push the ice tea box {words}", plan_only=True).plan
-    usual = kitchen.say("push the ice tea box away", plan_only=True).plan
+    made = Conversation(kitchen).say(f"push the ice tea box {words}", plan_only=True).plan
+    usual = Conversation(kitchen).say("push the ice tea box away", plan_only=True).plan
     assert isinstance(made, Plan)
     assert isinstance(usual, Plan)
     # An event ends the last push of a way that takes several.

@@ -11,10 +11,11 @@ from typing import Any, get_args
 import pytest
 from pydantic import BaseModel
 
-from nlcontrol import Controller
 from nlcontrol.checks.verdicts import Check
 from nlcontrol.cli import run
 from nlcontrol.json_document import SCHEMA_VERSION
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from planner.types import actions, plan
 from tests.docs.guide_blocks import code_blocks
 from tests.plan_conversion import old_document
@@ -59,7 +60,7 @@ def _shows(example: Any, form: Any) -> bool:
 def test_a_plan_and_a_result_have_the_form_of_the_examples(kitchen: Controller) -> None:
     (sentence,) = re.findall(r'nlcontrol plan "(.*?)" --json` has', GUIDE)
     plan, guide, result, *_ = _examples()
-    printed = json.loads(kitchen.say(sentence, plan_only=True).to_json())
+    printed = json.loads(Conversation(kitchen).say(sentence, plan_only=True).to_json())
     assert _shows(_form(plan), _form(printed["plan"]))
     assert _shows(_form(guide), _form(printed["guide"]))
     assert guide["contact_W"] == pytest.approx(printed["guide"]["contact_W"], abs=1e-4)
@@ -138,7 +139,7 @@ def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
 def test_a_plan_says_all_that_it_said_in_version_1(
     kitchen: Controller, sentence: str, fields: set[str]
 ) -> None:
-    plan = json.loads(kitchen.say(sentence, plan_only=True).to_json())["plan"]
+    plan = json.loads(Conversation(kitchen).say(sentence, plan_only=True).to_json())["plan"]
     old = old_document(plan)
     assert set(old) == fields
     said = set(_leaves(old))

@@ -23,8 +23,9 @@ import yaml
 from grammar import ParseError, parse
 from grammar.parser import default_parser
 from grammar.words.lexicon_plugins import installed_lexicon
-from nlcontrol import Controller, Conversation
 from nlcontrol.cli import run
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from planner.types.defaults import DEFAULTS
 from tests.docs.guide_blocks import code_blocks, only_block
 
@@ -114,7 +115,7 @@ def test_tables_are_found() -> None:
 
 @pytest.mark.parametrize(("named", "cell"), REFUSED)
 def test_refusals_have_the_codes_of_their_row(kitchen: Controller, named: str, cell: str) -> None:
-    told = [kitchen.say(text, plan_only=True) for text in sentences(cell)]
+    told = [Conversation(kitchen).say(text, plan_only=True) for text in sentences(cell)]
     assert {result.error.code for result in told if result.error} == codes(named)
     assert all(result.exit_status == 3 for result in told)
 
@@ -122,7 +123,7 @@ def test_refusals_have_the_codes_of_their_row(kitchen: Controller, named: str, c
 @pytest.mark.parametrize(("capability", "cell"), NOT_DONE)
 def test_what_has_no_controller_is_named(kitchen: Controller, capability: str, cell: str) -> None:
     for text in sentences(cell):
-        result = kitchen.say(text, plan_only=True)
+        result = Conversation(kitchen).say(text, plan_only=True)
         assert result.status == "unsupported"
         assert result.error is not None
         assert {result.error.capability} == codes(capability)

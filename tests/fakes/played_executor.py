@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from nlcontrol import Controller
+from nlcontrol.session.controller import Controller
 from objectmodels import ObjectModel
 from planner.touch_experiments import Experiment
 from planner.types.world_state import Held, PlanarPose, WorldState

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from nlcontrol import Controller
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from sim.truth.scene_file import parse_scene
 
 pytestmark = pytest.mark.slow
@@ -20,7 +21,9 @@ objects:
 
 
 def test_a_book_is_drawn_to_the_left() -> None:
-    result = Controller(parse_scene(SCENE % 0.62), seed=3).say("push the book 10 cm to the left")
+    result = Conversation(Controller(parse_scene(SCENE % 0.62), seed=3)).say(
+        "push the book 10 cm to the left"
+    )
     assert result.status == "done", result.error
     (plan,) = result.steps[0].plans
     assert plan.push.press > 10.0
@@ -36,7 +39,9 @@ def test_a_book_is_drawn_to_the_left() -> None:
 
 
 def test_a_fingertip_that_slips_over_it_is_felt() -> None:
-    result = Controller(parse_scene(SCENE % 0.3), seed=3).say("push the book 10 cm to the left")
+    result = Conversation(Controller(parse_scene(SCENE % 0.3), seed=3)).say(
+        "push the book 10 cm to the left"
+    )
     assert result.status == "failed"
     trace = result.trace
     assert trace is not None

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nlcontrol import Controller
 from nlcontrol.learning.exploration_session import Exploration, explore
+from nlcontrol.session.controller import Controller
 from objectmodels.mechanics.outcome_map import outcome_map
 from sim import load_scene
 from sim.exploration.exploration_run import Explorer, Touched

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nlcontrol import Controller
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from objectmodels import Registry
 from objectmodels.geometry.rotations import from_quaternion
 from sim.robots.cell_description import Vision
@@ -30,7 +31,7 @@ def test_what_lies_is_moved_as_foreseen(said: str, upwards: float) -> None:
     truth = truth_as_believed(model)
     box = SceneObject(name=SUGAR, model=SUGAR, pose=lying, truth=truth)
     scene = Scene(version=1, name="fallen", vision=Vision(), objects=(box,))
-    result = Controller(scene, seed=3).say(said)
+    result = Conversation(Controller(scene, seed=3)).say(said)
     assert result.status == "done", result.error
     assert result.trace is not None
     end = result.trace.poses[SUGAR][-1]

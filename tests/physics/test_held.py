@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from nlcontrol import Controller
+from nlcontrol.session.controller import Controller
 from nlcontrol.session.conversation import Conversation
 from sim import load_scene
 from tests.lone_objects import with_only

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from nlcontrol import Controller
+from nlcontrol.session.controller import Controller
 from planner.types.plan import Plan
 from sim import Trace, load_scene
 from sim.random_streams import RandomStream, source

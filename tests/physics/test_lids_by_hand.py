@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from nlcontrol import Controller
 from nlcontrol.results.result import Result
+from nlcontrol.session.controller import Controller
 from nlcontrol.session.conversation import Conversation
 from sim import load_scene
 from tests.lone_objects import with_only
@@ -52,7 +52,7 @@ def test_a_cap_is_turned_off_where_a_holder_keeps_the_bottle() -> None:
     assert believed.lid is not None
     quarter = {"lid": believed.lid.model_copy(update={"turns": 0.25})}
     controller.models["fixed bottle"] = believed.model_copy(update=quarter)
-    opened = controller.say("open the bottle")
+    opened = Conversation(controller).say("open the bottle")
     assert opened.status == "done", opened.error
     assert opened.trace is not None
     assert opened.trace.lids["fixed bottle"][-1] == pytest.approx(0.5 * np.pi, abs=0.05)
@@ -71,6 +71,6 @@ def test_a_lid_that_takes_a_quarter_more_than_believed_opens_at_the_first_try() 
     truth = item.truth.model_copy(update={"lid": lid.model_copy(update=stiff)})
     item = item.model_copy(update={"truth": truth})
     controller = Controller(scene.model_copy(update={"objects": (item,)}), seed=1)
-    opened = controller.say("open the ice tea cup")
+    opened = Conversation(controller).say("open the ice tea cup")
     assert opened.status == "done", opened.error
     assert len(opened.steps[0].plans) == 1

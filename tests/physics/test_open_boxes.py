@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from nlcontrol import Controller
+from nlcontrol.session.controller import Controller
 from nlcontrol.session.conversation import Conversation
 from objectmodels import Registry
 from sim.truth.scene_file import parse_scene

@@ -7,7 +7,7 @@ import pytest
 
 import grammar
 from grammar.frames.command import Frame
-from nlcontrol import Controller
+from nlcontrol.session.controller import Controller
 from planner import plan
 from planner.types.actions import Limits
 from planner.types.plan import Plan

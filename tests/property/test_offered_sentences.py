@@ -12,7 +12,8 @@ from itertools import islice
 import numpy as np
 import pytest
 
-from nlcontrol import Controller
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from sim.truth.scene_file import Scene, load_scene
 from tests.agents.agent_tasks import Task, tasks
 from tests.sizes import ALL
@@ -27,11 +28,11 @@ def controller(scene: str) -> Controller:
 
 def offered_in_place_of(text: str, robot: Controller) -> tuple[str, ...]:
     """The sentences that are offered, each of which has a plan; where none is, that is said."""
-    said = robot.say(text, plan_only=True)
+    said = Conversation(robot).say(text, plan_only=True)
     if said.error is None:
         return ()
     for sentence in said.error.say:
-        again = robot.say(sentence, plan_only=True)
+        again = Conversation(robot).say(sentence, plan_only=True)
         assert again.status == "planned", (text, sentence, again.error)
     quoted = {each for each in said.error.suggestions if each.startswith("say “")}
     assert quoted <= {f"say “{sentence}”" for sentence in said.error.say}, text

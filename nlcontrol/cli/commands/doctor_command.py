@@ -177,8 +177,9 @@ def _use_grammar() -> str:
 
 def _use_planner() -> str:
     from nlcontrol.session.controller import Controller
+    from nlcontrol.session.conversation import Conversation
 
-    result = Controller("kitchen").say("push the ice tea box away", plan_only=True)
+    result = Conversation(Controller("kitchen")).say("push the ice tea box away", plan_only=True)
     if result.error:
         raise ControlError(result.error)
     return result.status
@@ -186,9 +187,10 @@ def _use_planner() -> str:
 
 def _use_simulation() -> str:
     from nlcontrol.session.controller import Controller
+    from nlcontrol.session.conversation import Conversation
 
     start = time.monotonic()
-    result = Controller("kitchen").say("push the mug 2 cm to the left")
+    result = Conversation(Controller("kitchen")).say("push the mug 2 cm to the left")
     if result.error:
         raise ControlError(result.error)
     return f"{len(result.checks)} verdicts, all held, in {time.monotonic() - start:.0f} s"

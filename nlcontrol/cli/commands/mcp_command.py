@@ -58,7 +58,8 @@ def command(
         from nlcontrol.service.remote_session import Client
 
         token = None if token_file is None else token_file.read_text("utf-8").strip()
-        return Client(url, scene, seed=seed, defaults=dict(settings), approval="plan", token=token)
+        sessions = Client(url, token=token).sessions
+        return sessions.open(scene, seed=seed, defaults=dict(settings), approval="plan")
 
     from objectmodels import Registry
 

@@ -215,6 +215,8 @@ def _answer_sentence(
     of_run: Mapping[str, Path | None],
 ) -> int:
     """Carry out, plan or answer a sentence, write its files and print the result."""
+    from nlcontrol.session.conversation import Conversation
+
     wanted = {**of_run, "picture": picture}
     for path in wanted.values():
         require_writable(path)
@@ -232,7 +234,9 @@ def _answer_sentence(
             if wanted.get("bundle"):
                 told.append(event)
 
-        result = controller.say(said, motion=motion, progress=answer, on_event=take, stop=stop)
+        result = Conversation(controller).say(
+            said, motion=motion, progress=answer, on_event=take, stop=stop
+        )
     files = _write_files(controller, result, wanted, explain=explain, told=told)
     result = result.model_copy(
         update={"files": files, "explanation": result.explanation_rows() if explain else None}

@@ -6,13 +6,20 @@ import asyncio
 from typing import TYPE_CHECKING, Any
 
 from fastapi import APIRouter, Request
-from pydantic import Field
 from starlette.responses import Response
 
-from nlcontrol import __version__, json_schema
+from nlcontrol import json_schema
 from nlcontrol.errors import error, known_errors_raised
-from nlcontrol.json_document import Document, DocumentPart, document_text
-from nlcontrol.service.documents import SceneGeometry
+from nlcontrol.json_document import document_text
+from nlcontrol.service.documents import (
+    Health,
+    ObjectDescription,
+    ObjectList,
+    ObjectSummary,
+    SceneGeometry,
+    SceneList,
+    SceneSummary,
+)
 from nlcontrol.service.http.openapi_document import PROBLEMS
 from nlcontrol.service.http.request_guard import BrowserLogin
 from nlcontrol.service.http.service_access import LoginBody, ObjectPath, Service, document_response
@@ -24,92 +31,6 @@ if TYPE_CHECKING:
     from objectmodels import ObjectModel
 
 ROUTER = APIRouter(prefix="/v1", tags=["host"], responses=PROBLEMS)
-
-
-class Health(Document):
-    """Numbers of what there is and what waits.
-
-    Attributes:
-        version: of nlcontrol.
-        sessions: that are open.
-        planners: processes that plan for those who have no session.
-        running: runs that are under way.
-        queued: runs that wait for their turn.
-    """
-
-    version: str = __version__
-    sessions: int = Field(ge=0)
-    planners: int = Field(ge=0)
-    running: int = Field(ge=0)
-    queued: int = Field(ge=0)
-
-
-class SceneList(Document):
-    """Scenes.
-
-    Attributes:
-        scenes: that may be asked for.
-    """
-
-    scenes: tuple[SceneSummary, ...]
-
-
-class SceneSummary(DocumentPart):
-    """A scene of the host.
-
-    Attributes:
-        name: of it.
-        objects: names of all that stands there.
-    """
-
-    name: str
-    objects: tuple[str, ...]
-
-
-class ObjectList(Document):
-    """Object models of the host.
-
-    Attributes:
-        objects: in the order of their names.
-    """
-
-    objects: tuple[ObjectSummary, ...]
-
-
-class ObjectSummary(DocumentPart):
-    """An object model in a few figures.
-
-    Attributes:
-        name: of the model; text that others wrote.
-        synonyms: further names.
-        kind: of shape.
-        size: of a box around it as it stands [m].
-        mass, mass_sd: and its standard deviation [kg].
-        friction, friction_sd: coefficient at the table, and its standard deviation.
-    """
-
-    name: str
-    synonyms: tuple[str, ...]
-    kind: str
-    size: tuple[float, float, float]
-    mass: float
-    mass_sd: float
-    friction: float
-    friction_sd: float
-
-
-class ObjectDescription(Document):
-    """An object model.
-
-    Attributes:
-        summary: in a few figures.
-        model: every figure, as docs/models.md names them.
-        geometry: its shapes, for a viewer.
-    """
-
-    summary: ObjectSummary
-    model: dict[str, Any]
-    geometry: SceneGeometry
 
 
 @ROUTER.get("/health", operation_id="health", response_model=Health)

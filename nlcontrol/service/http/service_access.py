@@ -13,8 +13,8 @@ from pydantic import BaseModel, ConfigDict, Field
 from starlette.responses import Response
 
 from nlcontrol.errors import error
-from nlcontrol.json_document import Document, document_text
-from nlcontrol.service.documents import SessionInfo, SessionSpec
+from nlcontrol.json_document import document_text
+from nlcontrol.service.documents import SessionSpec
 from nlcontrol.service.methods import RequestBody, SaidBody
 from nlcontrol.service.planning_service import PlanningService
 from nlcontrol.session.executor import Motion
@@ -35,16 +35,6 @@ def planning_service(request: Request) -> PlanningService:
 
 Service = Annotated[PlanningService, Depends(planning_service)]
 """Of a route: the service behind it."""
-
-
-class SessionList(Document):
-    """Sessions.
-
-    Attributes:
-        sessions: that are open.
-    """
-
-    sessions: tuple[SessionInfo, ...]
 
 
 async def answer_of(future: Future[bytes]) -> Response:

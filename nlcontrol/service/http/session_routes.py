@@ -13,6 +13,7 @@ from nlcontrol.service.documents import (
     RunInfo,
     SceneGeometry,
     SessionInfo,
+    SessionList,
 )
 from nlcontrol.service.http.event_streams import STREAM_CONTENT, stream_poses
 from nlcontrol.service.http.openapi_document import PROBLEMS
@@ -24,7 +25,6 @@ from nlcontrol.service.http.service_access import (
     Service,
     SessionBody,
     SessionId,
-    SessionList,
     answer_of,
     document_response,
     require_bounded_sentence,

@@ -123,7 +123,7 @@ class LiveSession:
         return SessionInfo(
             session_id=self.session_id,
             spec=self.spec,
-            executes=self.spec.objects is None,
+            has_robot=self.spec.objects is None,
             state="lost" if self.is_lost else "running" if run_id else "idle",
             run_id=run_id,
             expires_in=self.expires_in,

@@ -425,9 +425,9 @@ class SessionHost:
         self.session.controller.time_limit = None
         try:
             if plan_id is None:
-                run = self.session.say(said, motion=motion, on_event=tell)
+                run = self.session.start(said, motion=motion, on_event=tell)
             else:
-                run = self.session.execute(plan_id, text=said, on_event=tell)
+                run = self.session.start(plan_id=plan_id, text=said, on_event=tell)
             self._run, self._turn = run, turn
             if run.is_stopped:  # before its turn was known
                 turn.set()

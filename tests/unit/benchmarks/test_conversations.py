@@ -13,9 +13,11 @@ from benchmarks.goals.judge import BELOW, FELL, MOVED, TruePlace, fallen, moved,
 from benchmarks.goals.refusal_judge import Finding
 from benchmarks.goals.refusal_judge import Verdict as RefusalVerdict
 from benchmarks.goals.talks import Said, Talk, is_told, report, verdict
-from nlcontrol import Controller, Conversation, Registry
+from nlcontrol import Registry
 from nlcontrol.errors import ErrorInfo
 from nlcontrol.results.result import Result, ResultStatus
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from objectmodels.geometry.rotations import rot_x, rot_z
 
 TIN = TruePlace(Registry.built_in().get("tea tin"), np.eye(3), np.array([0.5, 0.1, 0.0]))
@@ -41,7 +43,7 @@ def test_seed_and_number_say_how_a_conversation_begins(setting: str) -> None:
 
 @pytest.mark.parametrize("text", HOPELESS)
 def test_what_is_labelled_hopeless_is_refused(text: str, kitchen: Controller) -> None:
-    result = kitchen.say(text.format("the ice tea box"), plan_only=True)
+    result = Conversation(kitchen).say(text.format("the ice tea box"), plan_only=True)
     assert result.status == "refused"
 
 

@@ -1,7 +1,8 @@
 """What a label of a turn asks of a result: objects by name, one of several actions, undoing."""
 
 from benchmarks.dialogues import acts_wrongly, is_right
-from nlcontrol import Controller, Conversation
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 
 
 def test_a_label_names_objects_of_a_goal_and_may_leave_the_action_open() -> None:

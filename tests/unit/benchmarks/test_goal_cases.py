@@ -11,7 +11,7 @@ from benchmarks.goals.cases import Done, Watch, run
 from benchmarks.goals.drawn_worlds import standing
 from benchmarks.goals.sentences import KINDS, Job, kind_of, said
 from benchmarks.rollouts import world
-from nlcontrol import Controller, Registry
+from nlcontrol import Registry
 from nlcontrol.batches.drawn_scenes import (
     CENTRE_OF_MASS,
     FINGER_FRICTION,
@@ -24,6 +24,7 @@ from nlcontrol.batches.drawn_scenes import (
     pushable_models,
 )
 from nlcontrol.results.result import Step
+from nlcontrol.session.controller import Controller
 from planner.problem.footprints import footprint, overlaps
 from planner.types.plan import Plan
 from planner.types.refusal import Refusal

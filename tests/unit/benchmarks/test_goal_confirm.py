@@ -22,7 +22,8 @@ from benchmarks.goals.sentences import Job
 from benchmarks.rollouts import OBJECT, world
 from benchmarks.worlds.drake import DrakeBench
 from benchmarks.worlds.strokes import at
-from nlcontrol import Controller, Registry
+from nlcontrol import Registry
+from nlcontrol.session.controller import Controller
 from sim import load_scene
 
 DRAWS = 8  # objects; each takes a fifth of a second

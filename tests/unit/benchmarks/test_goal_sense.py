@@ -6,8 +6,9 @@ import pytest
 
 from benchmarks.goals.drawn_worlds import standing
 from benchmarks.goals.sense import sensible, tips
-from nlcontrol import Controller, Registry
+from nlcontrol import Registry
 from nlcontrol.batches.drawn_scenes import scene_of
+from nlcontrol.session.controller import Controller
 from planner.types.world_state import WorldState
 from sim.robots.cell_description import Vision
 from sim.simulated_executor import simulation

@@ -7,8 +7,8 @@ import pytest
 
 from benchmarks.goals.drawn_worlds import APART, MANY, NARROW, TALL, WIDE, standing
 from benchmarks.goals.sentences import HARD, Job, beliefs_of, kind_of, said, setting_of
-from nlcontrol import Controller
 from nlcontrol.batches.drawn_scenes import MASS
+from nlcontrol.session.controller import Controller
 from planner.problem.footprints import footprint, gap
 
 ROUNDING = 1e-9  # of places found by a distance along edges' normals [m]

@@ -14,6 +14,7 @@ from benchmarks.goals.drawn_turns import Job, Turn, draw_scene
 from benchmarks.goals.judge import moved, true_places
 from benchmarks.goals.refusal_judge import Finding, judge_refusal, patient
 from benchmarks.goals.talks import Said, refusal_finding, result_in_copy, wait_for_rest
+from nlcontrol.session.conversation import Conversation
 from planner.types.defaults import DEFAULTS
 from planner.types.refusal import Refusal as Refused
 from sim import Scene, load_scene
@@ -47,7 +48,7 @@ def no(*_: object, **__: object) -> Refused:
 
 
 def finding(robot: Watched, text: str) -> Finding:
-    result = robot.say(text, plan_only=True)
+    result = Conversation(robot).say(text, plan_only=True)
     return refusal_finding(JOB, 0, "mug", robot, result)
 
 
@@ -73,7 +74,7 @@ def test_the_talk_does_not_notice_that_a_refusal_is_judged() -> None:
     robot, unjudged = (Watched(load_scene("kitchen"), seed=1, planner=no) for _ in range(2))
     for each in (robot, unjudged):
         true_places(each.executor)
-        result = each.say("lift the mug 10 cm")
+        result = Conversation(each).say("lift the mug 10 cm")
     time, models, defaults = robot.executor.time, dict(robot.models), robot.defaults
     seen, watches = robot.last_look.state, list(robot.watches)
     assert refusal_finding(JOB, 0, "mug", robot, result).verdict == "confirmed"
@@ -93,7 +94,7 @@ def test_a_refusal_is_wrong_only_if_the_true_world_carries_the_plan() -> None:
 
 def test_what_cannot_be_judged_is_not_looked_for() -> None:
     robot = Watched(load_scene("kitchen"), seed=1)
-    result = robot.say("lift the spoon 10 cm")
+    result = Conversation(robot).say("lift the spoon 10 cm")
     assert refusal_finding(JOB, 0, "mug", robot, result).verdict == "not looked for"
 
 
@@ -102,7 +103,7 @@ def test_strokes_are_not_searched_for_to_what_lies(roll: float, second: bool) ->
     pose = load_scene("kitchen").object("coffee box").pose
     lying = Pose(**(pose.model_dump() | {"roll_deg": roll}))
     robot = Watched(kitchen("coffee box", pose=lying), seed=1, planner=no)
-    robot.say("push the ice tea box until it touches the coffee box", plan_only=True)
+    Conversation(robot).say("push the ice tea box until it touches the coffee box", plan_only=True)
     planned, rng = Finding("confirmed", "by a plan"), np.random.default_rng(0)
     found = judge_refusal(robot, "ice tea box", "impossible", 1, rng, lambda: planned)
     assert (found == planned) is second

@@ -10,7 +10,8 @@ from benchmarks.goals.search import Asked, Found, missed, repeated, search
 from benchmarks.rollouts import GOALS, OBJECT, world
 from benchmarks.worlds.drake import DrakeBench
 from benchmarks.worlds.strokes import BEFORE, Stroke, at, heading_of, upright
-from nlcontrol import Controller, Registry
+from nlcontrol import Registry
+from nlcontrol.session.controller import Controller
 from objectmodels.geometry.side_faces import Face
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.robots.robots import HAND

@@ -7,7 +7,9 @@ from threading import Thread
 import numpy as np
 import pytest
 
-from nlcontrol import Controller, Event
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
+from nlcontrol.session.events import Event
 from planner.types.plan import Plan
 from sim.supervision import Monitor, StopToken
 from sim.traces.trace import Trace
@@ -100,6 +102,6 @@ def test_another_thread_stops_a_push_and_the_robot_goes_on_afterwards() -> None:
         if event.phase == "push":
             Thread(target=stop.request).start()
 
-    result = controller.say("push the ice tea box away", on_event=ask, stop=stop)
+    result = Conversation(controller).say("push the ice tea box away", on_event=ask, stop=stop)
     assert (result.status, result.execution and result.execution.end) == ("cancelled", "stopped")
-    assert controller.say("push the ice tea box 3 cm to the left").ok
+    assert Conversation(controller).say("push the ice tea box 3 cm to the left").ok

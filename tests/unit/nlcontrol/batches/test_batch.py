@@ -13,12 +13,16 @@ from typing import Any, ParamSpec, TypeVar
 import pytest
 
 from benchmarks.batches.proof import local_cluster
-from nlcontrol import BatchRow, ControlError, Controller, DrawnScene, Registry, batch
+from nlcontrol import Registry, batch
+from nlcontrol.batches import BatchRow, DrawnScene
 from nlcontrol.batches import batch as batches
 from nlcontrol.batches.batch import BatchProgress, dask_executor, read_outcomes, summarise
 from nlcontrol.batches.drawn_scenes import draw_scene
 from nlcontrol.batches.row_worker import Order, result_digest, run_row
 from nlcontrol.batches.rows import RowResult
+from nlcontrol.errors import ControlError
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from sim.truth.scene_file import load_scene
 
 P = ParamSpec("P")
@@ -67,7 +71,7 @@ def digests(results: list[RowResult]) -> list[str | None]:
 
 
 def test_a_row_comes_to_the_result_of_its_sentence(expected: list[RowResult]) -> None:
-    result = Controller("kitchen").say(AWAY, plan_only=True)
+    result = Conversation(Controller("kitchen")).say(AWAY, plan_only=True)
     assert expected[0].digest == result_digest(result)
     assert expected[0].result is not None
     assert expected[0].result.to_json() == result.to_json()

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from grammar.frames import command as g
-from nlcontrol import Controller
 from nlcontrol.checks.frame_checks import check, not_held, require_checkable
 from nlcontrol.checks.verdicts import Check
+from nlcontrol.session.controller import Controller
 from planner.types.defaults import DEFAULTS
 from sim.traces.trace import ContactEvent, Trace
 from tests.unit.nlcontrol.hands import hand_trace, over_time

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nlcontrol import Controller, Conversation
 from nlcontrol.learning.lessons import (
     beliefs_after_grasp,
     change_contents,
@@ -13,6 +12,8 @@ from nlcontrol.learning.lessons import (
     weight_from_grasp,
 )
 from nlcontrol.plan_text import plan_reasons
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from nlcontrol.session.remarks.undo_frames import PastPush, undo_frames, undo_text
 from objectmodels import ObjectModel
 from objectmodels.mechanics.push_thresholds import GRAVITY
@@ -195,11 +196,11 @@ def test_a_lid_is_compared_with_its_object_where_both_forces_act() -> None:
 
 
 def test_only_the_weight_is_found_out_by_lifting(kitchen: Controller) -> None:
-    result = kitchen.say("find out the friction of the ice tea by lifting it")
+    result = Conversation(kitchen).say("find out the friction of the ice tea by lifting it")
     assert result.error is not None
     assert result.error.capability == "finding out more than the weight by lifting"
-    assert kitchen.say("weigh the ice tea box by lifting it").status == "refused"
-    note = kitchen.say("weigh the ice tea by lifting it", plan_only=True).notes
+    assert Conversation(kitchen).say("weigh the ice tea box by lifting it").status == "refused"
+    note = Conversation(kitchen).say("weigh the ice tea by lifting it", plan_only=True).notes
     assert note == ("the ice tea would be lifted, weighed in the hand and set down again",)
 
 
@@ -216,7 +217,7 @@ def _true_mass(controller: Controller) -> float:
 @pytest.mark.slow
 def test_weighed_in_the_hand_and_set_down() -> None:
     controller = Controller("kitchen", seed=2)
-    answer = controller.say("weigh the ice tea by lifting it").answer
+    answer = Conversation(controller).say("weigh the ice tea by lifting it").answer
     assert answer is not None
     # The levers of the fingertips are known to 1 %, and the hand hangs still for half a second.
     assert answer.numbers["mass"] == pytest.approx(_true_mass(controller), rel=0.05)

@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nlcontrol import Controller
 from nlcontrol.batches.drawn_scenes import scene_of
 from nlcontrol.learning.learning_reports import Change, Lesson
 from nlcontrol.learning.lessons import (
@@ -17,6 +16,7 @@ from nlcontrol.learning.lessons import (
     lesson_from_push,
     parameter_changes,
 )
+from nlcontrol.session.controller import Controller
 from objectmodels import BoxModel, Registry
 from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.identification import Trial

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from nlcontrol import Controller
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 
 
 def abilities(scene: str) -> tuple[str, str]:
     """What it can do in a scene, and what it found no way to."""
-    answer = Controller(scene).say("what can you do?").answer
+    answer = Conversation(Controller(scene)).say("what can you do?").answer
     assert answer is not None
     can, _, cannot = answer.text.partition("; with what stands here")
     assert 0.0 < answer.numbers["can"] < answer.numbers["asked"]
@@ -26,7 +27,7 @@ def abilities(scene: str) -> tuple[str, str]:
 )
 def test_it_can_do_what_it_plans(scene: str, ability: str, said: str) -> None:
     can, cannot = abilities(scene)
-    assert Controller(scene).say(said, plan_only=True).status == "planned"
+    assert Conversation(Controller(scene)).say(said, plan_only=True).status == "planned"
     assert ability in can
     assert ability not in cannot
 

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from grammar.frames import command as g
-from nlcontrol import Controller
 from nlcontrol.errors import ControlError
 from nlcontrol.learning.lessons import change_contents
 from nlcontrol.questions.grasp_questions import spill_answer
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from planner.types.defaults import DEFAULTS
 from planner.types.world_state import PlanarPose, WorldState
 from tests.unit.planner.conftest import world
@@ -25,30 +26,30 @@ def kitchen() -> Controller:
 
 @pytest.mark.slow
 def test_too_heavy_with_both_forces(kitchen: Controller) -> None:
-    answer = kitchen.say("can you lift the ice tea box?").answer
+    answer = Conversation(kitchen).say("can you lift the ice tea box?").answer
     assert answer is not None
     assert answer.yes is False
     assert answer.numbers["needed_force"] > answer.numbers["strongest"] > 0.0
-    held = kitchen.say("will the ice tea box hold if you lift it?").answer
+    held = Conversation(kitchen).say("will the ice tea box hold if you lift it?").answer
     assert held is not None
     assert held.yes is False
     assert held.text == answer.text
 
 
 def test_what_can_be_lifted_says_how(kitchen: Controller) -> None:
-    answer = kitchen.say("can you lift the ice tea?").answer
+    answer = Conversation(kitchen).say("can you lift the ice tea?").answer
     assert answer is not None
     assert answer.yes is True
     assert answer.text.startswith("Yes: lift it by 100 mm and hold it, held from its side")
     assert answer.numbers["squeeze"] > answer.numbers["needed_squeeze"]
-    held = kitchen.say("will it hold if you lift the ice tea?").answer
+    held = Conversation(kitchen).say("will it hold if you lift the ice tea?").answer
     assert held is not None
     assert held.probability is not None
     assert held.probability > 0.95
 
 
 def test_more_than_the_mug_holds(kitchen: Controller) -> None:
-    answer = kitchen.say("can you pour 500 ml of the ice tea into the mug?").answer
+    answer = Conversation(kitchen).say("can you pour 500 ml of the ice tea into the mug?").answer
     assert answer is not None
     assert answer.yes is False
     assert answer.numbers["volume"] == pytest.approx(5e-4)
@@ -56,7 +57,7 @@ def test_more_than_the_mug_holds(kitchen: Controller) -> None:
 
 
 def test_how_full(kitchen: Controller) -> None:
-    answer = kitchen.say("how much is in the ice tea?").answer
+    answer = Conversation(kitchen).say("how much is in the ice tea?").answer
     vessel = kitchen.models["ice tea"].vessel
     assert answer is not None
     assert vessel is not None
@@ -68,7 +69,9 @@ def test_how_full(kitchen: Controller) -> None:
 
 
 def test_a_tilt_spills_what_stands_above_the_lip(kitchen: Controller) -> None:
-    answer = kitchen.say("how much will spill if you tilt the ice tea to the left by 100 degrees?")
+    answer = Conversation(kitchen).say(
+        "how much will spill if you tilt the ice tea to the left by 100 degrees?"
+    )
     assert answer.answer is not None
     model, pose = kitchen.models["ice tea"], kitchen.look().objects["ice tea"].pose
     assert model.vessel is not None
@@ -80,14 +83,20 @@ def test_a_tilt_spills_what_stands_above_the_lip(kitchen: Controller) -> None:
 
 
 def test_a_little_tilt_spills_nothing_and_says_from_when_on(kitchen: Controller) -> None:
-    answer = kitchen.say("will it spill if you tilt the ice tea by 10 degrees?").answer
+    answer = (
+        Conversation(kitchen).say("will it spill if you tilt the ice tea by 10 degrees?").answer
+    )
     assert answer is not None
     assert answer.yes is False
     assert "begins to run out at" in answer.text
 
 
 def test_a_closed_lid_keeps_it_in(kitchen: Controller) -> None:
-    answer = kitchen.say("how much will spill if you tilt the ice tea cup by 80 degrees?").answer
+    answer = (
+        Conversation(kitchen)
+        .say("how much will spill if you tilt the ice tea cup by 80 degrees?")
+        .answer
+    )
     assert answer is not None
     assert answer.yes is False
     assert "its lid is closed" in answer.text
@@ -97,14 +106,14 @@ def test_what_topples_lies_on_its_side() -> None:
     """The opening lies above the middle then, and a little over half of the carton is full."""
     kitchen = Controller("kitchen")
     question = "how much will spill if you topple the ice tea to the left?"
-    answer = kitchen.say(question).answer
+    answer = Conversation(kitchen).say(question).answer
     assert answer is not None
     assert answer.push is not None
     assert 0.0 < answer.numbers["spilled"] < 10e-6
     assert answer.numbers["spilled"] == pytest.approx(2e-4 - answer.numbers["brim"])
     # With a quarter less, what is in it stays below the opening.
     kitchen.models["ice tea"] = change_contents(kitchen.models["ice tea"], -50e-6)
-    answer = kitchen.say(question).answer
+    answer = Conversation(kitchen).say(question).answer
     assert answer is not None
     assert answer.numbers["brim"] > answer.numbers["contents"]
     assert "on its side, it would spill nothing: it begins to run out at 9" in answer.text

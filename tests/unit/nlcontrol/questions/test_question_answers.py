@@ -17,13 +17,14 @@ import pytest
 from PIL import Image
 
 from grammar.frames import command as g
-from nlcontrol import Controller
 from nlcontrol.cli import run
 from nlcontrol.errors import ControlError
 from nlcontrol.questions.answer import Answer
 from nlcontrol.questions.push_prediction import deviations, predict_push
 from nlcontrol.references.object_names import face_of
 from nlcontrol.results.result import Result
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from objectmodels import BoxModel
 from planner.types.plan import Plan
 from planner.types.refusal import Refusal
@@ -481,7 +482,7 @@ def test_no_question_pushes(
 ) -> None:
     _read_as(monkeypatch, _ask(query, "ice tea box", g.NoTopple(), **PUSH))
     monkeypatch.setattr(Controller, "execute", None)
-    result = kitchen.say("a question")
+    result = Conversation(kitchen).say("a question")
     assert not simulation(kitchen.executor).is_built
     assert (result.plan, result.trace, result.checks) == (None, None, ())
     assert (result.ok, result.status, result.exit_status) == (True, "answered", 0)
@@ -501,7 +502,7 @@ def test_a_question_before_a_command(kitchen: Controller, monkeypatch: pytest.Mo
     command = _ask("value", **PUSH).model_copy(update={"query": None})
     heavy = _ask("value", goal=g.Parameters(which=("mass",)))
     _read_as(monkeypatch, heavy, command)
-    result = kitchen.say("how heavy is it? push it", plan_only=True)
+    result = Conversation(kitchen).say("how heavy is it? push it", plan_only=True)
     assert (result.status, result.planned) == ("planned", 1)
     assert result.answer is not None
     assert any(row.field.startswith("action") for row in result.explanation_rows())
@@ -551,14 +552,15 @@ def test_what_stands_on_what_is_told_by_the_camera() -> None:
         )
     )
     told = {
-        said: high.say(said).answer for said in ("what is on the book", "what is under the mug")
+        said: Conversation(high).say(said).answer
+        for said in ("what is on the book", "what is under the mug")
     }
     answers = {said: answer.text for said, answer in told.items() if answer}
     assert answers == {
         "what is on the book": "The book carries the mug.",
         "what is under the mug": "The mug stands on the book.",
     }
-    refused = high.say("push the book to the left", plan_only=True).error
+    refused = Conversation(high).say("push the book to the left", plan_only=True).error
     assert refused is not None
     assert refused.code == "blocked"
 
@@ -576,9 +578,11 @@ def test_what_stands_in_an_open_box_is_told() -> None:
         )
     )
     said = ("what is in the bin?", "what is under the mug?", "what is in the mug?")
-    answers = [answer.text for answer in (bins.say(each).answer for each in said) if answer]
+    answers = [
+        answer.text for answer in (Conversation(bins).say(each).answer for each in said) if answer
+    ]
     assert answers[:2] == ["The bin contains the mug.", "The mug stands in the bin."]
     assert answers[2].startswith("The mug holds 0 ml")
-    seen = bins.say("what do you see?").answer
+    seen = Conversation(bins).say("what do you see?").answer
     assert seen is not None
     assert any(line.endswith(", in the bin") for line in seen.lines)

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from grammar.frames import command as g
-from nlcontrol import ControlError, Controller
+from nlcontrol.errors import ControlError
+from nlcontrol.session.controller import Controller
 
 WORKBENCH = Controller("workbench")
 

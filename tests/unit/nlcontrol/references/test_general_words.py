@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from nlcontrol import Controller, Conversation
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 from grammar.frames import command as g
-from nlcontrol import Controller
 from nlcontrol.errors import ControlError
 from nlcontrol.references.object_names import Candidate
 from nlcontrol.references.reference_resolution import (
@@ -14,6 +13,8 @@ from nlcontrol.references.reference_resolution import (
     resolve_references,
 )
 from nlcontrol.references.reference_search import Context
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from objectmodels import Registry
 from planner.types.world_state import WorldState
 from sim.truth.scene_file import parse_scene
@@ -322,7 +323,7 @@ objects:
         (resolved,) = robot.resolve(_command(frame)).frames
         assert isinstance(resolved.goal, g.Place)
         assert [_id(ref) for ref in resolved.goal.reference] == ["storage bin"]
-    answer = robot.say("what is in the box?").answer
+    answer = Conversation(robot).say("what is in the box?").answer
     assert answer is not None
     assert answer.numbers == {"objects": 0.0}
     with pytest.raises(ControlError) as raised:

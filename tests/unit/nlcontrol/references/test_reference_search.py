@@ -11,11 +11,12 @@ from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 
 from grammar.frames import command as g
-from nlcontrol import Controller
 from nlcontrol.errors import ControlError
 from nlcontrol.references.object_names import Candidate, with_attribute
 from nlcontrol.references.reference_resolution import resolve_references
 from nlcontrol.references.reference_search import Context
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from objectmodels import BoxModel, Registry
 from planner.problem.footprints import gap
 from planner.problem.stacks import put_on
@@ -381,7 +382,7 @@ def test_what_an_ambiguity_offers_leads_to_each_object(
     ],
 )
 def test_words_that_a_name_runs_on_into_are_pointed_at(text: str, more: str, meant: str) -> None:
-    error = Controller("kitchen").say(text, plan_only=True).error
+    error = Conversation(Controller("kitchen")).say(text, plan_only=True).error
     assert error is not None
     assert (error.code, error.span) == (
         "unknown_object",

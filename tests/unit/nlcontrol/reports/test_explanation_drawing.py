@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from nlcontrol import Controller
 from nlcontrol.errors import ControlError
 from nlcontrol.reports import word_explanation as drawing
 from nlcontrol.reports.plan_drawing import Sheet
 from nlcontrol.reports.word_explanation import groups, save_explanation, table
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from planner.plan_explanation import Row
 
 SENTENCE = "push the ice tea box away without toppling it"
@@ -62,7 +63,7 @@ def test_nothing_overlaps_and_no_text_leaves_its_box(
     kitchen: Controller, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, sentence: str
 ) -> None:
     monkeypatch.setattr(drawing, "Sheet", Watched)
-    result = kitchen.say(sentence, plan_only=True)
+    result = Conversation(kitchen).say(sentence, plan_only=True)
     path = tmp_path / "words.png"
     save_explanation(result, path)
     for (a, b, c, d), (e, f, g, h) in combinations(Watched.boxes, 2):
@@ -80,7 +81,7 @@ def test_the_paper_s_figure_is_in_the_drawing(
     kitchen: Controller, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(drawing, "Sheet", Watched)
-    save_explanation(kitchen.say(SENTENCE, plan_only=True), tmp_path / "words.svg")
+    save_explanation(Conversation(kitchen).say(SENTENCE, plan_only=True), tmp_path / "words.svg")
     said = {text: y for _, _, y, text in Watched.texts}
     for words, part in (
         ("push", "push controller"),
@@ -94,13 +95,13 @@ def test_the_paper_s_figure_is_in_the_drawing(
 @pytest.mark.parametrize("suffix", [".png", ".svg", ".pdf"])
 def test_formats(kitchen: Controller, tmp_path: Path, suffix: str) -> None:
     path = tmp_path / f"words{suffix}"
-    save_explanation(kitchen.say(SENTENCE, plan_only=True), path)
+    save_explanation(Conversation(kitchen).say(SENTENCE, plan_only=True), path)
     assert path.stat().st_size > 1000
 
 
 def test_an_unknown_format(kitchen: Controller, tmp_path: Path) -> None:
     with pytest.raises(ControlError, match="cannot draw"):
-        save_explanation(kitchen.say(QUESTION), tmp_path / "words.doc")
+        save_explanation(Conversation(kitchen).say(QUESTION), tmp_path / "words.doc")
 
 
 def test_words_are_broken_where_they_do_not_fit() -> None:

@@ -9,7 +9,10 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from nlcontrol import BoxModel, Check, Controller, Result
+from nlcontrol import BoxModel, Result
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
+from nlcontrol.types import Check
 from objectmodels.html_table import MOST_ROWS
 from objectmodels.mechanics.outcome_map import COLOURS, outcome_map
 
@@ -23,7 +26,9 @@ def results() -> dict[str, Result]:
         "refused": "push the mug at the top without toppling it",
         "not_understood": "<script>alert(1)</script> " + 40 * "and so on ",
     }
-    return {name: controller.say(text, plan_only=True) for name, text in sentences.items()}
+    return {
+        name: Conversation(controller).say(text, plan_only=True) for name, text in sentences.items()
+    }
 
 
 def test_a_result_is_one_short_line(results: dict[str, Result]) -> None:

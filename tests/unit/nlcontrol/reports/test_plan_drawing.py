@@ -9,17 +9,18 @@ import pytest
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from nlcontrol import Controller
 from nlcontrol.cli import run
 from nlcontrol.reports.plan_drawing import plan_figure
 from nlcontrol.results.result import Result
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from planner.problem.footprints import footprint
 from planner.types.world_state import WorldState
 
 
 def planned(sentence: str, scene: str = "kitchen") -> tuple[Result, WorldState]:
     controller = Controller(scene, seed=0)
-    result = controller.say(sentence, plan_only=True)
+    result = Conversation(controller).say(sentence, plan_only=True)
     assert controller.last_look.state is not None
     return result, controller.last_look.state
 

@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nlcontrol import Controller
 from nlcontrol.checks.verdicts import Check
 from nlcontrol.reports.replay_story import replay_story
 from nlcontrol.results.result import Result
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from objectmodels.geometry.rotations import from_quaternion
 from sim import load_scene
 from sim.views.run_story import RunStory
@@ -28,7 +29,9 @@ def _carried_out(result: Result, **changes: Any) -> Result:
 @pytest.fixture(scope="module")
 def push() -> Result:
     return _carried_out(
-        Controller(seed=0).say(f"push the {BOX} away without toppling it", plan_only=True)
+        Conversation(Controller(seed=0)).say(
+            f"push the {BOX} away without toppling it", plan_only=True
+        )
     )
 
 
@@ -76,7 +79,7 @@ def test_contacts_lie_where_the_fingers_push(push: Result, story: RunStory) -> N
 
 
 def test_a_toppled_box_is_predicted_to_lie_behind_its_edge() -> None:
-    result = _carried_out(Controller(seed=0).say(f"topple the {BOX}", plan_only=True))
+    result = _carried_out(Conversation(Controller(seed=0)).say(f"topple the {BOX}", plan_only=True))
     assert result.plan is not None
     before = result.steps[0].before
     assert before is not None

@@ -9,9 +9,9 @@ import pytest
 import yaml
 
 import grammar
-from nlcontrol import Controller
 from nlcontrol.reports.word_explanation import filler, groups, steps, table, word_explanation
 from nlcontrol.results.result import Result
+from nlcontrol.session.controller import Controller
 from nlcontrol.session.conversation import Conversation
 from planner.plan_explanation import Row
 
@@ -63,13 +63,15 @@ def test_only_words_without_meaning_are_left_over() -> None:
 
 def test_fillers_are_listed_once_and_without_punctuation(kitchen: Controller) -> None:
     text = "Please, push the ice tea box away; then push the coffee box away."
-    result = kitchen.say(text, plan_only=True)
+    result = Conversation(kitchen).say(text, plan_only=True)
     assert filler(result.explanation_rows()) == "no meaning of their own: please, the, then"
     assert table(result.explanation_rows()).endswith("no meaning of their own: please, the, then")
 
 
 def test_steps_that_are_not_planned_show_their_frames(kitchen: Controller) -> None:
-    result = kitchen.say("push the ice tea box away, then topple the cereal box", plan_only=True)
+    result = Conversation(kitchen).say(
+        "push the ice tea box away, then topple the cereal box", plan_only=True
+    )
     (first, planned), (second, rest) = steps(result.explanation_rows())
     assert (first, second) == ("Step 1", "Step 2, not planned")
     assert {row.frame for row in planned} == {0}
@@ -79,13 +81,15 @@ def test_steps_that_are_not_planned_show_their_frames(kitchen: Controller) -> No
 
 
 def test_a_length_in_objects_shows_its_metres(kitchen: Controller) -> None:
-    result = kitchen.say("push the ice tea box twice its width away", plan_only=True)
+    result = Conversation(kitchen).say("push the ice tea box twice its width away", plan_only=True)
     row = next(row for row in result.explanation_rows() if row.parameter == "distance")
     assert (row.words, row.value) == ("twice its width away", "180 mm")  # 2 × 90 mm
 
 
 def test_a_refused_clause_bears_the_reason_and_its_numbers(kitchen: Controller) -> None:
-    result = kitchen.say("push the ice tea box at the top without toppling it", plan_only=True)
+    result = Conversation(kitchen).say(
+        "push the ice tea box at the top without toppling it", plan_only=True
+    )
     assert result.status == "refused"
     marked = [row for row in result.explanation_rows() if row.problem]
     assert [(row.words, row.part) for row in marked] == [("at the top", "constraint")]
@@ -105,7 +109,7 @@ def test_a_refused_clause_bears_the_reason_and_its_numbers(kitchen: Controller) 
 def test_what_stops_a_sentence_is_marked(
     kitchen: Controller, sentence: str, words: str, parameter: str
 ) -> None:
-    result = kitchen.say(sentence, plan_only=True)
+    result = Conversation(kitchen).say(sentence, plan_only=True)
     (marked,) = [row for row in result.explanation_rows() if row.problem]
     assert words in marked.words
     assert marked.parameter == parameter
@@ -114,7 +118,9 @@ def test_what_stops_a_sentence_is_marked(
 
 
 def test_a_question_of_force(kitchen: Controller) -> None:
-    result = kitchen.say("how hard do I have to push the ice tea box to make it slide?")
+    result = Conversation(kitchen).say(
+        "how hard do I have to push the ice tea box to make it slide?"
+    )
     values = _values(result)
     assert values["force"] == "3.7 N ± 0.7 N"  # μ m g
     assert (values["face"], values["direction"]) == ("the front face", "away")
@@ -123,7 +129,9 @@ def test_a_question_of_force(kitchen: Controller) -> None:
 
 
 def test_a_question_that_says_where_and_how_hard(kitchen: Controller) -> None:
-    result = kitchen.say("what happens if you push the ice tea box at the top with 4 N?")
+    result = Conversation(kitchen).say(
+        "what happens if you push the ice tea box at the top with 4 N?"
+    )
     assert _row(result, "at the top").value == "192 mm"  # the middle of the upper third
     assert _row(result, "with 4 N").value == "4.0 N"
     assert _values(result)["answer"] == "it topples first"
@@ -143,11 +151,11 @@ def test_a_question_that_says_where_and_how_hard(kitchen: Controller) -> None:
 def test_the_number_that_answers(
     kitchen: Controller, question: str, parameter: str, value: str
 ) -> None:
-    assert value in _values(kitchen.say(question))[parameter]
+    assert value in _values(Conversation(kitchen).say(question))[parameter]
 
 
 def test_an_unanswered_question(kitchen: Controller) -> None:
-    rows = kitchen.say("why?").explanation_rows()
+    rows = Conversation(kitchen).say("why?").explanation_rows()
     assert [row.value for row in rows] == ["not answered", "nothing was said or done yet"]
 
 
@@ -168,7 +176,7 @@ def test_what_was_said_before_has_no_words_here(kitchen: Controller) -> None:
 
 
 def test_a_result_read_from_json_keeps_its_explanation(kitchen: Controller) -> None:
-    result = kitchen.say("push the ice tea box away", plan_only=True)
+    result = Conversation(kitchen).say("push the ice tea box away", plan_only=True)
     explained = result.model_copy(update={"explanation": result.explanation_rows()})
     again = Result.model_validate_json(explained.to_json())
     assert again.explanation_rows() == result.explanation_rows()
@@ -177,4 +185,4 @@ def test_a_result_read_from_json_keeps_its_explanation(kitchen: Controller) -> N
 
 
 def test_nothing_understood_is_nothing_explained(kitchen: Controller) -> None:
-    assert kitchen.say("boil two eggs").explanation_rows() == ()
+    assert Conversation(kitchen).say("boil two eggs").explanation_rows() == ()

@@ -73,7 +73,7 @@ def test_one_session_drives_the_robot_by_plans_that_hold(
 
     service.close_session(session_id)
     wait_until(lambda: not service.sessions())
-    assert service.open_session(SessionSpec()).executes
+    assert service.open_session(SessionSpec()).has_robot
 
 
 def test_a_robot_that_cannot_be_made_is_told_when_a_session_is_opened() -> None:

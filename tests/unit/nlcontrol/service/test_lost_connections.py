@@ -12,8 +12,9 @@ import httpx
 import pytest
 
 from grammar.parser import default_parser
-from nlcontrol import Client, ControlError
-from nlcontrol.service import remote_session
+from nlcontrol import Client
+from nlcontrol.errors import ControlError
+from nlcontrol.service import connection
 from nlcontrol.service.documents import NumberedEvent
 from nlcontrol.service.methods import PlanningSession, Run
 from nlcontrol.session.events import Event
@@ -21,7 +22,7 @@ from tests.patience import PATIENCE
 
 URL = "http://127.0.0.1:8000"
 SESSION = {
-    "session_id": "s1", "spec": {}, "executes": True, "state": "idle", "expires_in": 600.0,
+    "session_id": "s1", "spec": {}, "has_robot": True, "state": "idle", "expires_in": 600.0,
 }  # fmt: skip
 RUN = {
     "run_id": "r1", "session_id": "s1", "kind": "say", "state": "running", "text": "push the mug",
@@ -37,8 +38,7 @@ Answer = Callable[[httpx.Request], httpx.Response]
 
 @pytest.fixture(autouse=True)
 def _no_waiting(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(remote_session, "PAUSES", (0.0, 0.0, 0.0))
-    monkeypatch.setattr(remote_session, "PAUSES", (0.0, 0.0, 0.0))
+    monkeypatch.setattr(connection, "PAUSES", (0.0, 0.0, 0.0))
 
 
 class Wire(httpx.BaseTransport):
@@ -90,22 +90,22 @@ def problem(status: int, **fields: Any) -> httpx.Response:
     )  # fmt: skip
 
 
-def client(wire: Wire) -> Client:
-    return Client(URL, transport=wire)
+def client(wire: Wire) -> PlanningSession:
+    return Client(URL, transport=wire).sessions.open()
 
 
 def test_a_client_is_a_planning_session() -> None:
     wire = Wire(say=[RUN])
     session: PlanningSession = client(wire)
-    run: Run = session.say("push the mug")
+    run: Run = session.start("push the mug")
     assert run.run_id == "r1"
 
 
 def test_what_is_lost_is_sent_again_with_the_same_key() -> None:
     wire = Wire(say=[httpx.ReadError, httpx.ConnectError, RUN], runs=[httpx.ReadError, RUN])
     session = client(wire)
-    session.say("push the mug")
-    session.execute("p1")
+    session.start("push the mug")
+    session.start(plan_id="p1")
     keys = [request.headers["Idempotency-Key"] for request in wire.sent("say") + wire.sent("runs")]
     assert len(keys) == 5
     assert len(set(keys)) == 2
@@ -149,7 +149,7 @@ def test_a_problem_document_becomes_an_error() -> None:
         "numbers": {"moved": 0.012}, "span": [9, 12], "instance": "/v1/sessions/s1/runs",
     }  # fmt: skip
     with pytest.raises(ControlError) as raised:
-        client(Wire(runs=[problem(409, **told)])).execute("p1")
+        client(Wire(runs=[problem(409, **told)])).start(plan_id="p1")
     info = raised.value.info
     assert (info.code, info.message) == ("stale_plan", "the mug has moved")
     assert (info.suggestions, info.numbers) == (("plan again",), {"moved": 0.012})
@@ -182,7 +182,9 @@ def test_a_url_that_is_none(url: str) -> None:
 
 def test_the_token_is_sent() -> None:
     wire = Wire()
-    Client(URL, token="secret", transport=wire)
+    service = Client(URL, token="secret", transport=wire)
+    assert not wire.requests  # nothing is called by making it
+    service.sessions.open()
     assert wire.requests[0].headers["Authorization"] == "Bearer secret"
 
 
@@ -197,7 +199,7 @@ def test_without_httpx_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> No
 def test_events_go_on_where_the_stream_was_lost() -> None:
     streams = [Stream(1, lost=True), httpx.ConnectError, Stream(1, 2, lost=True), Stream(3)]
     wire = Wire(say=[RUN], events=streams, r1=[RUN])
-    events = list(client(wire).say("push the mug").events())
+    events = list(client(wire).start("push the mug").events())
     assert [told.number for told in events] == [1, 2, 3]
     asked = [request.headers["Last-Event-ID"] for request in wire.sent("events")]
     assert asked == ["0", "1", "1", "2"]
@@ -212,33 +214,33 @@ def test_newlines_alone_end_the_lines_of_a_stream() -> None:
             yield f"ta: {data}\r\n\r\nid: 2\ndata: cut off".encode()
 
     wire = Wire(say=[RUN], events=[Split(), Stream(2, 3)], r1=[RUN])
-    events = client(wire).say("push the mug").events()
+    events = client(wire).start("push the mug").events()
     assert [told.event.text for told in events] == ["a\u2028b", "2", "3"]
 
 
 def test_events_of_a_run_that_was_cut_off_come_to_an_end() -> None:
     cut = {**RUN, "state": "cut_off", "events": 2}
     wire = Wire(say=[RUN], events=[Stream(1), Stream(2)], r1=[RUN, cut])
-    assert [told.number for told in client(wire).say("push the mug").events()] == [1, 2]
+    assert [told.number for told in client(wire).start("push the mug").events()] == [1, 2]
 
 
 def test_the_last_events_are_had_although_the_run_has_ended() -> None:
     wire = Wire(say=[RUN], events=[Stream(1, lost=True), Stream(2, 3)], r1=[ENDED])
-    assert [told.number for told in client(wire).say("push the mug").events()] == [1, 2, 3]
+    assert [told.number for told in client(wire).start("push the mug").events()] == [1, 2, 3]
 
 
 def test_a_service_that_stays_away_ends_the_events() -> None:
     wire = Wire(say=[RUN], events=[Stream(1, lost=True), httpx.ConnectError], r1=[RUN])
     heard: list[NumberedEvent] = []
     with pytest.raises(ControlError) as raised:
-        heard.extend(client(wire).say("push the mug").events())
+        heard.extend(client(wire).start("push the mug").events())
     assert raised.value.code == "no_service"
 
 
 def test_a_callback_is_told_every_event_before_the_result_comes() -> None:
     wire = Wire(say=[RUN], events=[Stream(1, lost=True), Stream(2, 3)], r1=[RUN, ENDED])
     heard: list[tuple[str, threading.Thread]] = []
-    run = client(wire).say(
+    run = client(wire).start(
         "push the mug", on_event=lambda e: heard.append((e.text, threading.current_thread()))
     )
     assert run.result(PATIENCE).status == "done"
@@ -251,7 +253,7 @@ def test_a_callback_that_fails_stops_the_run_and_its_failure_is_raised() -> None
         raise ZeroDivisionError(event.text)
 
     wire = Wire(say=[RUN], events=[Stream(1, 2, 3)], r1=[ENDED], stop=[{}])
-    run = client(wire).say("push the mug", on_event=fail)
+    run = client(wire).start("push the mug", on_event=fail)
     with pytest.raises(ZeroDivisionError, match="1"):
         run.result(PATIENCE)
     assert len(wire.sent("stop")) == 1
@@ -259,7 +261,7 @@ def test_a_callback_that_fails_stops_the_run_and_its_failure_is_raised() -> None
 
 def test_a_result_is_waited_for_so_long_and_no_longer() -> None:
     wire = Wire(say=[RUN], r1=[RUN])
-    run = client(wire).say("push the mug")
+    run = client(wire).start("push the mug")
     with pytest.raises(TimeoutError):
         run.result(0.1)
     wire.answers["r1"] = [RUN, ENDED]
@@ -270,14 +272,14 @@ def test_a_run_that_was_cut_off_raises_what_the_service_says() -> None:
     error = {"code": "worker_lost", "message": "the service has ended", "suggestions": ["again"]}
     wire = Wire(say=[RUN], r1=[{**RUN, "state": "cut_off", "error": error}])
     with pytest.raises(ControlError) as raised:
-        client(wire).say("push the mug").result()
+        client(wire).start("push the mug").result()
     assert raised.value.code == "worker_lost"
 
 
 def test_nothing_moved_and_there_is_no_trace() -> None:
     missing = problem(404, code="no_file", detail="nothing moved")
     wire = Wire(say=[RUN], r1=[ENDED], trace=[missing])
-    assert client(wire).say("push the mug").trace() is None
+    assert client(wire).start("push the mug").trace() is None
 
 
 def test_a_session_that_is_gone_closes_quietly() -> None:

@@ -7,7 +7,8 @@ from typing import Any
 
 import pytest
 
-from nlcontrol import Client, ControlError
+from nlcontrol import Client
+from nlcontrol.errors import ControlError
 from nlcontrol.service.methods import PlanningSession
 from nlcontrol.service.session import Session
 from tests.fakes.counted_executor import motions_in
@@ -43,7 +44,7 @@ def conversation(robot: PlanningSession) -> list[Any]:
         refusal(lambda: robot.parse("frobnicate the mug")),
         refusal(lambda: robot.predict("teapot", height=0.03)),
         refusal(lambda: robot.predict("ice tea box", height=-1.0)),
-        refusal(lambda: robot.execute("plan-0"))[0],
+        refusal(lambda: robot.start(plan_id="plan-0"))[0],
     ]
 
 
@@ -52,13 +53,13 @@ def run(robot: PlanningSession) -> list[Any]:
     offer = robot.plan(PUSH)
     assert offer.plan_id is not None
     heard: list[str] = []
-    begun = robot.execute(offer.plan_id, on_event=lambda event: heard.append(event.kind))
+    begun = robot.start(plan_id=offer.plan_id, on_event=lambda event: heard.append(event.kind))
     result = begun.result(PATIENCE)
     trace = begun.trace()
     assert trace is not None
     kinds = [told.event.kind for told in begun.events()]
     assert heard == kinds
-    used = refusal(lambda: robot.execute(offer.plan_id or ""))[0]
+    used = refusal(lambda: robot.start(plan_id=offer.plan_id or ""))[0]
     again = robot.ask("where is the mug?").answer
     return [result.model_dump(mode="json"), trace, kinds, used, again]
 
@@ -66,7 +67,7 @@ def run(robot: PlanningSession) -> list[Any]:
 def test_questions_and_refusals_are_the_same(server: ServerProcess) -> None:
     with Session("kitchen") as robot:
         here = conversation(robot)
-    with Client(server.url, scene="kitchen", timeout=PATIENCE) as robot:
+    with Client(server.url, timeout=PATIENCE).sessions.open("kitchen") as robot:
         there = conversation(robot)
     assert len(here) == len(there)
     for mine, other in zip(here, there, strict=True):
@@ -77,7 +78,7 @@ def test_questions_and_refusals_are_the_same(server: ServerProcess) -> None:
 def test_a_push_is_the_same(server: ServerProcess) -> None:
     with Session("kitchen", seed=3) as robot:
         here = run(robot)
-    with Client(server.url, scene="kitchen", seed=3, timeout=PATIENCE) as robot:
+    with Client(server.url, timeout=PATIENCE).sessions.open("kitchen", seed=3) as robot:
         there = run(robot)
     assert here[0].pop("files", None) == there[0].pop("files", None)
     for mine, other in zip(here, there, strict=True):
@@ -88,7 +89,7 @@ def test_a_question_may_move_there_too(tmp_path: Path) -> None:
     asked = "how slippery is the mug?"
     with (
         serving_counted_robot(tmp_path, "--planners", "1") as server,
-        Client(server.url, timeout=PATIENCE) as robot,
+        Client(server.url, timeout=PATIENCE).sessions.open() as robot,
     ):
         assert robot.ask(PUSH, motion="simulate").status == "planned"
         before = robot.ask(asked)

@@ -8,8 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from nlcontrol import Controller
 from nlcontrol.service.workers.session_host import write_view
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from sim import load_scene
 from tests.fakes.pushed_trace import pushed_trace
 
@@ -19,7 +20,7 @@ def test_a_replay_tells_what_is_known_of_its_run(tmp_path: Path, known: bool) ->
     trace, page = tmp_path / "trace.npz", tmp_path / "replay.html"
     pushed_trace(load_scene("kitchen"), "coffee box").save(trace)
     said = "push the coffee box away <b>gently</b>" if known else ""
-    result = Controller(seed=0).say("push the coffee box away", plan_only=True)
+    result = Conversation(Controller(seed=0)).say("push the coffee box away", plan_only=True)
     result = result.model_copy(update={"text": said})
     told = result.model_dump_json() if known else None
     write_view("replay", str(trace), "kitchen", str(page), told)

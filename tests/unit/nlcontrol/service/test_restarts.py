@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from nlcontrol import Client, ControlError
+from nlcontrol import Client
+from nlcontrol.errors import ControlError
 from tests.patience import PATIENCE
 from tests.service_process import serving
 
@@ -15,8 +16,8 @@ from tests.service_process import serving
 def test_a_run_that_was_cut_off_is_told_so(tmp_path: Path) -> None:
     store = ("--store", str(tmp_path / "store"), "--planners", "1")
     with serving(*store) as server:
-        robot = Client(server.url, timeout=PATIENCE)
-        run = robot.say("push the mug 10 cm to the left")
+        robot = Client(server.url, timeout=PATIENCE).sessions.open()
+        run = robot.start("push the mug 10 cm to the left")
         assert next(run.events()).event.kind == "understood"
         server.process.kill()
         server.process.wait()
@@ -35,5 +36,5 @@ def test_a_run_that_was_cut_off_is_told_so(tmp_path: Path) -> None:
             robot.look()
         assert raised.value.code == "unknown_session"
         robot.close()
-        with Client(server.url, timeout=PATIENCE) as robot:
+        with Client(server.url, timeout=PATIENCE).sessions.open() as robot:
             assert robot.plan("push the mug 3 cm to the left").plan_id

@@ -5,8 +5,9 @@ from __future__ import annotations
 import pytest
 
 from grammar.frames.command import Command
-from nlcontrol import Controller
 from nlcontrol.results.result import Result
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 
 SENTENCES = (
     "push the ice tea box 20 cm to the left without toppling it",
@@ -28,7 +29,7 @@ def controller() -> Controller:
 
 @pytest.mark.parametrize("sentence", SENTENCES)
 def test_results(controller: Controller, sentence: str) -> None:
-    result = controller.say(sentence, plan_only=True)
+    result = Conversation(controller).say(sentence, plan_only=True)
     back = Result.model_validate_json(result.to_json())
     assert back == Result.model_validate_json(back.to_json())
     assert back.to_json() == result.to_json()

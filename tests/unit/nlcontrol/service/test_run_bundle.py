@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nlcontrol import ControlError, Controller, Conversation
+from nlcontrol.errors import ControlError
 from nlcontrol.service.bundle import (
     bundle_run,
     read_bundle,
@@ -28,6 +28,8 @@ from nlcontrol.service.documents import RunInfo, SessionSpec
 from nlcontrol.service.run_store import RunStore, bundle_file
 from nlcontrol.service.session import Session
 from nlcontrol.session import recipe as recipes
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from objectmodels.files import yaml_documents
 from sim.traces.trace import ContactEvent, Trace
 
@@ -87,7 +89,7 @@ def test_another_seed_is_told(bundle: Path, tmp_path: Path) -> None:
 def test_a_run_without_a_recipe_is_not_repeatable(tmp_path: Path) -> None:
     controller = Controller()
     controller.watch("mug")
-    result = controller.say("where is the mug?")
+    result = Conversation(controller).say("where is the mug?")
     bundle_run(controller, result, tmp_path / "b.zip")
     found = read_bundle(tmp_path / "b.zip")
     assert found.request.recipe is None
@@ -100,10 +102,10 @@ def test_too_many_deeds_have_no_recipe(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(recipes, "MOST_DEEDS", 3)
     controller = Controller()
     for _ in range(3):
-        result = controller.say("where is the mug?")
+        result = Conversation(controller).say("where is the mug?")
     assert run_request(controller, result).why_not is None
     for _ in range(3):
-        controller.say("where is the mug?")
+        Conversation(controller).say("where is the mug?")
     assert len(controller.journal.deeds) == 3
     assert "more than 3" in (run_request(controller, result).why_not or "")
 
@@ -235,7 +237,7 @@ def test_a_recipe_reads_no_files(bundle: Path, tmp_path: Path) -> None:
 def test_the_bundle_of_a_run_in_a_store(tmp_path: Path) -> None:
     controller, store = Controller(seed=3), RunStore(tmp_path)
     store.add_session("s", SessionSpec(seed=3))
-    result = controller.say("where is the mug?")
+    result = Conversation(controller).say("where is the mug?")
     for name, state in (("whole", "ended"), ("cut", "aborted")):
         store.add_run(
             RunInfo(
@@ -268,7 +270,7 @@ def test_a_plan_that_was_approved_is_repeated_to_the_digit(tmp_path: Path) -> No
         session.plan("push the ice tea box 2 cm away")
         session.ask("where is the coffee box?")
         assert first.plan_id is not None
-        run = session.execute(first.plan_id)
+        run = session.start(plan_id=first.plan_id)
         result = run.result()
         events = tuple(run.events())
         bundle_run(session.controller, result, tmp_path / "b.zip", events=events)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from nlcontrol import ControlError
+from nlcontrol.errors import ControlError
 from nlcontrol.results.result import Result
 from nlcontrol.service import run_store
 from nlcontrol.service.documents import NumberedEvent, RunInfo, SessionSpec

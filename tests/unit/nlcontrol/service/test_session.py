@@ -11,12 +11,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nlcontrol import ControlError, Controller, Event, Session
-from nlcontrol.errors import ErrorInfo
+from nlcontrol import Session
+from nlcontrol.errors import ControlError, ErrorInfo
 from nlcontrol.results.result import Result
 from nlcontrol.service import offers
 from nlcontrol.service.methods import PlanningSession
 from nlcontrol.service.offers import LIFE
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.events import Event
 from planner.types.plan import Plan
 from sim.exploration.trial_extraction import Recording
 from sim.traces.trace import Trace
@@ -61,7 +63,7 @@ def planned(session: Session, said: str) -> str:
 
 def do(session: Session, said: str) -> str:
     """Paraphrase of a sentence that is planned, approved and done."""
-    result = session.execute(planned(session, said)).result(PATIENCE)
+    result = session.start(plan_id=planned(session, said)).result(PATIENCE)
     assert result.status == "done", result.report()
     return result.paraphrase or ""
 
@@ -84,7 +86,7 @@ def test_what_was_approved_is_done(session: Session, robot: PlayedExecutor) -> N
     assert (offer.ok, offer.result.status, offer.expires_in) == (True, "planned", LIFE)
     assert robot.executed == []
     told: list[Event] = []
-    run = session.execute(offer.plan_id, on_event=told.append)
+    run = session.start(plan_id=offer.plan_id, on_event=told.append)
     result = run.result(PATIENCE)
     assert robot.executed[0] == offer.result.plan
     assert (result.status, result.plan, result.planned) == ("done", offer.result.plan, 1)
@@ -110,19 +112,19 @@ def test_the_run_plans_anew_after_the_approved_push(
     session: Session, robot: PlayedExecutor, goes: Callable[..., Happens]
 ) -> None:
     robot.happens = [goes(share=0.5), goes()]
-    result = session.execute(planned(session, AWAY)).result(PATIENCE)
+    result = session.start(plan_id=planned(session, AWAY)).result(PATIENCE)
     assert (result.status, len(robot.executed)) == ("done", 2)
     assert robot.moved == pytest.approx((0.05, 0.0), abs=1e-3)
 
 
 def test_a_plan_is_carried_out_once_and_only_where_it_was_made(session: Session) -> None:
     plan_id = planned(session, AWAY)
-    session.execute(plan_id).result(PATIENCE)
-    assert error_of(lambda: session.execute(plan_id)).code == "used_plan"
-    assert error_of(lambda: session.execute("plan-0000000000000000")).code == "unknown_plan"
+    session.start(plan_id=plan_id).result(PATIENCE)
+    assert error_of(lambda: session.start(plan_id=plan_id)).code == "used_plan"
+    assert error_of(lambda: session.start(plan_id="plan-0000000000000000")).code == "unknown_plan"
     with Session("kitchen") as other:
         foreign = planned(other, AWAY)
-    assert error_of(lambda: session.execute(foreign)).code == "unknown_plan"
+    assert error_of(lambda: session.start(plan_id=foreign)).code == "unknown_plan"
 
 
 def test_a_plan_is_approved_by_the_text_that_was_planned_alone(
@@ -130,34 +132,34 @@ def test_a_plan_is_approved_by_the_text_that_was_planned_alone(
 ) -> None:
     plan_id = planned(session, AWAY)
     for other in (f"{AWAY} ", "topple the ice tea box", ""):
-        refused = error_of(lambda text=other: session.execute(plan_id, text=text))  # type: ignore[misc]
+        refused = error_of(lambda text=other: session.start(plan_id=plan_id, text=text))  # type: ignore[misc]
         assert (refused.code, refused.status.http) == ("other_sentence", 409)
         assert AWAY in refused.suggestions[-1]
     assert robot.executed == []
-    assert session.execute(plan_id, text=AWAY).result(PATIENCE).status == "done"
+    assert session.start(plan_id=plan_id, text=AWAY).result(PATIENCE).status == "done"
 
 
 def test_the_text_that_approves_is_the_one_that_was_said(session: Session) -> None:
-    session.execute(planned(session, AWAY)).result(PATIENCE)
+    session.start(plan_id=planned(session, AWAY)).result(PATIENCE)
     again = planned(session, "again")
-    assert session.execute(again, text="again").result(PATIENCE).status == "done"
+    assert session.start(plan_id=again, text="again").result(PATIENCE).status == "done"
 
 
 def test_a_plan_expires(session: Session, clock: Clock, monkeypatch: pytest.MonkeyPatch) -> None:
     early, late = planned(session, AWAY), planned(session, AWAY)
     clock.time += LIFE - 1.0
-    session.execute(early).result(PATIENCE)
+    session.start(plan_id=early).result(PATIENCE)
     clock.time += 1.0
-    assert error_of(lambda: session.execute(late)).code == "expired_plan"
-    assert error_of(lambda: session.execute(late)).status.http == 410
+    assert error_of(lambda: session.start(plan_id=late)).code == "expired_plan"
+    assert error_of(lambda: session.start(plan_id=late)).status.http == 410
     dropped = planned(session, AWAY)
     session.stop()
-    assert error_of(lambda: session.execute(dropped)).code == "expired_plan"
+    assert error_of(lambda: session.start(plan_id=dropped)).code == "expired_plan"
     monkeypatch.setattr(offers, "MOST_OFFERED", 2)
     oldest = planned(session, AWAY)
     kept = [planned(session, AWAY) for _ in range(2)]
-    assert error_of(lambda: session.execute(oldest)).code == "expired_plan"
-    assert session.execute(kept[0]).result(PATIENCE).status == "done"
+    assert error_of(lambda: session.start(plan_id=oldest)).code == "expired_plan"
+    assert session.start(plan_id=kept[0]).result(PATIENCE).status == "done"
 
 
 @pytest.mark.parametrize("name", [BOX, "mug"])
@@ -167,7 +169,7 @@ def test_a_plan_is_stale_once_anything_moved(
     plan_id = planned(session, AWAY)
     there = robot.poses[name]
     robot.poses[name] = replace(there, x=there.x + 0.012, yaw=there.yaw + math.radians(5.0))
-    info = error_of(lambda: session.execute(plan_id))
+    info = error_of(lambda: session.start(plan_id=plan_id))
     assert (info.code, info.status.http) == ("stale_plan", 409)
     assert info.numbers[f"{name}: moved"] == pytest.approx(0.012)
     assert info.numbers[f"{name}: turned"] == pytest.approx(math.radians(5.0))
@@ -175,7 +177,7 @@ def test_a_plan_is_stale_once_anything_moved(
     assert f"the {name} turned 5.0°" in info.message
     assert robot.executed == []
     # The suggestion works: what is planned now goes by what the refusal saw.
-    assert session.execute(planned(session, AWAY)).result(PATIENCE).status == "done"
+    assert session.start(plan_id=planned(session, AWAY)).result(PATIENCE).status == "done"
 
 
 def test_noise_of_the_camera_changes_nothing_of_a_plan(
@@ -186,7 +188,7 @@ def test_noise_of_the_camera_changes_nothing_of_a_plan(
     robot.poses[BOX] = replace(there, y=there.y + 0.002, yaw=there.yaw + math.radians(1.0))
     session.look()
     assert session.plan(AWAY).result.plan != offer.result.plan
-    assert session.execute(offer.plan_id or "").result(PATIENCE).status == "done"
+    assert session.start(plan_id=offer.plan_id or "").result(PATIENCE).status == "done"
     assert robot.executed[0] == offer.result.plan
 
 
@@ -194,7 +196,7 @@ def test_a_plan_is_stale_once_something_was_learned(session: Session) -> None:
     plan_id = planned(session, AWAY)
     models = session.controller.models
     models["mug"] = models["mug"].model_copy(update={"mass": 2.0})
-    assert "the mug" in error_of(lambda: session.execute(plan_id)).message
+    assert "the mug" in error_of(lambda: session.start(plan_id=plan_id)).message
 
 
 def test_what_was_only_planned_does_not_count_as_done(session: Session) -> None:
@@ -232,7 +234,7 @@ def test_frames_are_planned_as_sentences_are(session: Session, robot: PlayedExec
     frames = session.parse(AWAY)
     offer = session.plan(frames)
     assert offer.plan_id is not None
-    assert session.execute(offer.plan_id).result(PATIENCE).status == "done"
+    assert session.start(plan_id=offer.plan_id).result(PATIENCE).status == "done"
     assert robot.executed == [offer.result.plan]
 
 
@@ -246,7 +248,7 @@ def test_what_is_there_already_is_watched(session: Session, robot: PlayedExecuto
         raise ZeroDivisionError
 
     robot.watch = watch  # type: ignore[method-assign]
-    assert session.execute(plan_id).result(PATIENCE).status == "failed"
+    assert session.start(plan_id=plan_id).result(PATIENCE).status == "failed"
     assert (watched, robot.executed) == ([BOX], [])
 
 
@@ -276,7 +278,7 @@ def test_one_thing_at_a_time(
 
     robot.happens = [waits, goes()]
     waiting = planned(session, AWAY)
-    run = session.say(AWAY)
+    run = session.start(AWAY)
     assert begun.wait(PATIENCE)
     try:
         with pytest.raises(TimeoutError):
@@ -284,10 +286,10 @@ def test_one_thing_at_a_time(
         calls: list[Callable[[], object]] = [
             session.look,
             session.reset,
-            lambda: session.say(AWAY),
+            lambda: session.start(AWAY),
             lambda: session.plan(AWAY),
             lambda: session.ask("where is the mug?"),
-            lambda: session.execute(waiting),
+            lambda: session.start(plan_id=waiting),
             lambda: session.affordances("mug"),
         ]
         assert [error_of(call).code for call in calls] == ["busy"] * len(calls)
@@ -306,7 +308,7 @@ def test_a_stop_cancels_the_run(
         return goes()(plan)
 
     robot.happens = [stops]
-    result = session.say(AWAY).result(PATIENCE)
+    result = session.start(AWAY).result(PATIENCE)
     assert (result.status, len(robot.executed)) == ("cancelled", 1)
 
 
@@ -328,12 +330,12 @@ def test_an_answer_that_is_given_up_moves_nothing_further(
     robot.touched.clear()
     assert asks().status == "cancelled"
     assert len(robot.touched) == 1
-    assert session.say(AWAY).result(PATIENCE).status == "done"
+    assert session.start(AWAY).result(PATIENCE).status == "done"
 
 
 def test_approval_may_be_required(robot: PlayedExecutor) -> None:
     with Session(executor=robot, approval="plan") as session:
-        assert error_of(lambda: session.say(AWAY)).code == "approval_required"
+        assert error_of(lambda: session.start(AWAY)).code == "approval_required"
         asked = lambda: session.ask("how heavy is the ice tea box?", motion="simulate")  # noqa: E731
         assert error_of(asked).code == "approval_required"
         assert session.ask("how heavy is the ice tea box?").status == "answered"
@@ -350,7 +352,7 @@ def test_a_reset_begins_anew() -> None:
         assert session.look().digest != first.digest
         session.reset()
         assert session.look() == first
-        assert error_of(lambda: session.execute(plan_id)).code == "expired_plan"
+        assert error_of(lambda: session.start(plan_id=plan_id)).code == "expired_plan"
         assert error_of_result(session, "push it away") == "no_antecedent"
 
 
@@ -358,9 +360,10 @@ def test_what_callbacks_raise_is_told(session: Session) -> None:
     def fails(event: Event) -> None:
         raise ZeroDivisionError
 
-    run = session.execute(planned(session, AWAY), on_event=fails)
-    assert error_of(lambda: run.result(PATIENCE)).code == "internal"
-    assert run.info().state == "defect"
+    run = session.start(plan_id=planned(session, AWAY), on_event=fails)
+    with pytest.raises(ZeroDivisionError):
+        run.result(PATIENCE)
+    assert run.info().state == "ended"
 
 
 def test_predictions_go_by_the_table(session: Session, robot: PlayedExecutor) -> None:
@@ -426,7 +429,7 @@ def test_a_stop_does_not_wait_for_a_plan_and_drops_it(
     stopped.set()
     planner.join(PATIENCE)
     with pytest.raises(ControlError) as raised:
-        session.execute(found[0])
+        session.start(plan_id=found[0])
     assert raised.value.code == "expired_plan"
 
 
@@ -443,5 +446,5 @@ def test_a_run_that_is_being_begun_as_the_stop_comes_is_stopped(
     waiting = session._plans.approved(plan_id, None)
     monkeypatch.setattr(session._plans, "approved", lambda *_: waiting)
     monkeypatch.setattr(session.controller, "look", stopped_meanwhile)
-    run = session.execute(plan_id)
+    run = session.start(plan_id=plan_id)
     assert run.result(PATIENCE).status == "cancelled"

@@ -7,9 +7,11 @@ from collections.abc import Callable
 
 import pytest
 
-from nlcontrol import ControlError, Controller, Session
+from nlcontrol import Session
+from nlcontrol.errors import ControlError
 from nlcontrol.service.workers import session_host
 from nlcontrol.service.workers.session_host import SessionHost
+from nlcontrol.session.controller import Controller
 from tests.fakes.played_executor import PlayedExecutor, played
 from tests.patience import PATIENCE
 from tests.unit.nlcontrol.pushes import Happens
@@ -63,7 +65,7 @@ def test_a_run_that_is_refused_takes_no_turn_from_the_one_under_way(
     host.answer(said, {})
     assert refused(host) == "busy"
     assert heard.ended.wait(PATIENCE)
-    assert host.session.say(RUN["said"] or "").result(PATIENCE).status == "done"
+    assert host.session.start(RUN["said"] or "").result(PATIENCE).status == "done"
 
 
 def test_a_run_that_is_refused_gives_the_one_under_way_no_time_limit(
@@ -80,13 +82,13 @@ def test_a_run_that_is_refused_gives_the_one_under_way_no_time_limit(
 def test_a_run_that_was_stopped_before_its_turn_was_known_ends(
     host: SessionHost, heard: Heard, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    say = Session.say
+    start = Session.start
 
-    def say_and_stop(*arguments: object, **options: object) -> object:
-        run = say(*arguments, **options)  # type: ignore[arg-type]
+    def start_and_stop(*arguments: object, **options: object) -> object:
+        run = start(*arguments, **options)  # type: ignore[arg-type]
         host.answer("stop", {})
         return run
 
-    monkeypatch.setattr(Session, "say", say_and_stop)
+    monkeypatch.setattr(Session, "start", start_and_stop)
     host.answer("begin_run", RUN)
     assert heard.ended.wait(PATIENCE)

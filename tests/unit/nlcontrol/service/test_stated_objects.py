@@ -8,9 +8,12 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
-from nlcontrol import ControlError, Controller, Session
+from nlcontrol import Session
+from nlcontrol.errors import ControlError
 from nlcontrol.service.documents import SessionSpec, StatedObject, TableView
 from nlcontrol.service.workers.session_host import session_answer
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from planner.types.world_state import PlanarPose
 from sim.stated_table import StatedTable
 
@@ -54,13 +57,13 @@ def test_plans_are_those_of_a_robot_that_sees_the_same() -> None:
     ]
     offer = Session("kitchen", objects=stated).plan(AWAY)
     assert (offer.plan_id, offer.expires_in) == (None, None)
-    assert offer.result.plan == controller.say(AWAY, plan_only=True).plan
+    assert offer.result.plan == Conversation(controller).say(AWAY, plan_only=True).plan
 
 
 def test_what_is_planned_is_not_carried_out(session: Session) -> None:
     for call in (
-        lambda: session.execute("plan-0"),
-        lambda: session.say(AWAY),
+        lambda: session.start(plan_id="plan-0"),
+        lambda: session.start(AWAY),
         lambda: session.ask("how heavy is the beaker?", motion="simulate"),
     ):
         with pytest.raises(ControlError) as raised:

@@ -6,7 +6,8 @@ from collections.abc import Callable
 
 import pytest
 
-from nlcontrol import Controller, Conversation
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from tests.fakes.played_executor import PlayedExecutor, played
 from tests.unit.nlcontrol.pushes import Happens
 

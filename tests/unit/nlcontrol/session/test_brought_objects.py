@@ -9,7 +9,8 @@ import pytest
 
 from grammar import parse
 from grammar.frames import command as g
-from nlcontrol import Controller
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from planner.clearing import bringing_frames, may_be_brought
 from planner.types.defaults import DEFAULTS
 from sim.truth.scene_file import Scene, load_scene
@@ -27,7 +28,7 @@ def pantry(**changes: Any) -> Scene:
 
 
 def test_a_jar_beneath_the_arm_is_pushed_to_where_its_lid_is_reached() -> None:
-    result = Controller(pantry()).say("open the jar gently", plan_only=True)
+    result = Conversation(Controller(pantry())).say("open the jar gently", plan_only=True)
     assert result.status == "planned"
     first, second = (frame.goal.kind for frame in result.frames)
     assert (first, second) == ("displace", "open")
@@ -38,7 +39,7 @@ def test_a_jar_beneath_the_arm_is_pushed_to_where_its_lid_is_reached() -> None:
 @pytest.mark.parametrize("clear", [0, 1])
 def test_it_stays_unless_things_may_be_moved(clear: int) -> None:
     controller = Controller(pantry(), defaults=replace(DEFAULTS, clear=clear))
-    result = controller.say("open the jar", plan_only=True)
+    result = Conversation(controller).say("open the jar", plan_only=True)
     assert result.error is not None
     assert (result.status, result.error.code) == ("refused", "out_of_reach")
     # Asked, it says which push would do.
@@ -47,7 +48,7 @@ def test_it_stays_unless_things_may_be_moved(clear: int) -> None:
 
 
 def test_what_is_fixed_stays() -> None:
-    result = Controller(pantry(fixed=True)).say("open the jar", plan_only=True)
+    result = Conversation(Controller(pantry(fixed=True))).say("open the jar", plan_only=True)
     assert result.status == "refused"
 
 

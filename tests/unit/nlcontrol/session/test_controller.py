@@ -12,10 +12,11 @@ import numpy as np
 import pytest
 
 import grammar
-from nlcontrol import Controller
 from nlcontrol.checks.constraint_checks import CONSTRAINTS
 from nlcontrol.errors import ControlError
 from nlcontrol.results.result import Result
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from objectmodels import Registry
 from planner.types.plan import Plan
 from planner.types.refusal import Refusal
@@ -36,7 +37,7 @@ def test_done(
 ) -> None:
     stage = played(controller, goes())
     told: list[tuple[str, float, str]] = []
-    result = controller.say(SENTENCE, progress=lambda *report: told.append(report))
+    result = Conversation(controller).say(SENTENCE, progress=lambda *report: told.append(report))
     assert (result.ok, result.status, result.exit_status) == (True, "done", 0)
     assert stage.executed == [result.plan]
     assert told == [("push", 1.0, "in contact")]
@@ -52,7 +53,7 @@ def test_json_round_trip_leaves_out_the_trace_alone(
     controller: Controller, goes: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     played(controller, goes())
-    result = controller.say(SENTENCE)
+    result = Conversation(controller).say(SENTENCE)
     again = Result.model_validate_json(result.to_json())
     steps = tuple(step.model_copy(update={"basis": None}) for step in result.steps)
     assert again == result.model_copy(update={"trace": None, "steps": steps})
@@ -64,7 +65,7 @@ def test_a_clause_that_does_not_hold(
 ) -> None:
     leant = goes(share=0.5, end="guard", tilt=math.radians(25), tilt_at_end=0.0)
     played(controller, leant, goes())
-    result = controller.say(SENTENCE)
+    result = Conversation(controller).say(SENTENCE)
     assert (result.ok, result.status, result.exit_status) == (False, "failed", 5)
     assert result.error is not None
     assert "no topple" in result.error.message
@@ -79,7 +80,7 @@ def test_what_fell_is_not_pushed_on(
     monkeypatch.setattr(
         stage, "seen_poses", lambda: stage.poses | ({BOX: fallen} if stage.executed else {})
     )
-    result = controller.say(SENTENCE)
+    result = Conversation(controller).say(SENTENCE)
     assert (result.status, len(stage.executed)) == ("failed", 1)
     assert result.steps[0].stuck is not None
     assert "lies" in result.steps[0].stuck
@@ -99,7 +100,7 @@ def test_frames_are_carried_out_in_turn_up_to_the_first_that_fails(
     three = one.model_copy(update={"frames": one.frames * 3})
     monkeypatch.setattr(Controller, "command", lambda *_: three)
     stage = played(controller, goes(), stands(force=60.0))
-    result = controller.say(SENTENCE)
+    result = Conversation(controller).say(SENTENCE)
     assert len(stage.executed) == result.planned == 2
     assert [(step.frame, step.status) for step in result.steps] == [(0, "done"), (1, "failed")]
     assert result.status == "failed"
@@ -114,7 +115,7 @@ def test_frames_are_carried_out_in_turn_up_to_the_first_that_fails(
 @pytest.mark.slow
 def test_a_refusal_moves_nothing(controller: Controller, monkeypatch: pytest.MonkeyPatch) -> None:
     stage = played(controller)
-    result = controller.say("push the ice tea box at the top without toppling it")
+    result = Conversation(controller).say("push the ice tea box at the top without toppling it")
     assert (result.ok, result.status, result.exit_status) == (False, "refused", 4)
     assert result.paraphrase is not None
     assert not stage.executed
@@ -126,7 +127,7 @@ def test_what_cannot_be_checked_is_not_executed(
 ) -> None:
     stage = played(controller)
     monkeypatch.delitem(CONSTRAINTS, "gentle")
-    result = controller.say("gently push the coffee box to the right")
+    result = Conversation(controller).say("gently push the coffee box to the right")
     assert result.status == "unsupported"
     assert result.error is not None
     assert result.error.code == "uncheckable"
@@ -181,7 +182,7 @@ def test_errors_of_the_caller_raise(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("text", ["", "\udc80", "push \x00", "push the moon away"])
 def test_any_text_yields_a_result(controller: Controller, text: str) -> None:
-    result = controller.say(text)
+    result = Conversation(controller).say(text)
     assert result.status == "not_understood"
     assert Result.model_validate_json(result.to_json()).error == result.error
     assert str(result)
@@ -207,4 +208,4 @@ def test_a_scene_brings_models_of_its_own(tmp_path: Path) -> None:
     controller = Controller(scene, registry=registry)
     assert controller.models["crate"].mass == 1.0
     assert "crate" not in registry  # the caller's own is left as it was
-    assert controller.say("push the crate away", plan_only=True).ok
+    assert Conversation(controller).say("push the crate away", plan_only=True).ok

@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from grammar.frames import command as g
-from nlcontrol import Conversation
 from nlcontrol.results.result import Result
+from nlcontrol.session.conversation import Conversation
 from planner.types.plan import Plan
 from tests.fakes.played_executor import PlayedExecutor, played
 from tests.unit.nlcontrol.pushes import Happens
@@ -87,8 +87,8 @@ def test_nothing_before(conversation: Conversation, remark: str) -> None:
 
 
 def test_nothing_is_remembered_by_the_controller_alone(conversation: Conversation) -> None:
-    conversation.controller.say(AWAY, plan_only=True)
-    assert conversation.controller.say("again").error is not None
+    Conversation(conversation.controller).say(AWAY, plan_only=True)
+    assert Conversation(conversation.controller).say("again").error is not None
 
 
 def test_a_correction_answers_the_question_which_one(conversation: Conversation) -> None:

@@ -10,7 +10,7 @@ import pytest
 
 from grammar import parse
 from grammar.frames import command as g
-from nlcontrol import Controller
+from nlcontrol.session.controller import Controller
 from nlcontrol.session.conversation import Conversation
 from nlcontrol.session.corrected_sentences import BEFORE, LEFT_OUT, REMARKS
 from nlcontrol.session.remarks.follow_up_frames import meant_command
@@ -47,15 +47,15 @@ def controller() -> Controller:
 
 @pytest.mark.parametrize("text", REFUSED)
 def test_what_is_offered_instead_is_planned(controller: Controller, text: str) -> None:
-    error = controller.say(text, plan_only=True).error
+    error = Conversation(controller).say(text, plan_only=True).error
     assert error is not None
     assert REFUSED[text] in error.say[0]
-    assert controller.say(error.say[0], plan_only=True).status == "planned"
+    assert Conversation(controller).say(error.say[0], plan_only=True).status == "planned"
 
 
 def test_what_a_change_is_refused_for_is_changed_as_well(controller: Controller) -> None:
     text = "push the ice tea box 3 m away with at most 0.1 N"
-    error = controller.say(text, plan_only=True).error
+    error = Conversation(controller).say(text, plan_only=True).error
     assert error is not None
     assert error.say == ("push the ice tea box away by 69 cm with at most 5 N",)
     # What is suggested is what is offered.
@@ -63,36 +63,44 @@ def test_what_a_change_is_refused_for_is_changed_as_well(controller: Controller)
 
 
 def test_the_volume_that_is_offered_is_surely_in_the_carton(controller: Controller) -> None:
-    error = controller.say("pour 900 ml of the ice tea into the mug", plan_only=True).error
+    error = (
+        Conversation(controller)
+        .say("pour 900 ml of the ice tea into the mug", plan_only=True)
+        .error
+    )
     assert error is not None
     assert error.say == ("pour 60 ml of the ice tea into the mug",)
-    assert controller.say(error.say[0], plan_only=True).status == "planned"
+    assert Conversation(controller).say(error.say[0], plan_only=True).status == "planned"
 
 
 def test_the_speed_that_is_offered_is_one_to_which_the_stroke_comes(
     controller: Controller,
 ) -> None:
-    error = controller.say("push the cereal box 6 cm away at 149 cm/s", plan_only=True).error
+    error = (
+        Conversation(controller)
+        .say("push the cereal box 6 cm away at 149 cm/s", plan_only=True)
+        .error
+    )
     assert error is not None
     assert error.numbers["most"] < DEFAULTS.speed_most
     assert error.suggestions == ("at 101 mm/s",)
-    assert controller.say(error.say[0], plan_only=True).status == "planned"
+    assert Conversation(controller).say(error.say[0], plan_only=True).status == "planned"
 
 
 @pytest.mark.slow
 def test_the_speed_that_is_offered_for_a_light_object_is_reached() -> None:
     controller = Controller("counter", seed=3)  # of the seeds 0 to 2 the model was made
-    error = controller.say("push the mug 7 cm to the left at 0.113 m/s").error
+    error = Conversation(controller).say("push the mug 7 cm to the left at 0.113 m/s").error
     assert error is not None
     assert error.numbers["most"] < 0.09
-    result = controller.say(error.say[0])
+    result = Conversation(controller).say(error.say[0])
     assert (result.status, result.ok) == ("done", True)
 
 
 def test_where_nothing_is_suggested_a_smaller_amount_is_found(controller: Controller) -> None:
-    error = controller.say("lift the mug by 3 m", plan_only=True).error
+    error = Conversation(controller).say("lift the mug by 3 m", plan_only=True).error
     assert error is not None
-    found = controller.say(error.say[0], plan_only=True)
+    found = Conversation(controller).say(error.say[0], plan_only=True)
     assert found.status == "planned"
     goal = found.frames[0].goal
     assert isinstance(goal, g.Lift)
@@ -103,7 +111,7 @@ def test_where_nothing_is_suggested_a_smaller_amount_is_found(controller: Contro
 
 def test_trying_sentences_takes_no_time_of_the_robot() -> None:
     tried, looked = Controller("kitchen"), Controller("kitchen")
-    refused = tried.say("lift the mug by 3 m", plan_only=True)
+    refused = Conversation(tried).say("lift the mug by 3 m", plan_only=True)
     looked.look()
     assert refused.error is not None
     assert refused.error.say
@@ -124,7 +132,7 @@ def test_what_was_carried_out_is_not_said_again(controller: Controller) -> None:
 def test_another_object_is_not_offered_for_one_that_is_not_there() -> None:
     counter = Controller("counter")
     for text in ("push the book away", "push the teapot away", "push it away"):
-        error = counter.say(text, plan_only=True).error
+        error = Conversation(counter).say(text, plan_only=True).error
         assert error is not None
         assert error.say == ()
 
@@ -132,7 +140,7 @@ def test_another_object_is_not_offered_for_one_that_is_not_there() -> None:
 def test_nothing_is_offered_where_nothing_is_meant_more_than_the_rest(
     controller: Controller,
 ) -> None:
-    error = controller.say("push the teapot away", plan_only=True).error
+    error = Conversation(controller).say("push the teapot away", plan_only=True).error
     assert error is not None
     assert len(error.suggestions) > 3
     assert error.say == ()
@@ -188,10 +196,10 @@ def mug_in_the_way() -> Callable[[g.Frame, WorldState], bool]:
 
 def test_moving_what_is_in_the_way_is_offered() -> None:
     said = "push the ice tea box 5 cm away"
-    error = refusing(mug_in_the_way()).say(said, plan_only=True).error
+    error = Conversation(refusing(mug_in_the_way())).say(said, plan_only=True).error
     assert error is not None
     assert error.say == ("move the mug, then push the ice tea box away by 5 cm",)
-    asked = refusing(mug_in_the_way(), "ask").say(said, plan_only=True)
+    asked = Conversation(refusing(mug_in_the_way(), "ask")).say(said, plan_only=True)
     assert asked.error is not None
     assert len(asked.error.say) == 1
     assert re.fullmatch(r"move the mug .+ by \d+ cm, then push .+ by 5 cm", asked.error.say[0])
@@ -200,13 +208,13 @@ def test_moving_what_is_in_the_way_is_offered() -> None:
 
 def test_what_is_in_the_way_is_moved_first_and_what_is_spared_is_not() -> None:
     said = "push the ice tea box 5 cm away"
-    done = refusing(mug_in_the_way(), "yes").say(said, plan_only=True)
+    done = Conversation(refusing(mug_in_the_way(), "yes")).say(said, plan_only=True)
     assert done.status == "planned"
     assert [frame.object.id for frame in done.frames if frame.object] == ["mug", "ice tea box"]
     assert done.plan is not None
     assert done.plan.object == "mug"
     spared = refusing(mug_in_the_way(), "yes")
-    refused = spared.say(f"{said} without touching the mug", plan_only=True)
+    refused = Conversation(spared).say(f"{said} without touching the mug", plan_only=True)
     assert refused.status == "refused"
 
 
@@ -218,13 +226,19 @@ def test_no_step_is_planned_twice_from_the_same_places() -> None:
         asked.append((frame, *(seen.pose for seen in state.objects.values())))
         return blocked(frame, state)
 
-    assert refusing(rule, "yes").say("push the ice tea box 5 cm away", plan_only=True).frames[1:]
+    assert (
+        Conversation(refusing(rule, "yes"))
+        .say("push the ice tea box 5 cm away", plan_only=True)
+        .frames[1:]
+    )
     assert len(asked) == len(set(asked))
 
 
 @pytest.mark.parametrize("remark", ["again", "do the same", "no, 7 cm"])
 def test_a_remark_is_about_what_was_said_and_not_about_what_was_moved_aside(remark: str) -> None:
-    done = refusing(mug_in_the_way(), "yes").say("push the ice tea box 5 cm away", plan_only=True)
+    done = Conversation(refusing(mug_in_the_way(), "yes")).say(
+        "push the ice tea box 5 cm away", plan_only=True
+    )
     meant = meant_command(parse(remark), done, done)
     assert [frame.object.text for frame in meant.frames if frame.object] == ["ice tea box"]
 
@@ -233,13 +247,17 @@ def test_another_direction_is_offered_where_no_amount_of_the_one_has_a_plan() ->
     def rule(frame: g.Frame, state: WorldState) -> bool:
         return getattr(frame.goal, "direction", None) != "left"
 
-    error = refusing(rule).say("push the ice tea box 5 cm away", plan_only=True).error
+    error = Conversation(refusing(rule)).say("push the ice tea box 5 cm away", plan_only=True).error
     assert error is not None
     assert error.say == ("push the ice tea box to the left by 5 cm",)
 
 
 def test_where_nothing_has_a_plan_the_refusal_says_so_and_how_to_ask() -> None:
-    error = refusing(lambda *_: True).say("push the ice tea box 5 cm away", plan_only=True).error
+    error = (
+        Conversation(refusing(lambda *_: True))
+        .say("push the ice tea box 5 cm away", plan_only=True)
+        .error
+    )
     assert error is not None
     assert error.say == ()
     # A person may move the mug.
@@ -251,7 +269,7 @@ def test_where_nothing_has_a_plan_the_refusal_says_so_and_how_to_ask() -> None:
 
 def test_every_step_of_what_is_offered_has_a_plan(controller: Controller) -> None:
     steps = ("push the mug 5 cm away with at most 0.1 N", "push the mug 3 m to the left")
-    error = controller.say(", then ".join(steps), plan_only=True).error
+    error = Conversation(controller).say(", then ".join(steps), plan_only=True).error
     assert error is not None
     first, second = parse(error.say[0]).frames
     assert isinstance(second.goal, g.Displace)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from nlcontrol import Conversation
+from nlcontrol.session.conversation import Conversation
 
 BOTH = "push the mug and the coffee box 4 cm to the left"
 

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from nlcontrol import Controller, Conversation
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 
 DESK = """
 version: 1

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nlcontrol import Controller
 from nlcontrol.errors import ControlError
+from nlcontrol.session.controller import Controller
 from nlcontrol.session.conversation import Conversation
 from nlcontrol.session.events import KINDS, Event, EventKind, Supervisor
 from objectmodels import ObjectModel
@@ -39,7 +39,7 @@ def kinds(events: list[Event]) -> list[EventKind]:
 def test_events_of_a_push(controller: Controller, goes: Callable[..., Happens]) -> None:
     played(controller, goes())
     events: list[Event] = []
-    result = controller.say(SENTENCE, on_event=events.append)
+    result = Conversation(controller).say(SENTENCE, on_event=events.append)
     assert kinds(events)[:3] == ["understood", "planned", "phase"]
     assert kinds(events)[-1] == "ended"
     assert set(kinds(events)) <= set(KINDS)
@@ -57,7 +57,7 @@ def test_events_of_a_push(controller: Controller, goes: Callable[..., Happens]) 
 def test_planned_again(controller: Controller, goes: Callable[..., Happens]) -> None:
     played(controller, goes(0.5), goes())
     events: list[Event] = []
-    controller.say(SENTENCE, on_event=events.append)
+    Conversation(controller).say(SENTENCE, on_event=events.append)
     assert kinds(events).count("planned") == 1
     assert kinds(events).count("replanned") >= 1
 
@@ -87,7 +87,7 @@ def test_what_is_held_is_told(controller: Controller, goes: Callable[..., Happen
     stage, stop = played(controller, goes()), StopToken()
     stop.request()
     stage.held = _held()
-    result = controller.say("set the mug down", stop=stop)
+    result = Conversation(controller).say("set the mug down", stop=stop)
     assert result.status == "cancelled"
     assert result.error is not None
     assert "holds the mug" in result.error.message
@@ -110,14 +110,17 @@ def test_an_exploration_stops_before_the_next_touch(controller: Controller) -> N
         return touch(experiment, *rest)
 
     stage.touch = touch_and_stop  # type: ignore[assignment,method-assign]
-    result = controller.say("find out how heavy the ice tea box is", stop=stop)
+    result = Conversation(controller).say("find out how heavy the ice tea box is", stop=stop)
     assert (result.status, len(stage.touched)) == ("cancelled", 1)
 
 
 def test_a_question_is_not_answered_any_more(controller: Controller) -> None:
     stop = StopToken()
     stop.request()
-    assert controller.say("can you push the ice tea box?", stop=stop).status == "cancelled"
+    assert (
+        Conversation(controller).say("can you push the ice tea box?", stop=stop).status
+        == "cancelled"
+    )
 
 
 def test_planning_stops_at_the_next_question_to_the_robot(controller: Controller) -> None:
@@ -153,7 +156,7 @@ def test_a_callback_that_fails_stops_the_robot_and_is_raised(
             raise ZeroDivisionError
 
     with pytest.raises(ZeroDivisionError):
-        controller.say(SENTENCE, **{named: fail})  # type: ignore[arg-type]
+        Conversation(controller).say(SENTENCE, **{named: fail})  # type: ignore[arg-type]
     assert len(stage.executed) == 1
 
 
@@ -167,7 +170,7 @@ class Broken(PlayedExecutor):
 def test_a_robot_that_fails_gives_a_result(controller: Controller) -> None:
     broken = played(controller)
     broken.__class__ = Broken
-    result = controller.say(SENTENCE)
+    result = Conversation(controller).say(SENTENCE)
     assert (result.status, result.exit_status, result.plan is not None) == ("failed", 1, True)
     assert result.error is not None
     assert result.error.code == "executor_failed"
@@ -183,7 +186,7 @@ def test_diagnostics_go_through_logging(
     played(controller, goes())
     assert logging.getLogger("nlcontrol").handlers
     with caplog.at_level(logging.DEBUG, logger="nlcontrol"):
-        controller.say(SENTENCE)
+        Conversation(controller).say(SENTENCE)
     assert {record.args[0] for record in caplog.records if record.args} >= {"planned", "ended"}  # type: ignore[index]
 
 

@@ -7,8 +7,10 @@ from itertools import islice
 import pytest
 
 from grammar.paraphrasing.sentence_sampler import random_sentences
-from nlcontrol import Controller, Result
+from nlcontrol import Result
 from nlcontrol.errors import CODES
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from planner.types.plan import Plan
 
 NOUNS = ("ice tea box", "cereal box", "coffee box", "box", "ice tea", "mug", "soup can")
@@ -26,7 +28,7 @@ def kitchen() -> Controller:
 @pytest.mark.parametrize("seed", range(6))
 def test_every_sentence_comes_to_an_end_that_is_told(kitchen: Controller, seed: int) -> None:
     for text, _ in islice(random_sentences(seed, nouns=NOUNS), 25):
-        result = kitchen.say(text, plan_only=True)
+        result = Conversation(kitchen).say(text, plan_only=True)
         assert result.status in ENDS, text
         assert result.paraphrase, text
         assert result.ok == (result.error is None), text
@@ -54,7 +56,7 @@ def test_every_sentence_comes_to_an_end_that_is_told(kitchen: Controller, seed: 
 def test_what_has_no_controller_yet_is_named(
     kitchen: Controller, text: str, capability: str
 ) -> None:
-    result = kitchen.say(text, plan_only=True)
+    result = Conversation(kitchen).say(text, plan_only=True)
     assert (result.status, result.exit_status) == ("unsupported", 4)
     assert result.frames
     assert result.error is not None
@@ -74,7 +76,7 @@ def test_what_has_no_controller_yet_is_named(
 def test_what_pushes_do_is_planned_to_its_end(
     kitchen: Controller, text: str, ends_on: str, pushes: int
 ) -> None:
-    result = kitchen.say(text, plan_only=True)
+    result = Conversation(kitchen).say(text, plan_only=True)
     assert (result.status, result.exit_status) == ("planned", 0)
     assert isinstance(result.plan, Plan)
     assert result.plan.push.ends_on == ends_on
@@ -94,7 +96,7 @@ def test_what_pushes_do_is_planned_to_its_end(
 def test_what_a_hand_does_is_planned_to_its_end(
     kitchen: Controller, text: str, steps: list[str]
 ) -> None:
-    result = kitchen.say(text, plan_only=True)
+    result = Conversation(kitchen).say(text, plan_only=True)
     assert (result.status, result.exit_status) == ("planned", 0)
     assert isinstance(result.plan, Plan)
     # Whether it is carried in between depends on where things stand.
@@ -111,14 +113,16 @@ def test_what_a_hand_does_is_planned_to_its_end(
     ],
 )
 def test_what_no_hand_can_do_is_refused(kitchen: Controller, text: str, message: str) -> None:
-    result = kitchen.say(text, plan_only=True)
+    result = Conversation(kitchen).say(text, plan_only=True)
     assert result.error is not None
     assert (result.status, result.error.code) == ("refused", "impossible")
     assert result.error.message.startswith(message)
 
 
 def test_what_is_never_met_is_refused(kitchen: Controller) -> None:
-    result = kitchen.say("push the coffee box away until it touches the cereal box", plan_only=True)
+    result = Conversation(kitchen).say(
+        "push the coffee box away until it touches the cereal box", plan_only=True
+    )
     assert result.error is not None
     assert (result.status, result.error.code) == ("refused", "impossible")
     assert "push it towards the cereal box" in result.error.suggestions

@@ -10,7 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from nlcontrol import Controller, SimulatedExecutor
+from nlcontrol.robots import SimulatedExecutor
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from planner.types.plan import Plan, Reached
 from planner.types.world_state import WorldState
 from sim import load_scene
@@ -27,7 +29,8 @@ import sys
 sys.modules["pydrake"] = None  # any import of it fails from now on
 import numpy as np
 from dataclasses import replace
-from nlcontrol import Controller, Trace
+from nlcontrol.robots import Trace
+from nlcontrol.session.controller import Controller
 from tests.fakes.played_executor import PlayedExecutor
 from tests.unit.nlcontrol.pushes import BOX
 
@@ -79,7 +82,7 @@ def test_a_controller_asks_the_planner_that_it_is_given() -> None:
         return Reached()
 
     controller = Controller("kitchen", planner=planner)
-    result = controller.say(SENTENCE, plan_only=True)
+    result = Conversation(controller).say(SENTENCE, plan_only=True)
     assert len(asked) == 1
     assert result.plan is None
 

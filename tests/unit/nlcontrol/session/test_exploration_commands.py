@@ -9,8 +9,9 @@ import pytest
 
 import grammar
 from grammar.frames import command as g
-from nlcontrol import Controller
 from nlcontrol.errors import ControlError
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from nlcontrol.session.exploration_commands import EVERYTHING, is_unknown, requested_parameters
 from objectmodels import BoxModel
 from sim.simulated_executor import simulation
@@ -54,12 +55,12 @@ def test_what_touching_does_not_tell_is_said(
     with pytest.raises(ControlError) as raised:
         requested_parameters(frame(text))
     assert raised.value.info.capability == capability
-    result = kitchen.say(text)
+    result = Conversation(kitchen).say(text)
     assert (result.status, result.exit_status) == ("unsupported", 4)
 
 
 def test_what_is_not_on_the_table_cannot_be_touched(kitchen: Controller) -> None:
-    result = kitchen.say("find out how heavy the soup can is")
+    result = Conversation(kitchen).say("find out how heavy the soup can is")
     assert result.error is not None
     assert (result.error.code, result.exit_status) == ("not_on_table", 3)
 
@@ -85,14 +86,14 @@ def test_a_question_is_found_out_if_the_answer_is_not_known_well(
 
 
 def test_a_plan_tells_what_would_be_touched_and_moves_nothing(kitchen: Controller) -> None:
-    result = kitchen.say("find out how slippery the coffee box is", plan_only=True)
+    result = Conversation(kitchen).say("find out how slippery the coffee box is", plan_only=True)
     assert (result.status, result.ok, result.exit_status) == ("planned", True, 0)
     assert "would be touched (tilt and slide)" in result.notes[0]
     assert not simulation(kitchen.executor).is_built
 
 
 def test_the_model_answers_a_question_and_offers_a_touch(kitchen: Controller) -> None:
-    result = kitchen.say("how slippery is the coffee box?")
+    result = Conversation(kitchen).say("how slippery is the coffee box?")
     assert (result.status, simulation(kitchen.executor).is_built) == ("answered", False)
     assert result.answer is not None
     assert "0.313" in result.answer.text
@@ -103,28 +104,28 @@ def test_the_model_answers_a_question_and_offers_a_touch(kitchen: Controller) ->
 
 
 def test_what_is_known_well_is_told_without_an_offer(kitchen: Controller) -> None:
-    answer = kitchen.say("how heavy is the soup can?").answer
+    answer = Conversation(kitchen).say("how heavy is the soup can?").answer
     assert answer is not None
     assert (answer.lines, answer.suggestions) == ((), ())
 
 
 def test_a_question_touches_where_the_caller_lets_it(kitchen: Controller) -> None:
     executor = played(kitchen)
-    kitchen.say("how slippery is the coffee box?", motion="never")
+    Conversation(kitchen).say("how slippery is the coffee box?", motion="never")
     assert not executor.touched
-    kitchen.say("how slippery is the coffee box?", motion="simulate")
+    Conversation(kitchen).say("how slippery is the coffee box?", motion="simulate")
     assert executor.touched
 
 
 def test_no_motion_means_none_for_a_command_either(kitchen: Controller) -> None:
-    result = kitchen.say("push the ice tea box away", motion="never")
+    result = Conversation(kitchen).say("push the ice tea box away", motion="never")
     assert (result.status, simulation(kitchen.executor).is_built) == ("planned", False)
 
 
 @pytest.mark.slow
 def test_touches_that_show_nothing_are_told(kitchen: Controller) -> None:
     executor = played(kitchen)
-    result = kitchen.say("find out how heavy the ice tea box is")
+    result = Conversation(kitchen).say("find out how heavy the ice tea box is")
     assert (result.status, result.exit_status) == ("refused", 4)
     assert result.error is not None
     assert result.error.code == "not_explorable"
@@ -135,7 +136,7 @@ def test_touches_that_show_nothing_are_told(kitchen: Controller) -> None:
 @pytest.mark.slow
 def test_find_out_how_heavy_it_is(kitchen: Controller) -> None:
     before = kitchen.models["ice tea box"]
-    result = kitchen.say("find out how heavy the ice tea box is")
+    result = Conversation(kitchen).say("find out how heavy the ice tea box is")
     assert (result.status, result.ok) == ("done", True)
     model, truth = kitchen.models["ice tea box"], simulation(kitchen.executor).truth("ice tea box")
     assert model.mass_sd < 0.03 * model.mass < before.mass_sd
@@ -147,5 +148,5 @@ def test_find_out_how_heavy_it_is(kitchen: Controller) -> None:
     assert step["exploration"]["truth"] is None
     assert result.trace is not None
     assert result.trace.tilt("ice tea box").max() > 0.05
-    again = kitchen.say("how heavy is the ice tea box?", plan_only=True)
+    again = Conversation(kitchen).say("how heavy is the ice tea box?", plan_only=True)
     assert f"{model.mass:.3f} kg" in str(again)

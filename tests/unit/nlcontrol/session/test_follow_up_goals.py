@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from grammar.frames import command as g
-from nlcontrol import Conversation
+from nlcontrol.session.conversation import Conversation
 from nlcontrol.session.remarks.follow_up_frames import (
     continue_frame,
     correct_frame,

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from nlcontrol import Controller, Conversation
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
+from nlcontrol.session.frame_execution import run_command
 from sim.simulated_executor import simulation
 
 
@@ -23,13 +25,15 @@ def test_what_is_moved_aside_for_a_command_is_moved_aside_for_a_question() -> No
     command = controller.resolve(controller.parse("can you put the tea tin on the book?"))
     (frame,) = command.frames
     assert not controller.answer(frame).yes
-    answer = controller.carry_out(command).answer
+    answer = run_command(controller, command).answer
     assert answer is not None
     assert answer.yes
 
 
 def test_what_cannot_be_carried_out_is_denied() -> None:
-    answer = Controller("pantry").say("can you swap the jar and the fixed bottle?").answer
+    answer = (
+        Conversation(Controller("pantry")).say("can you swap the jar and the fixed bottle?").answer
+    )
     assert answer is not None
     assert answer.yes is False
 
@@ -43,7 +47,7 @@ def test_what_is_left_is_told_where_the_first_is_there_already() -> None:
     asked = [
         f.model_copy(update={"query": "possible", "spans": ((0, 1),)}) for f in (*there, other)
     ]
-    answer = controller.carry_out(command.model_copy(update={"frames": tuple(asked)})).answer
+    answer = run_command(controller, command.model_copy(update={"frames": tuple(asked)})).answer
     assert answer is not None
     assert answer.yes
     assert "in 2 steps" in answer.text

@@ -13,8 +13,10 @@ from grammar.frames.command import Displace, ObjectRef
 from grammar.frames.conflicts import EXCLUSIVE, FORBIDS
 from grammar.frames.constraints import CONSTRAINTS
 from grammar.frames.goals import GOALS
-from nlcontrol import Controller, Conversation, Result
+from nlcontrol import Result
 from nlcontrol.cli import run
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from nlcontrol.session.frame_documents import Frames
 from nlcontrol.session.remarks.undo_frames import PastPush
 
@@ -28,7 +30,7 @@ def kitchen() -> Controller:
 
 
 def planned(controller: Controller, frames: Frames) -> Result:
-    return controller.do(frames, plan_only=True)
+    return Conversation(controller).do(frames, plan_only=True)
 
 
 def pushed(*constraints: dict[str, Any], **goal: Any) -> list[dict[str, Any]]:
@@ -48,7 +50,7 @@ def pushed(*constraints: dict[str, Any], **goal: Any) -> list[dict[str, Any]]:
     ],
 )
 def test_frames_are_planned_as_their_sentence(kitchen: Controller, sentence: str) -> None:
-    said = kitchen.say(sentence, plan_only=True)
+    said = Conversation(kitchen).say(sentence, plan_only=True)
     done = planned(kitchen, json.loads(kitchen.parse(sentence).model_dump_json()))
     assert done.to_json() == said.to_json()
 

@@ -10,7 +10,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nlcontrol import Controller
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from planner.problem.directions import angle_between
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan
@@ -59,7 +60,7 @@ def test_one_push_that_gets_there_is_enough(
     controller: Controller, goes: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     stage = played(controller, goes())
-    result = controller.say(SENTENCE)
+    result = Conversation(controller).say(SENTENCE)
     assert (result.ok, result.status, len(stage.executed)) == (True, "done", 1)
     (step,) = result.steps
     assert step.plans == (result.plan,) == tuple(stage.executed)
@@ -70,7 +71,7 @@ def test_pushes_that_fall_short_are_followed_by_others(
     controller: Controller, goes: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     stage = played(controller, goes(share=0.4))
-    result = controller.say(SENTENCE)
+    result = Conversation(controller).say(SENTENCE)
     assert (result.ok, result.status) == (True, "done")
     left = [
         math.hypot(*plan.push.displacement[:2]) for plan in stage.executed if plan.push.displacement
@@ -89,7 +90,7 @@ def test_what_went_too_far_is_pushed_back(
     controller: Controller, goes: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     stage = played(controller, goes(share=1.2), goes())
-    result = controller.say(SENTENCE)
+    result = Conversation(controller).say(SENTENCE)
     first, second = stage.executed
     assert (first.push.face, second.push.face) == ("front", "back")
     assert second.push.displacement == pytest.approx((-0.02, 0.0, 0.0), abs=EXACT)
@@ -101,7 +102,7 @@ def test_over_two_faces(
     controller: Controller, goes: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     stage = played(controller, goes())
-    result = controller.say("push the ice tea box 14 cm away and to the left")
+    result = Conversation(controller).say("push the ice tea box 14 cm away and to the left")
     assert (result.status, len(stage.executed)) == ("done", 2)
     assert {plan.push.face for plan in stage.executed} == {"front", "right"}
     assert stage.moved == pytest.approx((0.14 / math.sqrt(2), 0.14 / math.sqrt(2)), abs=EXACT)
@@ -110,7 +111,7 @@ def test_over_two_faces(
 
 def test_nothing_is_pushed_that_is_there_already(controller: Controller) -> None:
     # In Drake: what is judged is what the camera sees while nothing is done.
-    result = controller.say("put the ice tea box at x 45 cm, y 0 cm")
+    result = Conversation(controller).say("put the ice tea box at x 45 cm, y 0 cm")
     assert (result.ok, result.status, result.plan) == (True, "done", None)
     assert result.execution is not None
     assert result.execution.end == "reached"
@@ -118,7 +119,7 @@ def test_nothing_is_pushed_that_is_there_already(controller: Controller) -> None
     assert set(result.trace.phase) == {"look"}
     assert result.checks
     assert "It is there already: nothing is to be done." in str(result)
-    planned = controller.say("put the ice tea box at x 45 cm, y 0 cm", plan_only=True)
+    planned = Conversation(controller).say("put the ice tea box at x 45 cm, y 0 cm", plan_only=True)
     assert (planned.ok, planned.status, planned.plan) == (True, "planned", None)
 
 
@@ -132,7 +133,7 @@ def test_half_a_turn_goes_on_where_headings_begin_anew(
     sign: float,
 ) -> None:
     stage = played(controller, goes())
-    result = controller.say(f"turn the ice tea box 180 degrees to the {side}")
+    result = Conversation(controller).say(f"turn the ice tea box 180 degrees to the {side}")
     assert (result.ok, result.status) == (True, "done")
     turns = [plan.push.turn for plan in stage.executed if plan.push.ends_on == "turned"]
     assert all(sign * turn > 0.0 for turn in turns)
@@ -151,7 +152,7 @@ def test_a_turn_too_far_is_turned_back_not_around(
     controller: Controller, goes: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     stage = played(controller, goes(share=1.3), goes())
-    result = controller.say("turn the ice tea box 170 degrees to the left")
+    result = Conversation(controller).say("turn the ice tea box 170 degrees to the left")
     assert result.status == "done"
     assert sum(abs(plan.push.turn) for plan in stage.executed) < math.tau
     here = stage.poses[BOX].yaw - stage.start.yaw
@@ -165,7 +166,7 @@ def test_the_event_is_the_end(
     controller: Controller, goes: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     stage = played(controller, goes(share=0.04, end="event", force=3.7))
-    result = controller.say("push the ice tea box until it moves")
+    result = Conversation(controller).say("push the ice tea box until it moves")
     # 4 of 100 mm, and yet nothing is left to be done.
     assert (result.status, len(stage.executed)) == ("done", 1)
     assert stage.executed[0].push.until == "moves"
@@ -192,7 +193,7 @@ def test_what_fell_or_stands_again_is_left_alone(
         end=end,
     )
     stage = played(controller, lambda _: trace)
-    result = controller.say(sentence)
+    result = Conversation(controller).say(sentence)
     assert (result.status, len(stage.executed)) == ("done", 1)
 
 
@@ -208,7 +209,7 @@ def test_planned_anew_after_a_contradiction(
     believed = controller.models[BOX].friction
     stage = played(controller, stands(force=7.0), goes(force=6.0))
     told: list[tuple[str, float, str]] = []
-    result = controller.say(SENTENCE, progress=lambda *report: told.append(report))
+    result = Conversation(controller).say(SENTENCE, progress=lambda *report: told.append(report))
     assert (result.ok, result.status) == (True, "done")
     first, second = stage.executed
     assert result.plan == first
@@ -236,7 +237,7 @@ def test_the_rest_of_the_way_is_planned(
     controller: Controller, goes: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     stage = played(controller, tilted(goes(share=0.4, force=15.0)), goes())
-    result = controller.say(SENTENCE)
+    result = Conversation(controller).say(SENTENCE)
     first, second = stage.executed
     assert first.push.displacement == pytest.approx((0.1, 0.0, 0.0))
     assert second.push.displacement == pytest.approx((0.06, 0.0, 0.0), abs=EXACT)
@@ -255,7 +256,7 @@ def test_a_clause_broken_by_the_first_push_stays_broken(
 ) -> None:
     leant = goes(share=0.4, force=15.0, tilt=0.8, tilt_at_end=0.0)
     stage = played(controller, tilted(leant), goes())
-    result = controller.say(SENTENCE)
+    result = Conversation(controller).say(SENTENCE)
     assert (result.status, len(stage.executed)) == ("failed", 2)
     assert {check.clause for check in result.checks if not check.ok} == {"no_topple"}
 
@@ -265,7 +266,7 @@ def test_given_up_after_so_many_pushes(
 ) -> None:
     controller = Controller(seed=1, defaults=replace(DEFAULTS, most_pushes=3))
     stage = played(controller, stands(force=4.0))
-    result = controller.say(SENTENCE)
+    result = Conversation(controller).say(SENTENCE)
     assert (result.ok, result.status, result.exit_status) == (False, "failed", 5)
     assert len(stage.executed) == 3
     (step,) = result.steps
@@ -287,14 +288,14 @@ def test_the_last_push_may_be_the_one_that_gets_there(
 ) -> None:
     controller = Controller(seed=1, defaults=replace(DEFAULTS, most_pushes=2))
     played(controller, goes(share=0.5), goes())
-    result = controller.say(SENTENCE)
+    result = Conversation(controller).say(SENTENCE)
     assert (result.status, result.steps[0].stuck) == ("done", None)
 
 
 def test_what_got_stuck_is_not_done_whatever_was_measured(goes: Callable[..., Happens]) -> None:
     controller = Controller(seed=1, defaults=replace(DEFAULTS, most_pushes=1))
     played(controller, goes(share=0.95))
-    result = controller.say(SENTENCE)
+    result = Conversation(controller).say(SENTENCE)
     # 95 mm of 100 mm, within the tolerance of 10 mm; but the robot wanted to go on.
     assert all(check.ok for check in result.checks)
     assert (result.status, result.exit_status) == ("failed", 5)
@@ -313,7 +314,7 @@ def test_after_a_push_that_failed_another_contact_is_tried(
     end: EndReason,
 ) -> None:
     stage = played(controller, stands(end), goes())
-    result = controller.say(SENTENCE)
+    result = Conversation(controller).say(SENTENCE)
     assert (result.status, result.steps[0].lessons[1:]) == ("done", ())
     failed, other = (plan.push for plan in stage.executed[:2])
     apart = math.dist(failed.p_BC, other.p_BC)
@@ -331,10 +332,10 @@ def test_it_is_told_that_planning_takes_longer(
         told.append((phase, text))
 
     # Nothing is asked of the hand.
-    controller.say("push the ice tea box 3 m away", plan_only=True, progress=progress)
+    Conversation(controller).say("push the ice tea box 3 m away", plan_only=True, progress=progress)
     assert told == []
     monkeypatch.setattr(controller.executor, "_robot", RuledReach(lambda _: False))
-    controller.say("push the ice tea box away", plan_only=True, progress=progress)
+    Conversation(controller).say("push the ice tea box away", plan_only=True, progress=progress)
     assert told
     assert set(told) == {("plan", "no plan as usual; looking thoroughly for what the hand can do")}
 
@@ -344,7 +345,7 @@ def test_what_ends_halfway_tells_where_things_are(
 ) -> None:
     stage = played(controller, goes(share=0.5), stands("no_touch"))
     stood = controller.look().objects[BOX].pose
-    result = controller.say(SENTENCE)
+    result = Conversation(controller).say(SENTENCE)
     assert (result.status, result.steps[0].stuck is None) == ("failed", False)
     assert len(stage.executed) > 1
     x, y = (1e3 * at for at in (stood.x + 0.05, stood.y))
@@ -357,7 +358,7 @@ def test_stuck_where_every_contact_has_failed(
     controller: Controller, stands: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     stage = played(controller, stands("no_touch"))
-    result = controller.say(SENTENCE)
+    result = Conversation(controller).say(SENTENCE)
     assert (result.status, result.exit_status) == ("failed", 5)
     assert 1 < len(stage.executed) < DEFAULTS.most_pushes
     (step,) = result.steps
@@ -377,8 +378,8 @@ def test_the_next_frame_may_use_contacts_that_failed_before(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     stage = played(controller, stands("no_touch"), goes())
-    assert controller.say(SENTENCE).ok
-    assert controller.say("push the ice tea box 5 cm away").ok
+    assert Conversation(controller).say(SENTENCE).ok
+    assert Conversation(controller).say("push the ice tea box 5 cm away").ok
     first, _, third = (plan.push for plan in stage.executed)
     assert (first.face, first.fingers) == (third.face, third.fingers)
     assert math.dist(first.p_BC, third.p_BC) < 0.02
@@ -389,7 +390,7 @@ def test_a_refusal_after_a_push_keeps_what_happened(
 ) -> None:
     # What withstood 60 N is believed to stick so fast that it topples wherever it is pushed.
     stage = played(controller, stands(force=60.0))
-    result = controller.say(SENTENCE)
+    result = Conversation(controller).say(SENTENCE)
     assert (result.ok, result.status, result.exit_status) == (False, "failed", 5)
     assert len(stage.executed) == 1
     assert result.trace is stage.traces[0]
@@ -406,7 +407,7 @@ def test_a_refusal_after_a_push_keeps_what_happened(
 
 
 def test_a_refusal_before_any_push_stays_a_refusal(controller: Controller) -> None:
-    result = controller.say("push the ice tea box 3 m away")
+    result = Conversation(controller).say("push the ice tea box 3 m away")
     assert (result.status, result.exit_status) == ("refused", 4)
     assert result.trace is None
     assert result.steps[0].stuck is None

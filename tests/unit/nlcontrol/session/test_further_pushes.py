@@ -6,7 +6,8 @@ import math
 
 import pytest
 
-from nlcontrol import Controller
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from nlcontrol.session.foresight import LEFT_SO, Corrections
 from planner.types.actions import Aim
 from planner.types.defaults import DEFAULTS
@@ -77,7 +78,7 @@ def test_a_biased_camera_takes_few_pushes() -> None:
     pushes = []
     for seed in (1, 2, 3):
         controller = Controller(scene, seed=seed)
-        result = controller.say("push the coffee box exactly 25 mm away")
+        result = Conversation(controller).say("push the coffee box exactly 25 mm away")
         assert result.status == "done"
         pushes.append(len(result.steps[0].plans))
         assert LEFT_SO in result.notes

@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 
 from grammar.frames.command import Frame
-from nlcontrol import Conversation
 from nlcontrol.results.result import Result
+from nlcontrol.session.conversation import Conversation
 
 
 def _last(conversation: Conversation, *said: str) -> Result:

@@ -6,8 +6,10 @@ from threading import Thread
 
 import pytest
 
-from nlcontrol import ControlError, Controller, Conversation
+from nlcontrol.errors import ControlError
 from nlcontrol.service.bundle import rebuild_controller
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from nlcontrol.session.recipe import Deed, Recipe
 from objectmodels import Registry
 from objectmodels.registry.model_registry import model_document, model_from_document
@@ -37,7 +39,7 @@ def test_sentences_and_looks_are_done_again() -> None:
     controller = Controller("kitchen", seed=1)
     _ = controller.executor.world  # type: ignore[attr-defined]
     controller.look()
-    controller.say("where is the mug?")
+    Conversation(controller).say("where is the mug?")
     first, second = Conversation(controller), Conversation(controller)
     first.say("push the mug 3 cm to the left", plan_only=True)
     second.say("where is the ice tea box?")
@@ -56,7 +58,7 @@ def test_the_next_sentence_has_the_same_trace() -> None:
     conversation.say("push the mug 2 cm to the left")
     again = _again(controller)
     assert again.models == controller.models
-    results = [each.say("push the mug 2 cm away") for each in (controller, again)]
+    results = [Conversation(each).say("push the mug 2 cm away") for each in (controller, again)]
     assert results[0].trace is not None
     assert results[0] == results[1]
 
@@ -64,11 +66,11 @@ def test_the_next_sentence_has_the_same_trace() -> None:
 def test_what_was_done_otherwise_has_no_recipe() -> None:
     watched, believing, stopped = (Controller("kitchen") for _ in range(3))
     watched.watch("mug")
-    believing.say("where is the mug?")
+    Conversation(believing).say("where is the mug?")
     believing.models["mug"] = believing.models["mug"].model_copy(update={"mass": 0.2})
     stop = StopToken()
     Thread(target=stop.request).run()
-    stopped.say("push the mug 2 cm away", stop=stop)
+    Conversation(stopped).say("push the mug 2 cm away", stop=stop)
     for controller in (watched, believing, stopped):
         with pytest.raises(ControlError) as raised:
             controller.recipe()
@@ -80,7 +82,7 @@ def test_beliefs_given_at_first_are_part_of_it() -> None:
     controller = Controller("kitchen")
     heavy = controller.models["mug"].model_copy(update={"mass": 0.2})
     controller.models["mug"] = heavy
-    controller.say("where is the mug?")
+    Conversation(controller).say("where is the mug?")
     assert _again(controller).models["mug"].mass == 0.2
 
 

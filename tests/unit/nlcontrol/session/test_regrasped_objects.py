@@ -9,7 +9,7 @@ import pytest
 
 from grammar import parse
 from grammar.frames import command as g
-from nlcontrol import Controller
+from nlcontrol.session.controller import Controller
 from nlcontrol.session.foresight import KeptPlans, StepSearch, Ways
 from planner import planning
 from planner.clearing import may_be_grasped_anew, setting_down_frame

@@ -10,7 +10,8 @@ import yaml
 
 import grammar
 from grammar.frames import command as g
-from nlcontrol import Controller, Conversation
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from nlcontrol.session.remarks.remark_aims import by_name, without_spans
 
 COMMANDS = Path(__file__).parents[3] / "data" / "commands"

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from nlcontrol import Controller
+from nlcontrol.session.controller import Controller
 from nlcontrol.session.events import Supervisor
 from nlcontrol.session.foresight import (
     MOST_SHARE,

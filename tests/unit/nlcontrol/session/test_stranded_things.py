@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nlcontrol import Controller
 from nlcontrol.results.result import Result
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from nlcontrol.session.foresight import fallen_things, stranded_things
 from planner.types.refusal import Refusal
 from planner.types.world_state import WorldState
@@ -21,7 +22,7 @@ NO_REACH = Refusal(code="no_push_reached", reason="out_of_reach", message="out o
 @pytest.fixture(scope="module")
 def toppled() -> tuple[Controller, Result]:
     controller = Controller("kitchen", seed=1)
-    return controller, controller.say("topple the ice tea box")
+    return controller, Conversation(controller).say("topple the ice tea box")
 
 
 def test_what_fell_and_can_be_pushed_on_is_not_spoken_of(

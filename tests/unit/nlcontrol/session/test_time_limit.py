@@ -5,16 +5,17 @@ from __future__ import annotations
 import pytest
 from click.testing import CliRunner
 
-from nlcontrol import ControlError, Controller
 from nlcontrol.cli.command_line import cli
-from nlcontrol.errors import NO_PLAN
+from nlcontrol.errors import NO_PLAN, ControlError
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 
 SENTENCES = ["push the ice tea box away", "could you push the ice tea box away?"]
 
 
 @pytest.mark.parametrize("sentence", SENTENCES)
 def test_a_time_limit_ends_a_search(sentence: str) -> None:
-    result = Controller(time_limit=1e-9).say(sentence, plan_only=True)
+    result = Conversation(Controller(time_limit=1e-9)).say(sentence, plan_only=True)
     assert result.status == "refused"
     assert result.error is not None
     assert (result.error.code, result.error.status.exit) == ("time_limit", NO_PLAN)
@@ -23,7 +24,7 @@ def test_a_time_limit_ends_a_search(sentence: str) -> None:
 
 def test_a_time_limit_that_suffices_changes_nothing() -> None:
     plans = [
-        Controller(seed=2, time_limit=limit).say(SENTENCES[0], plan_only=True).plan
+        Conversation(Controller(seed=2, time_limit=limit)).say(SENTENCES[0], plan_only=True).plan
         for limit in (None, 500.0)
     ]
     assert plans[0] is not None

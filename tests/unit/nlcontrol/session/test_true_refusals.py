@@ -10,7 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nlcontrol import ControlError, Controller
+from nlcontrol.errors import ControlError
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from planner.clearing import obstacles
 from planner.problem.places import object_at
 from planner.types.plan import Plan
@@ -42,7 +44,7 @@ def test_what_slips_from_every_squeeze_is_refused_by_its_friction(
     (tmp_path / "slick.yaml").write_text(CAN.format(friction))
     (tmp_path / "scene.yaml").write_text(TABLE)
     controller = Controller(tmp_path / "scene.yaml")
-    refused = controller.say("lift the slick can", plan_only=True)
+    refused = Conversation(controller).say("lift the slick can", plan_only=True)
     assert refused.status == "refused"
     assert refused.error is not None
     numbers = refused.error.numbers
@@ -50,7 +52,7 @@ def test_what_slips_from_every_squeeze_is_refused_by_its_friction(
     # The outer fingertips touch the round side where it looks some 13° aside.
     assert numbers["needed_friction"] == pytest.approx(math.tan(math.radians(13.4)), abs=0.01)
     for question in ("can you lift the slick can?", "what can you do with the slick can?"):
-        assert controller.say(question).status == "answered"
+        assert Conversation(controller).say(question).status == "answered"
 
 
 def test_a_defect_is_an_error_with_a_code() -> None:
@@ -59,7 +61,7 @@ def test_a_defect_is_an_error_with_a_code() -> None:
 
     controller = Controller("kitchen", planner=broken)
     with pytest.raises(ControlError) as raised:
-        controller.say("push the mug away")
+        Conversation(controller).say("push the mug away")
     assert raised.value.code == "internal"
     assert isinstance(raised.value.__cause__, ZeroDivisionError)
 

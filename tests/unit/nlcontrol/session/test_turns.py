@@ -6,7 +6,8 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from nlcontrol import Controller, Conversation
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from sim.robots.cell_description import LOOK
 from sim.simulated_executor import simulation
 

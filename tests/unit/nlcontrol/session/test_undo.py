@@ -10,8 +10,9 @@ from dataclasses import replace
 import pytest
 
 from grammar.frames import command as g
-from nlcontrol import Controller, Conversation
 from nlcontrol.results.result import Result
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from nlcontrol.session.remarks.undo_frames import PastPush, undo_frames
 from objectmodels import Registry
 from planner.problem.directions import angle_between

@@ -2,7 +2,8 @@
 
 import pytest
 
-from nlcontrol import Controller, Conversation
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 
 UNREAD = "Push the mug 5 cm to the left, so that the whatsit can see it"
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from nlcontrol import Controller
+from nlcontrol.session.controller import Controller
 from nlcontrol.session.conversation import Conversation
 
 TOLD = "where it will lie I could not stand it up again"
 
 
 def is_told(name: str) -> bool:
-    plan = Controller("kitchen").say(f"topple the {name}", plan_only=True).plan
+    plan = Conversation(Controller("kitchen")).say(f"topple the {name}", plan_only=True).plan
     assert plan is not None
     return any(TOLD in note for note in plan.notes)
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from nlcontrol import Controller
 from nlcontrol.references.reference_search import Context
+from nlcontrol.session.controller import Controller
 
 
 @pytest.mark.parametrize(

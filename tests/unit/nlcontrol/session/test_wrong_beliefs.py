@@ -8,6 +8,7 @@ import pytest
 
 from benchmarks.goals.fixed import OBJECT, Job, robot_of, wrongly_believed
 from nlcontrol.results.result import Result
+from nlcontrol.session.conversation import Conversation
 from sim.truth.scene_file import load_scene
 
 SEED = 0
@@ -25,7 +26,7 @@ def test_what_is_believed_is_wrong() -> None:
 def test_satisfied_by_its_own_updates() -> None:
     truth = load_scene("kitchen").object(OBJECT).truth
     job = Job("wrong_beliefs", "push", SEED)
-    result = robot_of(job).say(job.text)
+    result = Conversation(robot_of(job)).say(job.text)
     assert (result.ok, result.status) == (True, "done")
     assert [check for check in result.checks if not check.ok] == []
     lessons = result.steps[0].lessons

@@ -7,7 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from nlcontrol import Controller, Result
+from nlcontrol import Result
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from planner.types.plan import FlipGuide, GraspGuide, MotionGuide, PushGuide
 from sim.traces.trace import Trace
 
@@ -18,8 +20,8 @@ TIP_ERROR = 0.003
 def done(said: str) -> tuple[MotionGuide, Trace]:
     """The guide of a sentence, and what happened when it was carried out."""
     controller = Controller("kitchen", seed=3)
-    guide = controller.say(said, plan_only=True).guide
-    result: Result = controller.say(said)
+    guide = Conversation(controller).say(said, plan_only=True).guide
+    result: Result = Conversation(controller).say(said)
     assert guide is not None
     assert result.trace is not None
     assert result.guide is None
@@ -81,7 +83,7 @@ def test_a_hand_goes_as_its_guide_says() -> None:
 
 def test_pours_and_flips_have_guides() -> None:
     controller = Controller("kitchen")
-    pour = controller.say("pour the ice tea into the mug", plan_only=True)
+    pour = Conversation(controller).say("pour the ice tea into the mug", plan_only=True)
     assert isinstance(pour.guide, GraspGuide)
     assert pour.plan is not None
     assert pour.guide.squeeze == pour.plan.grasp.squeeze if pour.plan.grasp else False
@@ -96,7 +98,7 @@ def test_pours_and_flips_have_guides() -> None:
     assert sides @ np.array(pour.guide.closing_W) == pytest.approx(
         pour.plan.grasp.width if pour.plan.grasp else 0.0, abs=1e-6
     )
-    flip = controller.say("open the ice tea cup", plan_only=True).guide
+    flip = Conversation(controller).say("open the ice tea cup", plan_only=True).guide
     assert isinstance(flip, FlipGuide)
     levers = np.linalg.norm(np.array(flip.path_W) - flip.hinge_W, axis=1)
     assert levers == pytest.approx(np.full(len(levers), levers[0]))
@@ -105,7 +107,7 @@ def test_pours_and_flips_have_guides() -> None:
 
 def test_limits_of_the_sentence_are_among_the_ends() -> None:
     guide = (
-        Controller("kitchen")
+        Conversation(Controller("kitchen"))
         .say(
             "push the coffee box until it moves, in at most 6 s without tilting it by more than 5°",
             plan_only=True,

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nlcontrol import Controller
+from nlcontrol.session.controller import Controller
 from objectmodels import ObjectModel, Registry
 from objectmodels.geometry.rotations import rot_y, rot_z
 from planner.types.actions import Push

@@ -249,7 +249,7 @@ def test_a_stated_table_is_stated_anew(http: httpx.Client) -> None:
     mug = {"name": "mug", "x": 0.5, "y": 0.1}
     opened = http.post("/v1/sessions", json={"objects": [mug]}).json()
     path = f"/v1/sessions/{opened['session_id']}"
-    assert opened["executes"] is False
+    assert opened["has_robot"] is False
     seen = http.post(f"{path}/look", json={"objects": [{**mug, "x": 0.6}]}).json()
     again = http.post(f"{path}/look").json()
     for table in (seen, again):

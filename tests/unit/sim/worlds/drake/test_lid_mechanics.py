@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nlcontrol import Controller
+from nlcontrol.session.controller import Controller
 from objectmodels.geometry.rotations import rot_x
 from planner.types.world_state import SeenObject
 from sim import SceneError, load_scene, save_replay

@@ -1,0 +1,51 @@
+"""Frames of sentences: what is asked, in parts."""
+
+from __future__ import annotations
+
+from grammar.frames.command import Command as Command
+from grammar.frames.command import Frame as Frame
+from grammar.frames.constraints import ContactRegion as ContactRegion
+from grammar.frames.constraints import Duration as Duration
+from grammar.frames.constraints import Effector as Effector
+from grammar.frames.constraints import Fast as Fast
+from grammar.frames.constraints import Force as Force
+from grammar.frames.constraints import Gentle as Gentle
+from grammar.frames.constraints import Hard as Hard
+from grammar.frames.constraints import MaxDistance as MaxDistance
+from grammar.frames.constraints import MaxDuration as MaxDuration
+from grammar.frames.constraints import MaxForce as MaxForce
+from grammar.frames.constraints import MaxSpeed as MaxSpeed
+from grammar.frames.constraints import MaxTilt as MaxTilt
+from grammar.frames.constraints import MaxTurn as MaxTurn
+from grammar.frames.constraints import MinForce as MinForce
+from grammar.frames.constraints import MinSpeed as MinSpeed
+from grammar.frames.constraints import NoLift as NoLift
+from grammar.frames.constraints import NoSlide as NoSlide
+from grammar.frames.constraints import NoSpill as NoSpill
+from grammar.frames.constraints import NoTilt as NoTilt
+from grammar.frames.constraints import NoTopple as NoTopple
+from grammar.frames.constraints import NoTouch as NoTouch
+from grammar.frames.constraints import NoTurn as NoTurn
+from grammar.frames.constraints import Slow as Slow
+from grammar.frames.constraints import Speed as Speed
+from grammar.frames.constraints import Until as Until
+from grammar.frames.constraints import Words as Words
+from grammar.frames.goals import Close as Close
+from grammar.frames.goals import Displace as Displace
+from grammar.frames.goals import GoalWords as GoalWords
+from grammar.frames.goals import HandOver as HandOver
+from grammar.frames.goals import Lift as Lift
+from grammar.frames.goals import NoGoal as NoGoal
+from grammar.frames.goals import Open as Open
+from grammar.frames.goals import Parameters as Parameters
+from grammar.frames.goals import Place as Place
+from grammar.frames.goals import Pour as Pour
+from grammar.frames.goals import Rotate as Rotate
+from grammar.frames.goals import SetDown as SetDown
+from grammar.frames.goals import Tilt as Tilt
+from grammar.frames.goals import Topple as Topple
+from grammar.frames.goals import Upright as Upright
+from grammar.frames.vocabulary import ContactHeight as ContactHeight
+from grammar.frames.vocabulary import ObjectRef as ObjectRef
+from grammar.frames.vocabulary import Point as Point
+from grammar.frames.vocabulary import RelativeLength as RelativeLength
