@@ -48,20 +48,12 @@ from nlcontrol.results.result import (
     summary,
     unanswered_status,
 )
+from nlcontrol.session.corrections import LEFT_SO, Corrections, spent_text
 from nlcontrol.session.events import Supervisor
-from nlcontrol.session.foresight import (
-    LEFT_SO,
-    Corrections,
-    KeptPlans,
-    Ways,
-    onward_plan,
-    plan_with_foresight,
-    spent_text,
-    stranded_things,
-    ways_around,
-    with_way_back,
-)
+from nlcontrol.session.fallen_objects import unreachable_after_fall, with_way_back
+from nlcontrol.session.foresight import PlanCache, onward_plan, plan_with_foresight
 from nlcontrol.session.remarks.remark_aims import without_spans
+from nlcontrol.session.step_search import Ways, ways_around
 from nlcontrol.text_format import place_text, quantity
 from planner.plan_explanation import Basis
 from planner.problem.directions import angle_between
@@ -253,7 +245,7 @@ def _run_frames(
         else:
             run = FrameRun(controller, index, frames, result, supervisor)
             tried = run.run(plan_only, made.get(index))
-            around = (frames, index, run.refused, supervisor, run.kept)
+            around = (frames, index, run.refused, supervisor, run.cache)
             ways = ways_around(controller, *around) if left else None
             if isinstance(ways, Ways):
                 frames, left = (*frames[:index], *ways.frames), left - 1
@@ -275,7 +267,7 @@ def _run_frames(
     notes = (*result.notes, *whereabouts(result, controller.held))
     if result.trace is not None and result.status != "cancelled":
         look, stop = controller.look, supervisor.stop
-        notes = (*notes, *stranded_things(controller, result.trace, look, stop))
+        notes = (*notes, *unreachable_after_fall(controller, result.trace, look, stop))
     return result_with(result, notes=notes)
 
 
@@ -328,7 +320,7 @@ class FrameRun:
 
     Attributes:
         refused: why there was no first plan, and from where; None if there was one.
-        kept: plans of this frame and of later ones from there.
+        cache: plans of this frame and of later ones from there.
     """
 
     def __init__(
@@ -347,7 +339,7 @@ class FrameRun:
         self.traces: list[Trace] = []
         self.failed: list[Failed] = []
         self.refused: tuple[Refusal, WorldState] | None = None
-        self.kept = KeptPlans()
+        self.cache = PlanCache()
         self._yaw: float | None = None
         self._corrections = Corrections(controller.cell.vision, controller.defaults)
 
@@ -439,7 +431,7 @@ class FrameRun:
         )
         first = previous is None and not self.failed
         onward = partial(onward_plan, plan, self.frame, state, previous)
-        return state, self.kept.plan(self.frame, state, plan) if first else onward()
+        return state, self.cache.plan(self.frame, state, plan) if first else onward()
 
     def _plan_with_foresight(self, made: Plan | Reached, state: WorldState) -> PlanningResult:
         """The plan by which the later frames can be done, too, or why they cannot."""
@@ -447,7 +439,7 @@ class FrameRun:
         if len(self.ahead) == 1 or (begun and not (isinstance(made, Plan) and made.task == "lift")):
             return made
         stop = self.supervisor.stop
-        found = plan_with_foresight(self.controller, made, state, self.ahead, stop, self.kept)
+        found = plan_with_foresight(self.controller, made, state, self.ahead, stop, self.cache)
         return made if begun and isinstance(found, Refusal) else found
 
     def _budget(self, made: Plan) -> int:

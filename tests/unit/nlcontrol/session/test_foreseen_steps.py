@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from nlcontrol.session import foresight
+from nlcontrol.session import foresight, step_search
 from nlcontrol.session.controller import Controller
 from nlcontrol.session.conversation import Conversation
 from nlcontrol.session.foresight import lasting_lift
@@ -63,7 +63,7 @@ def test_a_lift_for_what_comes_after_it_is_looked_for_once(
         asked.append(args)
         return lasting_lift(*args)
 
-    for module in (foresight, foresight):
+    for module in (foresight, step_search):
         monkeypatch.setattr(module, "lasting_lift", noted)
     # Nothing may be moved, so every round of the search for other steps begins alike.
     controller = Controller("kitchen", defaults=replace(DEFAULTS, clear=CLEARED.index("no")))

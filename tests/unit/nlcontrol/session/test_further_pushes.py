@@ -8,7 +8,7 @@ import pytest
 
 from nlcontrol.session.controller import Controller
 from nlcontrol.session.conversation import Conversation
-from nlcontrol.session.foresight import LEFT_SO, Corrections
+from nlcontrol.session.corrections import LEFT_SO, Corrections
 from planner.types.actions import Aim
 from planner.types.defaults import DEFAULTS
 from planner.types.world_state import PlanarPose

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 
-from nlcontrol.session.foresight import RecallingRobot
+from nlcontrol.session.step_search import ReachCache
 from objectmodels import Registry
 from planner.types.actions import Push
 from planner.types.robot import NoRobot, ReachAnswer, ReachEffort
@@ -38,7 +38,7 @@ def _state(**x: float) -> WorldState:
 
 def test_only_what_stopped_the_hand_makes_it_worth_asking_again() -> None:
     stopped = _Stopped(frozenset({"post"}))
-    robot = RecallingRobot(stopped, None, None)
+    robot = ReachCache(stopped, None, None)
     first = robot.reach(PUSH, _state())
     assert robot.reach(PUSH, _state(lamp=0.2)) == dataclasses.replace(first, work=1)
     assert stopped.asked == 1
@@ -51,7 +51,7 @@ def test_only_what_stopped_the_hand_makes_it_worth_asking_again() -> None:
 
 def test_a_robot_that_does_not_know_what_stopped_it_is_asked_each_time() -> None:
     stopped = _Stopped(None)
-    robot = RecallingRobot(stopped, None, None)
+    robot = ReachCache(stopped, None, None)
     for _ in range(2):
         robot.reach(PUSH, _state())
     assert stopped.asked == 2

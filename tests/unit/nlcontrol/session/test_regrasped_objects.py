@@ -10,7 +10,8 @@ import pytest
 from grammar import parse
 from grammar.frames import command as g
 from nlcontrol.session.controller import Controller
-from nlcontrol.session.foresight import KeptPlans, StepSearch, Ways
+from nlcontrol.session.foresight import PlanCache
+from nlcontrol.session.step_search import StepSearch, Ways
 from planner import planning
 from planner.clearing import may_be_grasped_anew, setting_down_frame
 from planner.problem.predicted_states import state_after
@@ -52,7 +53,7 @@ def test_it_is_put_down_first_if_things_may_be_moved(clear: str, found: list[str
     controller = Controller("kitchen", defaults=may, planner=lame)
     state = held_mug(controller)
     frames = (mugs_frame("put the mug at x 0.7 y -0.3"),)
-    search = StepSearch(controller, frames, frozenset({"mug"}), StopToken(), KeptPlans())
+    search = StepSearch(controller, frames, frozenset({"mug"}), StopToken(), PlanCache())
     ways = search.ways(state, "not so")
     kinds = [frame.goal.kind for frame in ways.frames] if isinstance(ways, Ways) else None
     assert kinds == found

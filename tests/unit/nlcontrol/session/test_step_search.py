@@ -9,11 +9,11 @@ import pytest
 
 from nlcontrol.session.controller import Controller
 from nlcontrol.session.events import Supervisor
-from nlcontrol.session.foresight import (
+from nlcontrol.session.foresight import PlanCache
+from nlcontrol.session.step_search import (
     MOST_SHARE,
     MOST_WORKS,
     MOST_WORKS_GIVEN_UP,
-    KeptPlans,
     ways_around,
 )
 from planner import planning
@@ -50,6 +50,6 @@ def test_an_answer_has_one_budget_and_each_plan_of_the_search_a_share(
     controller = Controller("kitchen", defaults=defaults)
     frames = (frame_of("push the ice tea box away"),)
     refused = refusal, controller.look()
-    assert ways_around(controller, frames, 0, refused, Supervisor(), KeptPlans()) is None
+    assert ways_around(controller, frames, 0, refused, Supervisor(), PlanCache()) is None
     assert sum(allowed) == works * MOST_WORK - before
     assert max(allowed) == min(MOST_SHARE * MOST_WORK, works * MOST_WORK - before)

@@ -11,7 +11,7 @@ import pytest
 from nlcontrol.results.result import Result
 from nlcontrol.session.controller import Controller
 from nlcontrol.session.conversation import Conversation
-from nlcontrol.session.foresight import fallen_things, stranded_things
+from nlcontrol.session.fallen_objects import fallen_things, unreachable_after_fall
 from planner.types.refusal import Refusal
 from planner.types.world_state import WorldState
 from sim.supervision import StopToken
@@ -47,7 +47,7 @@ def test_what_fell_out_of_reach_is_named_with_its_place(
         return NO_REACH
 
     monkeypatch.setattr(controller, "planner", refuse)
-    (told,) = stranded_things(controller, result.trace, controller.look, StopToken())
+    (told,) = unreachable_after_fall(controller, result.trace, controller.look, StopToken())
     assert "the ice tea box lies at x " in told
     assert asked == [*["displace"] * 4, "lift"]
 
@@ -65,4 +65,4 @@ def test_nothing_is_looked_through_when_nothing_fell(
         name: np.repeat(poses[:1], len(poses), axis=0) for name, poses in result.trace.seen.items()
     }
     still = replace(result.trace, seen=seen)
-    assert list(stranded_things(controller, still, no_look, StopToken())) == []
+    assert list(unreachable_after_fall(controller, still, no_look, StopToken())) == []
