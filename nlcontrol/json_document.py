@@ -14,7 +14,9 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, field_validator
 
-SCHEMA_VERSION = "2.2"
+from objectmodels.short_repr import ShortRepr
+
+SCHEMA_VERSION = "3.0"
 """Version of the form; documents that bear none are of version 1."""
 
 
@@ -50,13 +52,13 @@ def docstring_parts(docstring: str) -> tuple[str, dict[str, str]]:
     return summary, described
 
 
-class DocumentPart(BaseModel):
+class DocumentPart(ShortRepr):
     """Part of a document: nothing unknown, nothing changed later, and finite numbers."""
 
     model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid", allow_inf_nan=False)
 
 
-class Document(BaseModel):
+class Document(ShortRepr):
     """Answer that programs save and read back.
 
     Attributes:

@@ -24,10 +24,13 @@ from sim.supervision import StopToken as StopToken
 from sim.traces.trace import ContactEvent as ContactEvent
 from sim.traces.trace import Trace as Trace
 from sim.truth.object_truth import Truth as Truth
+from sim.truth.scene_file import FrictionVariation as FrictionVariation
 from sim.truth.scene_file import Hidden as Hidden
 from sim.truth.scene_file import Pose as Pose
+from sim.truth.scene_file import ScaledTorqueSensor as ScaledTorqueSensor
 from sim.truth.scene_file import Scene as Scene
 from sim.truth.scene_file import SceneObject as SceneObject
+from sim.truth.scene_file import VaryingTable as VaryingTable
 from sim.views.run_story import ContactMark as ContactMark
 from sim.views.run_story import Ghost as Ghost
 from sim.views.run_story import StoryLine as StoryLine

@@ -14,9 +14,10 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import ConfigDict
 
 from grammar.frames import command as g
+from objectmodels.short_repr import ShortRepr
 from planner.problem.directions import phrase
 from planner.refusals.no_plan import refusal
 from planner.types.actions import Carry, FlipOver, LiftUp, PourOut, TurnCap, TurnOver
@@ -51,7 +52,7 @@ PartName = Literal[
 ]
 
 
-class Row(BaseModel):
+class Row(ShortRepr):
     """The way of some words into the controller.
 
     Attributes:

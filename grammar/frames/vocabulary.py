@@ -9,10 +9,11 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from pydantic import (
-    BaseModel,
     ConfigDict,
     Field,
 )
+
+from objectmodels.short_repr import ShortRepr
 
 Span = tuple[int, int]
 Spans = tuple[Span, ...]
@@ -65,7 +66,7 @@ Unit = Literal["", "m", "rad", "N", "m/s", "s"]
 Positive = Annotated[float, Field(gt=0.0)]
 
 
-class Part(BaseModel):
+class Part(ShortRepr):
     """A part of a frame: frozen, and without infinities."""
 
     model_config = ConfigDict(

@@ -20,6 +20,7 @@ from nlcontrol.batches.row_worker import Order, World
 from nlcontrol.batches.rows import BatchRow, DrawnScene, RowResult
 from nlcontrol.errors import ControlError, ErrorInfo, known_errors_raised
 from nlcontrol.installed_versions import library_versions
+from nlcontrol.json_document import plain_json
 from objectmodels import Registry
 from objectmodels.errors import printable
 from objectmodels.files.yaml_documents import LIMITS, first_fault
@@ -72,7 +73,8 @@ class RowOrders:
                 row = row.model_copy(update={"execute": False})
             world, place = self._world_of(row.scene)
         except ControlError as raised:
-            key = _digest(said.decode(errors="replace") if isinstance(said, bytes) else repr(said))
+            text = said.decode(errors="replace") if isinstance(said, bytes) else said
+            key = _digest(repr(plain_json(text)))
             return RowResult(ok=False, line=line, key=key, status="bad_row", error=raised.info)
         key = _digest(row.model_dump(mode="json"), place, library_versions())
         return Order(line, key, row, world, library_versions(), self._brief)

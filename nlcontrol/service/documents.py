@@ -12,14 +12,14 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, StrictBool, ValidationError
 
 from grammar.frames.command import Command, Frame, Spans
-from nlcontrol import __version__
 from nlcontrol.errors import ControlError, ErrorInfo, error
 from nlcontrol.json_document import Document, DocumentPart
-from nlcontrol.results.result import Result
+from nlcontrol.results.result import Result, ResultStatus
 from nlcontrol.session.events import Event
 from objectmodels.files.yaml_documents import LIMITS, Coordinate, Name, length_of
 from planner.affordances import Affordance
 from planner.plan_explanation import Row
+from planner.types.plan import Plan
 from planner.types.world_state import Mark
 from sim.views.run_story import ContactMark, Ghost, StoryLine
 
@@ -282,10 +282,29 @@ class Offer(Document):
     result: Result
     drawing: Drawing | None = None
 
+    def __repr__(self) -> str:
+        bears = "" if self.plan_id is None else f" as {self.plan_id}"
+        return f"<Offer{bears}: {self.result!r}>"
+
     @property
     def ok(self) -> bool:
         """There is a plan, or an answer."""
         return self.result.ok
+
+    @property
+    def status(self) -> ResultStatus:
+        """Outcome of planning: `planned`, `answered`, `refused`, `not_understood` and so on."""
+        return self.result.status
+
+    @property
+    def plan(self) -> Plan | None:
+        """The plan of the first step; None if there is none, or if it is reached already."""
+        return self.result.plan
+
+    @property
+    def error(self) -> ErrorInfo | None:
+        """Why there is no plan."""
+        return self.result.error
 
 
 class NumberedEvent(DocumentPart):
@@ -489,7 +508,7 @@ class Health(Document):
         queued: runs that wait for their turn.
     """
 
-    version: str = __version__
+    version: str
     sessions: int = Field(ge=0)
     planners: int = Field(ge=0)
     running: int = Field(ge=0)

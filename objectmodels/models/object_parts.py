@@ -18,7 +18,7 @@ from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import BeforeValidator, ConfigDict, Field
 
 from objectmodels.errors import ModelError
 from objectmodels.files.yaml_documents import (
@@ -38,11 +38,12 @@ from objectmodels.files.yaml_documents import (
 )
 from objectmodels.geometry.base_shapes import Array, Base, Disc, Polygon, is_within
 from objectmodels.geometry.rotations import as_tuple, left_of
+from objectmodels.short_repr import ShortRepr
 
 Point2 = Annotated[tuple[Coordinate, Coordinate], BeforeValidator(as_tuple)]
 
 
-class Part(BaseModel):
+class Part(ShortRepr):
     """A block of a model file: nothing unknown, nothing converted, nothing changed later."""
 
     model_config = ConfigDict(

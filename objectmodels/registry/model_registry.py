@@ -292,6 +292,9 @@ class Registry:
         problems: errors of the files and plug-ins that were skipped.
     """
 
+    def __repr__(self) -> str:
+        return f"<Registry of {len(list(self))} object models>"
+
     def __init__(self) -> None:
         self._kinds: dict[str, type[ObjectModel]] = dict(BUILT_IN_KINDS)
         self._models: dict[str, ObjectModel] = {}

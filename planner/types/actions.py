@@ -14,12 +14,13 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import ConfigDict, Field
 
 from objectmodels.safety_figure import SafetyFigure
+from objectmodels.short_repr import ShortRepr
 
 
-class Value(BaseModel):
+class Value(ShortRepr):
     """A value that never changes, without unknown fields and infinities."""
 
     model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid", allow_inf_nan=False)

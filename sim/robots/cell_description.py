@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler
+from pydantic import ConfigDict, Field, GetCoreSchemaHandler
 from pydantic_core import core_schema
 
 from objectmodels.files.yaml_documents import (
@@ -21,6 +21,7 @@ from objectmodels.files.yaml_documents import (
     TableLength,
     range_of,
 )
+from objectmodels.short_repr import ShortRepr
 from planner.types.defaults import DEFAULTS, Defaults
 from planner.types.world_state import TableState
 
@@ -47,7 +48,7 @@ class AsItIs:
         return core_schema.is_instance_schema(source)
 
 
-class Part(BaseModel):
+class Part(ShortRepr):
     """A part of a scene file: nothing unknown, nothing converted, nothing changed later."""
 
     model_config = ConfigDict(

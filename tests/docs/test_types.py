@@ -36,7 +36,11 @@ def test_a_type_checker_accepts_the_python_of_the_guides(checker: str, tmp_path:
         for file, text in files.items():
             (tmp_path / file).write_text(text, encoding="utf-8")
     assert guides > 8
-    for program in (*ROOT.glob("examples/*.py"), *ROOT.glob("examples/*/*/__init__.py")):
+    for program in (
+        *ROOT.glob("examples/*.py"),
+        *ROOT.glob("examples/programs/*.py"),
+        *ROOT.glob("examples/*/*/__init__.py"),
+    ):
         name = program.parent.name if program.stem == "__init__" else program.stem
         shutil.copy(program, tmp_path / f"example_{name}.py")
     for book in ROOT.glob("docs/notebooks/*.ipynb"):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from fastapi import APIRouter, Request
 from starlette.responses import Response
 
-from nlcontrol import json_schema
+from nlcontrol import __version__, json_schema
 from nlcontrol.errors import error, known_errors_raised
 from nlcontrol.json_document import document_text
 from nlcontrol.service.documents import (
@@ -36,7 +36,7 @@ ROUTER = APIRouter(prefix="/v1", tags=["host"], responses=PROBLEMS)
 @ROUTER.get("/health", operation_id="health", response_model=Health)
 async def health(service: Service) -> Response:
     """Tells that the service is there, and what it has to do."""
-    return document_response(Health(**service.health()))
+    return document_response(Health(version=__version__, **service.health()))
 
 
 @ROUTER.post("/login", operation_id="login", status_code=204, openapi_extra={"security": []})
