@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from nlcontrol.text_format import enumeration, place_text, quantity
+from nlcontrol.text_format import join_words, place_text, quantity
 from planner.problem.directions import phrase
 from planner.types.actions import (
     Action,
@@ -125,14 +125,14 @@ def _guards(limits: Limits) -> str:
     told = []
     for clear in dict.fromkeys(clear for _, clear in limits.clear_of):
         names = [f"the {name}" for name, kept in limits.clear_of if kept == clear]
-        told.append(f"comes closer than {quantity(clear, 'm')} to {enumeration(names, 'or')}")
+        told.append(f"comes closer than {quantity(clear, 'm')} to {join_words(names, 'or')}")
     if limits.tilt is not None:
         told.append(f"tilts by more than {quantity(limits.tilt, 'rad')}")
     if limits.turn is not None:
         told.append(f"turns by more than {quantity(limits.turn, 'rad')}")
     if limits.duration is not None:
         told.append(f"has been pushed for {quantity(limits.duration, 's')}")
-    return enumeration(told, "or")
+    return join_words(told, "or")
 
 
 def _end(plan: Plan, aim: Aim) -> str:
@@ -396,5 +396,5 @@ def _bearing_texts(p: FlipPrediction, name: str) -> Iterator[str]:
         yield (
             f"at {quantity(p.nearest_angle, 'rad')}, where the {name} comes nearest to "
             f"giving way, it takes {quantity(p.nearest_force, 'N')}, and the {name} "
-            f"{enumeration(gives)}"
+            f"{join_words(gives)}"
         )

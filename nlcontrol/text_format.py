@@ -60,7 +60,7 @@ def with_sd_text(value: float, sd: float, unit: str = "") -> str:
     return f"{text} ± {spread}" if sd else text
 
 
-def enumeration(names: Sequence[str], word: str = "and") -> str:
+def join_words(names: Sequence[str], word: str = "and") -> str:
     """Names as one reads them: "a, b and c"."""
     if len(names) < 2:
         return "".join(names)

@@ -35,7 +35,7 @@ from nlcontrol.json_document import SCHEMA_VERSION, is_readable
 from nlcontrol.outcome_maps import outcome_map_table as maps
 from nlcontrol.parallel_tasks import run_all
 from nlcontrol.references.object_names import find_by_name, names_on_table
-from nlcontrol.text_format import enumeration
+from nlcontrol.text_format import join_words
 from objectmodels.errors import ModelError
 from objectmodels.files.yaml_documents import error_of_system, read_bytes
 from objectmodels.mechanics.outcome_map import OutcomeMap
@@ -212,7 +212,7 @@ def object_on_table(
     if len(found) > 1:
         names = tuple(candidate.name for candidate in found)
         raise error(
-            "ambiguous_object", f"{name!r} may be {enumeration(names, 'or')}", suggestions=names
+            "ambiguous_object", f"{name!r} may be {join_words(names, 'or')}", suggestions=names
         )
     if found:
         return next(item for item in cell.objects if item.name == found[0].name)
@@ -227,7 +227,7 @@ def object_on_table(
         "not_on_table",
         f"the {model.name} does not stand in the scene {cell.name}, so that nobody "
         "knows how it really is",
-        suggestions=(*scenes_with, f"there stand: {enumeration(cell.names)}"),
+        suggestions=(*scenes_with, f"there stand: {join_words(cell.names)}"),
     )
 
 

@@ -53,7 +53,7 @@ from nlcontrol.questions.scene_answers import (
     property_answer,
     state_answer,
 )
-from nlcontrol.text_format import enumeration, quantity
+from nlcontrol.text_format import join_words, quantity
 from planner import plan
 from planner.affordances import TURNING_ARM, Affordance, affordances
 from planner.problem.directions import HEADINGS, heading_of, phrase
@@ -278,12 +278,12 @@ def _affordances(frame: g.Frame, state: WorldState, robot: Robot, defaults: Defa
     done = dict.fromkeys(each.outcome for each in can)
     lacking = dict.fromkeys(each.outcome for each in found if each.outcome not in done)
     text = (
-        f"With the {target.name} I can {enumeration([_ways(o, can) for o in done]) or 'do nothing'}"
+        f"With the {target.name} I can {join_words([_ways(o, can) for o in done]) or 'do nothing'}"
     )
     if done and lacking:
-        plain = enumeration([each for each in lacking if each not in _AROUND_IT], "or")
+        plain = join_words([each for each in lacking if each not in _AROUND_IT], "or")
         others = [_AROUND_IT[each] for each in lacking if each in _AROUND_IT]
-        text += f"; I cannot {enumeration([*([f'{plain} it'] if plain else []), *others], 'or')}"
+        text += f"; I cannot {join_words([*([f'{plain} it'] if plain else []), *others], 'or')}"
     return Answer(
         query="affordances",
         text=f"{text}.",
@@ -298,7 +298,7 @@ def _ways(outcome: str, can: list[Affordance]) -> str:
     if not ways[0].direction:
         return _AROUND_IT.get(outcome, f"{outcome} it")
     least = min(a.least_force for a in ways if a.least_force is not None)
-    directions = enumeration([phrase(HEADINGS[a.direction]) for a in ways])
+    directions = join_words([phrase(HEADINGS[a.direction]) for a in ways])
     return f"{outcome} it {directions} (from {force_text(least)} on)"
 
 
@@ -333,10 +333,10 @@ def abilities_answer(state: WorldState, robot: Robot, defaults: Defaults) -> Ans
     }
     can = [words for words, is_planned in found.items() if is_planned]
     cannot = [words for words, is_planned in found.items() if not is_planned]
-    names = enumeration([f"the {name}" for name in state.objects]) or "nothing"
-    text = f"I can {enumeration(can) or 'do nothing with what stands here'}"
+    names = join_words([f"the {name}" for name in state.objects]) or "nothing"
+    text = f"I can {join_words(can) or 'do nothing with what stands here'}"
     text += (
-        f"; with what stands here I found no way to {enumeration(cannot, 'or')}" if cannot else ""
+        f"; with what stands here I found no way to {join_words(cannot, 'or')}" if cannot else ""
     )
     return Answer(
         query="affordances",

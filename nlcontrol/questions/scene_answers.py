@@ -12,7 +12,7 @@ from nlcontrol.questions.answer import Answer
 from nlcontrol.questions.push_questions import target_of
 from nlcontrol.references.object_names import gap_between, name_words, stands_in_relation
 from nlcontrol.references.reference_search import relation_text
-from nlcontrol.text_format import enumeration, place_text, quantity, with_sd_text
+from nlcontrol.text_format import join_words, place_text, quantity, with_sd_text
 from planner import plan
 from planner.problem.footprints import footprint
 from planner.types.plan import Plan
@@ -65,7 +65,7 @@ def property_answer(frame: g.Frame, state: WorldState, position_sd: float) -> An
         numbers |= figures
     seen = _SEEN if target.model.inside is None else _SEEN | {"fill"}
     source = "" if which and set(which) <= seen else f" ({_source(target, which or EVERYTHING)})"
-    text = f"The {target.name} {enumeration(parts)}{source}."
+    text = f"The {target.name} {join_words(parts)}{source}."
     return Answer(query="value", text=text, numbers=numbers)
 
 
@@ -151,7 +151,7 @@ def _centre_of_mass(target: SeenObject) -> Told:
 
 def _load(target: SeenObject, state: WorldState) -> Told:
     carried = state.carried_by(target.name)
-    names = enumeration([f"the {each.name}" for each in carried]) or "nothing"
+    names = join_words([f"the {each.name}" for each in carried]) or "nothing"
     does = "carries" if target.model.inside is None else "contains"
     return f"{does} {names}", {"objects": float(len(carried))}
 
@@ -215,7 +215,7 @@ def scene_answer(state: WorldState) -> Answer:
         + ("" if s.model.lid is None else f", its lid {'closed' if s.is_covered else 'open'}")
         for s in seen
     )
-    names = enumeration([f"the {each.name}" for each in seen]) or "nothing"
+    names = join_words([f"the {each.name}" for each in seen]) or "nothing"
     held = "" if state.held is None else f" I hold the {state.held.name}."
     numbers = {"objects": float(len(seen))}
     return Answer(query="seen", text=f"I see {names}.{held}", lines=lines, numbers=numbers)
@@ -230,8 +230,8 @@ def neighbours_answer(place: g.Place, state: WorldState) -> Answer:
         for seen in state.objects.values()
         if seen not in others and stands_in_relation(place.relation, seen, others)
     ]
-    where = f"{relation_text(place.relation)} {enumeration([f'the {o.name}' for o in others])}"
-    names = enumeration([f"the {name}" for name in there]) or "nothing"
+    where = f"{relation_text(place.relation)} {join_words([f'the {o.name}' for o in others])}"
+    names = join_words([f"the {name}" for name in there]) or "nothing"
     numbers = {"objects": float(len(there))}
     text = f"I see {names} {where}."
     return Answer(query="seen", text=text, objects=tuple(there), numbers=numbers, yes=bool(there))
@@ -274,8 +274,8 @@ def capable_answer(frame: g.Frame, state: WorldState, robot: Robot, defaults: De
         made = plan(frame.model_copy(update=about), state, robot, defaults=defaults)
         can += [] if isinstance(made, Refusal) else [name]
     cannot = [f"the {name}" for name in names if name not in can]
-    text = f"I can do that with {enumeration([f'the {name}' for name in can]) or 'none of them'}"
-    text += f", not with {enumeration(cannot, 'or')}." if cannot and can else "."
+    text = f"I can do that with {join_words([f'the {name}' for name in can]) or 'none of them'}"
+    text += f", not with {join_words(cannot, 'or')}." if cannot and can else "."
     numbers = {"can": float(len(can)), "asked": float(len(names))}
     return Answer(query="capable", text=text, objects=tuple(can), numbers=numbers, yes=bool(can))
 
@@ -388,9 +388,9 @@ def _relation_answer(
     target: SeenObject, relation: g.Relation, others: tuple[SeenObject, ...]
 ) -> Answer:
     yes = stands_in_relation(relation, target, others)
-    where = f"{relation_text(relation)} {enumeration([f'the {each.name}' for each in others])}"
+    where = f"{relation_text(relation)} {join_words([f'the {each.name}' for each in others])}"
     gaps = [gap_between(target, each) for each in others]
-    apart = enumeration([quantity(gap, "m") for gap in gaps])
+    apart = join_words([quantity(gap, "m") for gap in gaps])
     text = f"{_said(yes)}, the {target.name} is {'' if yes else 'not '}{where}: {apart} apart."
     return Answer(query="value", text=text, numbers={"gap": max(gaps)}, yes=yes)
 

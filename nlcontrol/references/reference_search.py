@@ -29,7 +29,7 @@ from nlcontrol.references.object_names import (
     objects_at_rank,
     with_attribute,
 )
-from nlcontrol.text_format import enumeration
+from nlcontrol.text_format import join_words
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel
@@ -101,10 +101,10 @@ def ambiguity_error(
     ways = [*by_looks, by_name] if generic else [by_name, *by_looks]
     offered = _distinct_descriptions(names, ways, fitting)
     told = distinguishing_words(names) if offered == [f"the {name}" for name in names] else offered
-    fits = f"'{reference_text(ref)}' fits {len(names)} objects: {enumeration(names)}"
+    fits = f"'{reference_text(ref)}' fits {len(names)} objects: {join_words(names)}"
     return error(
         "ambiguous_object",
-        f"{fits}; say which: {enumeration(told, 'or')}",
+        f"{fits}; say which: {join_words(told, 'or')}",
         span=whole_span(ref.spans),
         suggestions=tuple(offered),
     )
@@ -158,7 +158,7 @@ def reference_text(ref: ObjectRef) -> str:
     others = [
         other.text if other.pronoun else f"the {reference_text(other)}" for other in ref.reference
     ]
-    return f"{ref.text} {place} {enumeration(others)}"
+    return f"{ref.text} {place} {join_words(others)}"
 
 
 def require_no_more_than_a_name(
@@ -389,7 +389,7 @@ def find_object(
         there = [c.name for c in _objects_named(ref, around)]
         raise error(
             "unknown_object",
-            f"there is no '{reference_text(ref)}' on the table; there is: {enumeration(there)}",
+            f"there is no '{reference_text(ref)}' on the table; there is: {join_words(there)}",
             span=whole_span(ref.spans),
             suggestions=tuple(f"the {name}" for name in there),
         )
@@ -448,8 +448,8 @@ def find_several(ref: ObjectRef, around: Surroundings, spoken: Context) -> list[
     count = f"{counted}" if counted else "one or more"
     raise error(
         "unknown_object",
-        f"'{ref.text}' should be {count}, and are {enumeration(found) or 'none'}; there is:"
-        f" {enumeration(there)}",
+        f"'{ref.text}' should be {count}, and are {join_words(found) or 'none'}; there is:"
+        f" {join_words(there)}",
         span=whole_span(ref.spans),
         suggestions=tuple(f"the {name}" for name in there),
     )
@@ -594,7 +594,7 @@ def _pronoun_object(ref: ObjectRef, around: Surroundings, spoken: Context, alone
         may = [name for name in around.names if name in spoken.doubt] or around.names
         raise error(
             "ambiguous_object" if spoken.doubt else "no_antecedent",
-            f"'{ref.text}' may mean {enumeration(may, 'or')}; say which",
+            f"'{ref.text}' may mean {join_words(may, 'or')}; say which",
             span=whole_span(ref.spans),
             suggestions=tuple(f"the {name}" for name in may),
         )
@@ -645,4 +645,4 @@ def _not_on_table(what: str, name: str, ref: ObjectRef, around: Surroundings) ->
 
 
 def _names_on_table(around: Surroundings) -> str:
-    return enumeration(around.names) or "nothing"
+    return join_words(around.names) or "nothing"

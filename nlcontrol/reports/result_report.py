@@ -18,7 +18,7 @@ from nlcontrol.plan_text import deciding_figures, plan_lines, plan_reason
 from nlcontrol.questions.answer import Answer
 from nlcontrol.reports.word_explanation import save_explanation
 from nlcontrol.results.result import Result, Step
-from nlcontrol.text_format import enumeration, error_lines, quantity, words
+from nlcontrol.text_format import error_lines, join_words, quantity, words
 from planner.types.plan import DefaultUsed
 
 MARKS = {"held": "✓", "not_held": "✗", "unknown": "?"}
@@ -202,7 +202,7 @@ def why_answer(result: Result) -> Answer:
         return Answer(text=plan_reason(result.plan), numbers=deciding_figures(result.plan))
     if result.answer and result.answer.query == "possible":
         named = [frame.object.id for frame in result.frames if frame.object and frame.object.id]
-        about = f"About {enumeration([f'the {name}' for name in named])}: " if named else ""
+        about = f"About {join_words([f'the {name}' for name in named])}: " if named else ""
         return result.answer.model_copy(update={"text": about + result.answer.text})
     if result.answer:
         return result.answer
@@ -253,7 +253,7 @@ def _names(result: Result) -> tuple[str, ...]:
 def _told(result: Result) -> str:
     """What a result was to be, and with which objects."""
     names = _names(result)
-    about = f" ({enumeration(list(names))})" if names else ""
+    about = f" ({join_words(list(names))})" if names else ""
     return f"{result.paraphrase or result.text}{about}"
 
 

@@ -53,7 +53,7 @@ from sim.traces.trace import Trace
 Given = ParamSpec("Given")
 Answer = TypeVar("Answer")
 
-Told = Callable[[Event], object | Awaitable[object]]
+EventListener = Callable[[Event], object | Awaitable[object]]
 """What is told of events: a function, or one that is awaited."""
 
 
@@ -68,7 +68,7 @@ class AsyncRun:
     """
 
     def __init__(
-        self, connection: AwaitedConnection, run_id: str, on_event: Told | None = None
+        self, connection: AwaitedConnection, run_id: str, on_event: EventListener | None = None
     ) -> None:
         self._connection, self._run_id = connection, run_id
         self._calls = RunCalls(connection, run_id)
@@ -140,7 +140,7 @@ class AsyncRun:
             await asyncio.shield(self._listener)
         return await self._connection.run(self._calls.read_ended(None))
 
-    async def _listen(self, on_event: Told) -> None:
+    async def _listen(self, on_event: EventListener) -> None:
         try:
             async for told in self.events():
                 if self._failure is None:
@@ -148,7 +148,7 @@ class AsyncRun:
         except ControlError as lost:
             LOGGER.warning("events of run %s are missing: %s", self._run_id, lost)
 
-    async def _tell(self, on_event: Told, event: Event) -> None:
+    async def _tell(self, on_event: EventListener, event: Event) -> None:
         try:
             done = on_event(event)
             if inspect.isawaitable(done):
@@ -237,7 +237,7 @@ class AsyncSession:
         plan_id: str | None = None,
         text: str | None = None,
         motion: Motion | None = None,
-        on_event: Told | None = None,
+        on_event: EventListener | None = None,
     ) -> AsyncRun:
         """Begins to do what a sentence says, or what was planned; see `PlanningSession.start`."""
         info = await self._connection.run(self._calls.start(said, plan_id, text, motion))
@@ -248,7 +248,7 @@ class AsyncSession:
         said: str | Frames,
         *,
         motion: Motion | None = None,
-        on_event: Told | None = None,
+        on_event: EventListener | None = None,
     ) -> Result:
         """Does what a sentence says, and tells what came of it; see `PlanningSession.say`.
 
@@ -257,7 +257,7 @@ class AsyncSession:
         return await _ended_result(await self.start(said, motion=motion, on_event=on_event))
 
     async def execute(
-        self, plan: Offer | str, *, text: str | None = None, on_event: Told | None = None
+        self, plan: Offer | str, *, text: str | None = None, on_event: EventListener | None = None
     ) -> Result:
         """Carries out what was planned; see `PlanningSession.execute`."""
         run = await self.start(plan_id=plan_id_of(plan), text=text, on_event=on_event)

@@ -288,7 +288,7 @@ class PlanningService:
         """Frames of poses for a viewer (JSON of `PoseFrame`), as long as the session is open."""
         session = self._session(session_id)
         session.take_up()
-        with session.frames.heard() as heard:
+        with session.frames.subscribed() as heard:
             session.tell_frames(wanted=True)
             try:
                 heard.set()
@@ -424,14 +424,14 @@ class PlanningService:
     def _take(self, session: LiveSession, topic: str, content: bytes) -> None:
         if topic == "pose_frame":
             session.frame = content
-            session.frames.ring()
+            session.frames.notify()
         else:
             self._runs.take(session, topic, content)
 
     def _note_loss(self, session: LiveSession) -> None:
         session.is_lost = True
         self._runs.note_loss(session)
-        session.frames.ring()
+        session.frames.notify()
 
     def _ask_to_rest(self, session: LiveSession) -> None:
         if session.run_id is not None and not session.is_lost:
@@ -447,7 +447,7 @@ class PlanningService:
         with self._lock:
             self._sessions.pop(session.session_id, None)
         session.process.kill()
-        session.frames.ring()
+        session.frames.notify()
 
     def _close_idle_sessions(self) -> None:
         # Idle sessions are looked for once a second.

@@ -78,7 +78,7 @@ from sim.supervision import StopToken
 if TYPE_CHECKING:
     from sim.traces.trace import Trace
 
-    Deed = Callable[[Callable[[Event], None], StopToken], Result]
+    RunBody = Callable[[Callable[[Event], None], StopToken], Result]
 
 
 # A run in this process: a thread that carries something out, and all that it tells.
@@ -88,7 +88,7 @@ class SessionRun:
     """Something that a session carries out, from its construction on.
 
     Args:
-        deed: carries it out; it is given who is told of events, and what asks it to stop.
+        body: carries it out; it is given who is told of events, and what asks it to stop.
         session_id: of the session.
         kind: of the run.
         text: the sentence.
@@ -103,7 +103,7 @@ class SessionRun:
 
     def __init__(
         self,
-        deed: Deed,
+        body: RunBody,
         *,
         session_id: str,
         kind: RunKind,
@@ -115,7 +115,7 @@ class SessionRun:
     ) -> None:
         self.run_id = f"run-{secrets.token_hex(8)}"
         self.request: RunRequest | None = None
-        self._deed, self._on_event, self._make_request = deed, on_event, request
+        self._body, self._on_event, self._make_request = body, on_event, request
         self._stop = StopToken()
         self._changed = Condition()
         self._events: list[NumberedEvent] = []
@@ -141,7 +141,7 @@ class SessionRun:
         result: Result | None = None
         failure: ErrorInfo | None = None
         try:
-            result = self._deed(self._tell, self._stop)
+            result = self._body(self._tell, self._stop)
             self.request = self._make_request(result)
         except Exception as raised:
             failure = exception_info(raised)
@@ -502,7 +502,7 @@ class Session(PlanningSession):
     def _seen(self, name: str) -> SeenObject:
         """An object as it was seen last."""
         with self._idle(), self.controller.last_look.kept():
-            return self.controller.surroundings(name)[0]
+            return self.controller.locate(name)[0]
 
     @checked_arguments
     def plan(self, said: str | Frames) -> Offer:
@@ -586,7 +586,7 @@ class Session(PlanningSession):
     def _begin(
         self,
         kind: RunKind,
-        deed: Deed,
+        body: RunBody,
         text: str,
         on_event: Callable[[Event], object] | None,
         era: int,
@@ -594,7 +594,7 @@ class Session(PlanningSession):
         digest: str | None = None,
     ) -> SessionRun:
         self._run = run = SessionRun(
-            deed,
+            body,
             session_id=self.session_id,
             kind=kind,
             text=text,

@@ -146,7 +146,7 @@ class Controller:
         """The command with every object bound to one on the table, and lengths in metres.
 
         The object of a question may be bound to a model of the registry that is not on the table:
-        `surroundings` says where it is taken to stand. The context is what "it" and "the other
+        `locate` says where it is taken to stand. The context is what "it" and "the other
         one" refer to.
 
         Raises:
@@ -184,11 +184,11 @@ class Controller:
         """
         from planner.affordances import affordances
 
-        seen, state = self.surroundings(name)
+        seen, state = self.locate(name)
         return affordances(seen, state, self._robot_until(None), defaults=self.defaults)
 
     @in_turn
-    def surroundings(self, name: str) -> tuple[SeenObject, WorldState]:
+    def locate(self, name: str) -> tuple[SeenObject, WorldState]:
         """An object and everything about it that is believed.
 
         Args:
@@ -223,7 +223,7 @@ class Controller:
         vision = self.cell.vision
         return answer(
             frame,
-            self.about(frame) if state is None else state,
+            self.believed_state(frame) if state is None else state,
             lambda: self._robot_until(stop),
             self.defaults,
             position_sd=vision.position_noise_m / math.sqrt(max(vision.rate_hz * LOOK, 1.0)),
@@ -235,10 +235,10 @@ class Controller:
             return self.robot
         return CancellableRobot(self.robot, stop, self.time_limit)
 
-    def about(self, frame: Frame) -> WorldState:
+    def believed_state(self, frame: Frame) -> WorldState:
         """The belief about the object of a question, which may not be on the table."""
         name = frame.object.id if frame.object else None
-        return self.look() if name is None else self.surroundings(name)[1]
+        return self.look() if name is None else self.locate(name)[1]
 
     @in_turn
     def plan(

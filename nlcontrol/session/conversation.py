@@ -23,12 +23,12 @@ from nlcontrol.results.result import Result, result_with, status_of
 from nlcontrol.session.corrected_sentences import result_with_corrections
 from nlcontrol.session.events import FORCE_RATE, Event, Supervisor
 from nlcontrol.session.frame_documents import Frames, text_of
-from nlcontrol.session.frame_execution import Approval, Intention, Proposal, run_command
-from nlcontrol.session.recipe import Deed
+from nlcontrol.session.frame_execution import Approval, Proposal, ResolvedTurn, run_command
+from nlcontrol.session.recipe import JournalEntry
 from nlcontrol.session.remarks import follow_up_frames as follow_up
-from nlcontrol.session.remarks import remark_aims as aims
-from nlcontrol.session.remarks.remark_aims import nothing_before, says_something
-from nlcontrol.session.remarks.undo_frames import PastPush, undo_frames, undo_text
+from nlcontrol.session.remarks import follow_up_targets as aims
+from nlcontrol.session.remarks.follow_up_targets import nothing_before, says_something
+from nlcontrol.session.remarks.undo_frames import UndoEntry, undo_frames, undo_text
 from nlcontrol.session.turns import in_turn
 
 if TYPE_CHECKING:
@@ -117,13 +117,13 @@ class Conversation:
         self._proposals = 0
         controller.journal.conversations += 1
         self.context = Context()
-        self.past: list[PastPush] = []
+        self.past: list[UndoEntry] = []
         self._last: Result | None = None  # what "why" is about
         self._said: Result | None = None  # what "no, …" is about; None if it was not understood
         self._done: Result | None = None  # the last command, what "a bit more" is about
         self._deeds: list[Result] = []  # the commands up to the last
         self._exchange: g.Command | None = None  # what that was, if things changed places
-        self._unread = UnreadTurns()  # what was not understood since
+        self._unread = UnparsedTurns()  # what was not understood since
         self._spoken: tuple[str, ...] = ()  # texts that were understood since, the last first
 
     @in_turn
@@ -145,7 +145,7 @@ class Conversation:
         """
         plan_only |= motion == "never"
         supervisor = self._supervisor(progress, stop, on_event, force_rate)
-        deed = Deed.of(text, self._number, "never" if plan_only else motion)
+        deed = JournalEntry.of(text, self._number, "never" if plan_only else motion)
         return self._supervised(
             deed, supervisor, lambda: self._say(text, plan_only, motion, supervisor)[0]
         )
@@ -167,9 +167,9 @@ class Conversation:
     ) -> Proposal:
         """Plans a sentence from what was seen last; what is planned does not count as done."""
         number, self._proposals = self._proposals, self._proposals + 1
-        deed = Deed.of(said, self._number, "never").model_copy(update={"proposes": number})
+        deed = JournalEntry.of(said, self._number, "never").model_copy(update={"proposes": number})
         supervisor = self._supervisor(None, stop, on_event, 0.0)
-        meant: Intention | None = None
+        meant: ResolvedTurn | None = None
 
         def say() -> Result:
             nonlocal meant
@@ -200,7 +200,9 @@ class Conversation:
         meant, approval = proposal.intention, proposal.approval
         assert meant is not None, "nothing was proposed"
         supervisor = self._supervisor(progress, stop, on_event, force_rate)
-        deed = Deed(said=proposal.result.text, conversation=self._number, executes=proposal.number)
+        deed = JournalEntry(
+            said=proposal.result.text, conversation=self._number, executes=proposal.number
+        )
         return self._supervised(
             deed, supervisor, lambda: self._do(meant, False, None, supervisor, approval)
         )
@@ -220,7 +222,9 @@ class Conversation:
             clock=lambda: self.controller.executor.time,
         )
 
-    def _supervised(self, deed: Deed, supervisor: Supervisor, do: Callable[[], Result]) -> Result:
+    def _supervised(
+        self, deed: JournalEntry, supervisor: Supervisor, do: Callable[[], Result]
+    ) -> Result:
         """The result of something that is done, which is noted."""
         journal = self.controller.journal
         with journal.deed(deed, self.controller.models), defects_raised():
@@ -237,7 +241,7 @@ class Conversation:
         progress: Progress,
         *,
         proposed: bool = False,
-    ) -> tuple[Result, Intention | None]:
+    ) -> tuple[Result, ResolvedTurn | None]:
         """The result of a sentence, and what it meant; None if there is nothing to be done."""
         text, command = text_of(said), None
         try:
@@ -246,7 +250,7 @@ class Conversation:
             self._unread = replace(self._unread, offered=None)
             self._spoken = (text, *self._spoken[: REMEMBERED - 1])
             meant = self._intention(command)
-            if not isinstance(meant, Intention):
+            if not isinstance(meant, ResolvedTurn):
                 return meant, None
             return self._do(meant, plan_only, motion, progress, proposed=proposed), meant
         except ControlError as raised:
@@ -261,7 +265,7 @@ class Conversation:
                 self._note_unread(text, refused.code, named, offered)
             return self._last, None
 
-    def _intention(self, command: g.Command) -> Intention | Result:
+    def _intention(self, command: g.Command) -> ResolvedTurn | Result:
         """The intention of a command, or what there is to say to a remark."""
         remark = follow_up.sole_remark(command)
         if (reply := aims.reply_to(command, self._said)) is not None:
@@ -277,10 +281,10 @@ class Conversation:
             return self._way_back(command)
         if self._unread.may_be_meant(command):
             nothing_before("what was said last was not understood, so this may be about that")
-        command = follow_up.with_clear_way_back(command, self._done)
+        command = follow_up.disambiguate_back(command, self._done)
         command = aims.with_near_thing(aims.without_announced(command), self._done)
         meant = follow_up.meant_command(command, self._said, self._done, self._exchange)
-        return Intention(
+        return ResolvedTurn(
             meant,
             self._notes(command),
             joins=aims.joins_last(command),
@@ -290,7 +294,7 @@ class Conversation:
 
     def _do(
         self,
-        meant: Intention,
+        meant: ResolvedTurn,
         plan_only: bool,
         motion: Motion | None,
         progress: Progress,
@@ -323,7 +327,7 @@ class Conversation:
             return result_with(result, notes=notes)
         result = result_with(result, notes=meant.notes + result.notes)
         self._last = self._said = kept = result_with(result, trace=None)
-        self._unread = UnreadTurns()
+        self._unread = UnparsedTurns()
         if not proposed and any(frame.query is None for frame in kept.frames):
             self._done = kept
             self._deeds = [*self._deeds[1 - REMEMBERED :], kept]
@@ -333,7 +337,7 @@ class Conversation:
         )
         for step in kept.steps:
             if step.execution and step.plan and step.before:
-                self.past.append(PastPush.from_step(kept, step.plan, step.before, step.basis))
+                self.past.append(UndoEntry.from_step(kept, step.plan, step.before, step.basis))
         del self.past[:-REMEMBERED]
         self.context = aims.with_moved(self.context, self.past, self._deeds)
         cell, models = self.controller.cell, self.controller.models
@@ -368,7 +372,7 @@ class Conversation:
         assert last is not None
         return (f"already carried out: “{last.text}”; that is left as it is",)
 
-    def _way_back(self, command: g.Command) -> Intention | Result:
+    def _way_back(self, command: g.Command) -> ResolvedTurn | Result:
         pushed = self._to_undo(command)
         text = pushed[-1].of.text
         back = undo_frames(pushed, self.controller.look(), self.controller.defaults)
@@ -379,9 +383,9 @@ class Conversation:
             return result_with(self._plain_result(command, told, "done"), notes=back.notes)
         words = f"to undo “{text}”, {undo_text(back.frames)}"
         command = command.model_copy(update={"frames": back.frames, "paraphrase": words})
-        return Intention(command, undone=tuple(pushed), back=back)
+        return ResolvedTurn(command, undone=tuple(pushed), back=back)
 
-    def _to_undo(self, command: g.Command) -> list[PastPush]:
+    def _to_undo(self, command: g.Command) -> list[UndoEntry]:
         """The pushes of the last sentence, or the last push of the object that is named."""
         (frame,) = command.frames
         if frame.object is not None and not frame.object.pronoun:
@@ -395,7 +399,7 @@ class Conversation:
             nothing_before("nothing was pushed that could be undone")
         return [push for push in self.past if push.of is self.past[-1].of]
 
-    def _forget(self, undone: Sequence[PastPush]) -> None:
+    def _forget(self, undone: Sequence[UndoEntry]) -> None:
         self.past = [push for push in self.past if push not in undone]
 
     def _explain_last(self, command: g.Command) -> Answer:
@@ -430,7 +434,7 @@ class Conversation:
 
 
 @dataclass(frozen=True)
-class UnreadTurns:
+class UnparsedTurns:
     """Turns that were not understood since one was.
 
     Attributes:
@@ -451,9 +455,9 @@ class UnreadTurns:
         """The part that was offered, if a remark accepts it; else None."""
         return self.offered if aims.only_agrees(command) else None
 
-    def with_turn(self, text: str, offered: Command | None) -> UnreadTurns:
+    def with_turn(self, text: str, offered: Command | None) -> UnparsedTurns:
         """These turns, and one more."""
-        return UnreadTurns(some=True, asked=aims.asks(text), offered=offered)
+        return UnparsedTurns(some=True, asked=aims.asks(text), offered=offered)
 
 
 def is_of_other(text: str, named: list[str], context: Context) -> bool:

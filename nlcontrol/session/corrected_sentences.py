@@ -26,7 +26,7 @@ from nlcontrol.errors import ControlError, ErrorInfo, refusal_error
 from nlcontrol.results.result import Result, result_with
 from nlcontrol.session.executor import CancellableRobot
 from nlcontrol.session.remarks.follow_up_frames import correct_frame
-from nlcontrol.session.remarks.remark_aims import without_spans
+from nlcontrol.session.remarks.follow_up_targets import without_spans
 from planner import plan
 from planner.affordances import frame_with_less
 from planner.problem.planning_problem import SearchBudget

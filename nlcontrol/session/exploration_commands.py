@@ -36,7 +36,7 @@ from nlcontrol.results.result import (
     stop_info,
     unanswered_status,
 )
-from nlcontrol.text_format import enumeration, with_sd_text
+from nlcontrol.text_format import join_words, with_sd_text
 from objectmodels.identification.experiment_design import (
     Candidate,
     is_precise_enough,
@@ -138,7 +138,7 @@ def answer_with_offer(
     if not candidates:
         return answer
     best = rank_candidates(target.model, candidates, asked, spread=SPREAD)[0]
-    better = enumeration([f"its {name} to ± {sd:.0%}" for name, sd in best.precisions.items()])
+    better = join_words([f"its {name} to ± {sd:.0%}" for name, sd in best.precisions.items()])
     known = {
         f"{name}_after_sd": getattr(target.model, name) * sd for name, sd in best.precisions.items()
     }
@@ -195,7 +195,7 @@ def explore_frame(
     """The result with what touching the object found out."""
     step = Step(frame=index, status="failed")
     try:
-        state = controller.about(frame)
+        state = controller.believed_state(frame)
         step = step.model_copy(update={"basis": Basis.of(frame, state, controller.defaults)})
         if plan_only:
             notes = (*result.notes, exploration_notice(controller, frame, state))
@@ -226,7 +226,7 @@ def exploration_notice(controller: Controller, frame: g.Frame, state: WorldState
     target = target_of(frame, state)
     share = f"{100.0 * controller.defaults.found_to:.0f} %"
     return (
-        f"the {target.name} would be touched ({enumeration(kinds)}) until that is known to {share}"
+        f"the {target.name} would be touched ({join_words(kinds)}) until that is known to {share}"
     )
 
 

@@ -23,7 +23,7 @@ from nlcontrol.argument_types import ReadByOwnRules
 from nlcontrol.errors import ControlError, ErrorInfo, known_errors_raised
 from nlcontrol.json_document import SCHEMA_VERSION, is_readable
 from nlcontrol.references.reference_resolution import parts_within
-from nlcontrol.session.remarks.remark_aims import without_spans
+from nlcontrol.session.remarks.follow_up_targets import without_spans
 from nlcontrol.text_format import encodable_text
 from objectmodels.errors import suggest
 from objectmodels.files.yaml_documents import LIMITS, classes_in, read_bytes, short_text

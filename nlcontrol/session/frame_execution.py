@@ -52,7 +52,7 @@ from nlcontrol.session.corrections import LEFT_SO, Corrections, spent_text
 from nlcontrol.session.events import Supervisor
 from nlcontrol.session.fallen_objects import unreachable_after_fall, with_way_back
 from nlcontrol.session.foresight import PlanCache, onward_plan, plan_with_foresight
-from nlcontrol.session.remarks.remark_aims import without_spans
+from nlcontrol.session.remarks.follow_up_targets import without_spans
 from nlcontrol.session.step_search import Ways, ways_around
 from nlcontrol.text_format import place_text, quantity
 from planner.plan_explanation import Basis
@@ -70,7 +70,7 @@ if TYPE_CHECKING:
     from nlcontrol.references.reference_search import Context
     from nlcontrol.session.controller import Controller
     from nlcontrol.session.executor import Motion
-    from nlcontrol.session.remarks.undo_frames import PastPush, WayBack
+    from nlcontrol.session.remarks.undo_frames import UndoEntry, UndoPlan
 
 
 # Answers to the questions of a command; what can be done is planned as it would be done.
@@ -155,7 +155,7 @@ def _possibility(tried: Result) -> Answer:
 # so would say the wrong thing next. Frames: W.
 
 
-def whereabouts(result: Result, held: Held | None) -> Iterator[str]:
+def unfinished_notes(result: Result, held: Held | None) -> Iterator[str]:
     """Sentences on what the hand holds and what was moved, if the last step ended halfway."""
     trace, last = result.trace, result.steps[-1] if result.steps else None
     if trace is None or last is None or last.error is None:
@@ -264,7 +264,7 @@ def _run_frames(
             "where the others start depends on what comes of it"
         )
         result = result_with(result, notes=(*result.notes, note))
-    notes = (*result.notes, *whereabouts(result, controller.held))
+    notes = (*result.notes, *unfinished_notes(result, controller.held))
     if result.trace is not None and result.status != "cancelled":
         look, stop = controller.look, supervisor.stop
         notes = (*notes, *unreachable_after_fall(controller, result.trace, look, stop))
@@ -282,7 +282,7 @@ def _answer_question(
     step, frame = Step(frame=index, status="failed"), asked[0]
     propose = partial(_proposal, controller, supervisor)
     try:
-        state = controller.about(frame)
+        state = controller.believed_state(frame)
         step = step.model_copy(update={"basis": Basis.of(frame, state, controller.defaults)})
         answer = answer_to(controller, asked, state, supervisor.stop, propose)
     except Stopped:
@@ -618,7 +618,7 @@ class Approval:
 
 
 @dataclass(frozen=True)
-class Intention:
+class ResolvedTurn:
     """The task of a sentence, as it is meant after those before it.
 
     Attributes:
@@ -636,8 +636,8 @@ class Intention:
     joins: bool = False
     corrects: bool = False
     exchange: Command | None = None
-    undone: tuple[PastPush, ...] = ()
-    back: WayBack | None = None
+    undone: tuple[UndoEntry, ...] = ()
+    back: UndoPlan | None = None
 
 
 @dataclass(frozen=True)
@@ -652,7 +652,7 @@ class Proposal:
 
     number: int
     result: Result
-    intention: Intention | None
+    intention: ResolvedTurn | None
 
     @property
     def approval(self) -> Approval | None:

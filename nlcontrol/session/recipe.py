@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from planner.types.defaults import Defaults
 
 
-class Deed(DocumentPart):
+class JournalEntry(DocumentPart):
     """A sentence that was said, or a look if there is none.
 
     Attributes:
@@ -50,7 +50,7 @@ class Deed(DocumentPart):
     executes: int | None = None
 
     @classmethod
-    def of(cls, said: str | Frames, conversation: int, motion: Motion | None) -> Deed:
+    def of(cls, said: str | Frames, conversation: int, motion: Motion | None) -> JournalEntry:
         """The deed of a sentence, or of frames."""
         try:
             plain = encodable_text(said) if isinstance(said, str) else to_jsonable_python(said)
@@ -59,7 +59,7 @@ class Deed(DocumentPart):
         return cls(said=plain, conversation=conversation, motion=motion)
 
 
-LOOKED = Deed()
+LOOKED = JournalEntry()
 """The robot looked."""
 
 MOST_DEEDS = 1000
@@ -85,7 +85,7 @@ class Recipe(Document):
     defaults: dict[str, Any]
     registry: tuple[dict[str, Any], ...]
     beliefs: dict[str, dict[str, Any]]
-    deeds: Annotated[tuple[Deed, ...], Field(max_length=MOST_DEEDS)]
+    deeds: Annotated[tuple[JournalEntry, ...], Field(max_length=MOST_DEEDS)]
 
 
 class Journal:
@@ -102,7 +102,7 @@ class Journal:
     """
 
     def __init__(self, executor: Executor, models: Mapping[str, ObjectModel]) -> None:
-        self.deeds: list[Deed] = []
+        self.deeds: list[JournalEntry] = []
         self.beliefs = dict(models)
         self.conversations = 0
         self._executor = executor if isinstance(executor, SimulatedExecutor) else None
@@ -110,7 +110,7 @@ class Journal:
         self._busy = self._gap = self._overflown = False
 
     @contextmanager
-    def deed(self, deed: Deed, models: Mapping[str, ObjectModel]) -> Iterator[None]:
+    def deed(self, deed: JournalEntry, models: Mapping[str, ObjectModel]) -> Iterator[None]:
         """Context in which something is done; what is done for it is no deed of its own."""
         if self._executor is None or self._busy:
             yield
@@ -129,7 +129,7 @@ class Journal:
             if deed.said is not None or self._executor.time > begun:
                 self._note(deed.model_copy(update={"begun": place}))
 
-    def _note(self, deed: Deed) -> None:
+    def _note(self, deed: JournalEntry) -> None:
         """Notes a deed, unless there are too many of them for a recipe."""
         if len(self.deeds) < MOST_DEEDS:
             self.deeds.append(deed)

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from nlcontrol.json_document import docstring_parts
-from nlcontrol.service.http.service_access import HttpSettings
+from nlcontrol.service.http.responses import HttpSettings
 from nlcontrol.service.http.service_app import routes_app
 from nlcontrol.service.service_settings import ServiceSettings
 from tests.docs.guide_blocks import code_blocks

@@ -17,7 +17,7 @@ from nlcontrol.cli.console.console_output import (
     print_lines,
 )
 from nlcontrol.errors import CODES, OK, ErrorInfo, error, exception_info
-from nlcontrol.text_format import enumeration, error_lines
+from nlcontrol.text_format import error_lines, join_words
 
 if TYPE_CHECKING:
     from objectmodels import ModelError, ObjectModel, Registry
@@ -338,7 +338,7 @@ def _model_lines(model: ObjectModel, place: str) -> list[str]:
         verdict = f"topples above {1e3 * height:.0f} mm" if height < face.top else "never topples"
         found.setdefault(verdict, []).append(name)
     rows += [
-        ("pushed level", f"{verdict}, in the middle of {enumeration(names)}")
+        ("pushed level", f"{verdict}, in the middle of {join_words(names)}")
         for verdict, names in found.items()
     ]
     return [model.name, *(f"  {key:24} {value}" for key, value in rows)]

@@ -15,7 +15,7 @@ from nlcontrol.errors import error, known_errors_raised
 from nlcontrol.interruption import SIGNALS
 
 if TYPE_CHECKING:
-    from nlcontrol.service.http.service_access import HttpSettings
+    from nlcontrol.service.http.responses import HttpSettings
     from nlcontrol.service.service_settings import ServiceSettings
 
 TOKEN_VARIABLE = "NLCONTROL_TOKEN"
@@ -94,7 +94,7 @@ def command(
     _require_packages()
     from pydantic import ValidationError
 
-    from nlcontrol.service.http.service_access import HttpSettings
+    from nlcontrol.service.http.responses import HttpSettings
     from nlcontrol.service.run_store import default_folder
     from nlcontrol.service.service_settings import ServiceSettings
 
@@ -180,7 +180,7 @@ def _require_token(http: HttpSettings) -> None:
     Raises:
         ControlError: `bad_token`.
     """
-    from nlcontrol.service.http.service_access import LOOPBACK
+    from nlcontrol.service.http.responses import LOOPBACK
 
     if http.token is None and http.host not in LOOPBACK:
         raise error(

@@ -15,7 +15,7 @@ from starlette.responses import Response
 from nlcontrol.errors import error
 from nlcontrol.json_document import Document
 from nlcontrol.service.documents import NumberedEvent
-from nlcontrol.service.http.service_access import HttpSettings, document_response
+from nlcontrol.service.http.responses import HttpSettings, document_response
 
 if TYPE_CHECKING:
     from fastapi import Request

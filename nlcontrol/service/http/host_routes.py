@@ -22,7 +22,7 @@ from nlcontrol.service.documents import (
 )
 from nlcontrol.service.http.openapi_document import PROBLEMS
 from nlcontrol.service.http.request_guard import BrowserLogin
-from nlcontrol.service.http.service_access import LoginBody, ObjectPath, Service, document_response
+from nlcontrol.service.http.responses import LoginBody, ObjectPath, Service, document_response
 from objectmodels.registry.model_registry import kind_of
 from sim.truth.scene_file import load_scene
 from sim.views.viewer_recording import believed_scene

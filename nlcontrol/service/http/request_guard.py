@@ -31,7 +31,7 @@ from nlcontrol.service.http.problem_documents import (
     problem_of,
     problem_response,
 )
-from nlcontrol.service.http.service_access import LOOPBACK, HttpSettings
+from nlcontrol.service.http.responses import LOOPBACK, HttpSettings
 
 if TYPE_CHECKING:
     from starlette.responses import Response

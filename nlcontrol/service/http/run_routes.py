@@ -12,7 +12,7 @@ from nlcontrol.errors import error
 from nlcontrol.service.documents import RunInfo, RunPage
 from nlcontrol.service.http.event_streams import STREAM_CONTENT, EventList, stream_events
 from nlcontrol.service.http.openapi_document import PROBLEMS
-from nlcontrol.service.http.service_access import (
+from nlcontrol.service.http.responses import (
     AfterNumber,
     RunId,
     Service,

@@ -19,7 +19,7 @@ from nlcontrol.service.http.request_guard import BrowserLogin, RequestGuard
 from nlcontrol.service.http.session_routes import add_questions
 
 if TYPE_CHECKING:
-    from nlcontrol.service.http.service_access import HttpSettings
+    from nlcontrol.service.http.responses import HttpSettings
     from nlcontrol.service.planning_service import PlanningService
 
 _PLANNING = APIRouter(prefix="/v1", tags=["planning"], responses=PROBLEMS)

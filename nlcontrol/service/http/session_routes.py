@@ -17,7 +17,7 @@ from nlcontrol.service.documents import (
 )
 from nlcontrol.service.http.event_streams import STREAM_CONTENT, stream_poses
 from nlcontrol.service.http.openapi_document import PROBLEMS
-from nlcontrol.service.http.service_access import (
+from nlcontrol.service.http.responses import (
     IdempotencyKey,
     IdleTime,
     PlanIdBody,

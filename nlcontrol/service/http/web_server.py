@@ -24,7 +24,7 @@ from nlcontrol.service.http.service_app import service_app
 
 if TYPE_CHECKING:
     from nlcontrol.service.http.request_guard import BrowserLogin
-    from nlcontrol.service.http.service_access import HttpSettings
+    from nlcontrol.service.http.responses import HttpSettings
     from nlcontrol.service.planning_service import PlanningService
 
 

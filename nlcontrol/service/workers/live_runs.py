@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from nlcontrol.errors import INTERNAL, ControlError, ErrorInfo, error
 from nlcontrol.service.documents import NumberedEvent, RunInfo, RunState
 from nlcontrol.service.workers.session_host import RunEnd
-from nlcontrol.service.workers.worker_process import Bell, daemon_timer, queue_full
+from nlcontrol.service.workers.worker_process import LoopNotifier, daemon_timer, queue_full
 from nlcontrol.session.events import Event
 
 if TYPE_CHECKING:
@@ -129,7 +129,7 @@ class LiveRun:
     def __init__(self, run_id: str, session: LiveSession) -> None:
         self.run_id, self.session = run_id, session
         self.info: RunInfo | None = None
-        self.changed = Bell()
+        self.changed = LoopNotifier()
         self.ended = threading.Event()
         self.unwritten: list[NumberedEvent] = []
         self.has_turn = self.is_ending = self.is_aborted = False
@@ -235,7 +235,7 @@ class LiveRuns:
     async def events(self, run_id: str, after: int = 0) -> AsyncIterator[NumberedEvent]:
         """Events of a run after a number, as they happen, until it has ended."""
         live = self._live(run_id)
-        with (live.changed if live is not None else Bell()).heard() as changed:
+        with (live.changed if live is not None else LoopNotifier()).subscribed() as changed:
             while True:
                 changed.clear()
                 has_ended = self._live(run_id) is None
@@ -268,7 +268,7 @@ class LiveRuns:
                     run.unwritten.clear()
                 except ControlError as raised:
                     LOGGER.error("events of a run are kept for later: %s", raised.info.message)
-                run.changed.ring()
+                run.changed.notify()
             case "trace" | "request":
                 with self._store.write_file(run.run_id, topic) as path:
                     path.write_bytes(content)
@@ -337,7 +337,7 @@ class LiveRuns:
             self._store.put_run(info)
         except ControlError as raised:  # it was noted as one that waits
             LOGGER.error("a run that begins to move is not noted: %s", raised.info.message)
-        run.changed.ring()
+        run.changed.notify()
         run.session.process.command("take_turn")
 
     def _note_place(self, run_id: str, place: int | None) -> None:
@@ -345,7 +345,7 @@ class LiveRuns:
             run = self._runs.get(run_id)
             if run is not None and run.info is not None and run.info.state == "queued":
                 run.info = run.info.model_copy(update={"place": place})
-                run.changed.ring()
+                run.changed.notify()
 
     def _end(self, run: LiveRun, state: RunState, end: RunEnd) -> None:
         """Ends a run; who sees that it has ended may begin the next one."""
@@ -376,7 +376,7 @@ class LiveRuns:
                 run.session.note_use()
         self.queue.leave(run.run_id)
         run.ended.set()
-        run.changed.ring()
+        run.changed.notify()
 
 
 @contextmanager

@@ -15,7 +15,7 @@ from nlcontrol.errors import ControlError, error
 from nlcontrol.service.documents import SessionInfo, SessionSpec
 from nlcontrol.service.offers import LIFE
 from nlcontrol.service.workers.worker_process import (
-    Bell,
+    LoopNotifier,
     WorkerProcess,
     daemon_timer,
     queue_full,
@@ -59,7 +59,7 @@ class LiveSession:
         self.run_id: str | None = None
         self._beginning, self._begins = threading.Lock(), threading.Semaphore(MOST_CALLS)
         self.is_lost = False
-        self.frames = Bell()
+        self.frames = LoopNotifier()
         self.frame: bytes | None = None
         self._settings = settings
         self._used_at = time.monotonic()

@@ -64,7 +64,7 @@ class Answer(NamedTuple):
     ok: bool
 
 
-class Told(NamedTuple):
+class WorkerEvent(NamedTuple):
     """Something that the worker tells without being asked.
 
     Attributes:
@@ -133,7 +133,7 @@ class _Worker:
     def __init__(self, connection: Connection[Any, Any], make_host: Callable[[Tell], Host]) -> None:
         self._connection = connection
         self._writing = threading.Lock()
-        self._host = make_host(lambda topic, content: self._send(Told(topic, content)))
+        self._host = make_host(lambda topic, content: self._send(WorkerEvent(topic, content)))
         self._send(Ready())
 
     def answer_calls(self) -> None:
@@ -154,7 +154,7 @@ class _Worker:
             info = exception_info(raised).model_dump_json().encode()
             return Answer(call.number, info, ok=False)
 
-    def _send(self, message: Ready | Answer | Told) -> None:
+    def _send(self, message: Ready | Answer | WorkerEvent) -> None:
         try:
             with self._writing:
                 self._connection.send(message)
@@ -325,7 +325,7 @@ class WorkerProcess:
         match message:
             case Ready():
                 _log_failures(self.on_ready)
-            case Told(topic, content):
+            case WorkerEvent(topic, content):
                 _log_failures(self.on_told, topic, content)
             case Answer(number, content, ok):
                 with self._lock:
@@ -419,10 +419,10 @@ def _surroundings() -> Iterator[None]:
                     os.environ[name] = value
 
 
-# Bell that wakes tasks of event loops, rung from any thread.
+# LoopNotifier that wakes tasks of event loops, rung from any thread.
 
 
-class Bell:
+class LoopNotifier:
     """Those who listen, and a way to wake them all."""
 
     def __init__(self) -> None:
@@ -434,7 +434,7 @@ class Bell:
         """Number of those who listen."""
         return len(self._listeners)
 
-    def ring(self) -> None:
+    def notify(self) -> None:
         """Wakes all that listen."""
         with self._lock:
             listeners = dict(self._listeners)
@@ -443,7 +443,7 @@ class Bell:
                 loop.call_soon_threadsafe(heard.set)
 
     @contextmanager
-    def heard(self) -> Iterator[asyncio.Event]:
+    def subscribed(self) -> Iterator[asyncio.Event]:
         """Context of one who listens, in a task; the event is set by every ring."""
         heard = asyncio.Event()
         with self._lock:

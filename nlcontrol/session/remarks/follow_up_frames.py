@@ -17,7 +17,7 @@ from grammar.words.lexicon_plugins import installed_lexicon
 from nlcontrol.errors import error, whole_span
 from nlcontrol.references.object_names import name_words
 from nlcontrol.references.reference_resolution import parts_within
-from nlcontrol.session.remarks.remark_aims import (
+from nlcontrol.session.remarks.follow_up_targets import (
     FAR_FIELDS,
     Rename,
     are_alike,
@@ -327,7 +327,7 @@ def _names_for_kept(frame: g.Frame, said: g.Frame) -> Rename:
     return rename
 
 
-def with_clear_way_back(command: g.Command, done: Result | None) -> g.Command:
+def disambiguate_back(command: g.Command, done: Result | None) -> g.Command:
     """The command, in which "back" is said of something that the last command moved.
 
     By an amount, it goes back on its way; without one it may be to where it was, or to the robot.

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class PastPush:
+class UndoEntry:
     """A push, or what a whole hand did, that was carried out.
 
     Attributes:
@@ -50,7 +50,9 @@ class PastPush:
     on: str | None = None
 
     @classmethod
-    def from_step(cls, of: Result, plan: Plan, before: PlanarPose, basis: Basis | None) -> PastPush:
+    def from_step(
+        cls, of: Result, plan: Plan, before: PlanarPose, basis: Basis | None
+    ) -> UndoEntry:
         """What a step did, whose plan had a basis."""
         if basis is None:
             return cls(of, plan.object, before, plan.task)
@@ -65,7 +67,7 @@ class PastPush:
 
 
 @dataclass(frozen=True)
-class WayBack:
+class UndoPlan:
     """Frames that undo some pushes.
 
     Attributes:
@@ -75,11 +77,11 @@ class WayBack:
     """
 
     frames: tuple[g.Frame, ...]
-    undoes: tuple[PastPush, ...]
+    undoes: tuple[UndoEntry, ...]
     notes: tuple[str, ...]
 
 
-def undo_frames(pushed: Sequence[PastPush], state: WorldState, defaults: Defaults) -> WayBack:
+def undo_frames(pushed: Sequence[UndoEntry], state: WorldState, defaults: Defaults) -> UndoPlan:
     """The way back from pushes given in the order in which they were made, the last one first."""
     here, found, notes = dict(state.objects), [], []
     held = None if state.held is None else state.held.name
@@ -109,7 +111,7 @@ def undo_frames(pushed: Sequence[PastPush], state: WorldState, defaults: Default
             found += [(frame, push) for frame in _back(now, before, turns, defaults)]
         # The push before it is undone from where this one will leave the object.
         here[push.object] = before
-    return WayBack(tuple(f for f, _ in found), tuple(p for _, p in found), tuple(notes))
+    return UndoPlan(tuple(f for f, _ in found), tuple(p for _, p in found), tuple(notes))
 
 
 _OPPOSITES: dict[str, type[g.Open | g.Close]] = {"open": g.Close, "close": g.Open}
@@ -138,7 +140,7 @@ def _put_back(now: SeenObject, before: SeenObject, state: WorldState) -> g.Frame
     return _frame("place", now, goal)
 
 
-def _was_to_turn(push: PastPush) -> bool:
+def _was_to_turn(push: UndoEntry) -> bool:
     names = (f.object.id for f in push.of.frames if isinstance(f.goal, g.Rotate) and f.object)
     return push.object in names
 

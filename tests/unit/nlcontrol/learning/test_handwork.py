@@ -14,7 +14,7 @@ from nlcontrol.learning.lessons import (
 from nlcontrol.plan_text import plan_reasons
 from nlcontrol.session.controller import Controller
 from nlcontrol.session.conversation import Conversation
-from nlcontrol.session.remarks.undo_frames import PastPush, undo_frames, undo_text
+from nlcontrol.session.remarks.undo_frames import UndoEntry, undo_frames, undo_text
 from objectmodels import ObjectModel
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from planner.types.actions import (
@@ -151,7 +151,7 @@ def _state(kitchen: Controller, x: float, held: bool) -> WorldState:
 
 
 def test_undoing_a_lift_sets_it_down(kitchen: Controller) -> None:
-    done = PastPush(kitchen.empty_result("lift it"), "ice tea", PlanarPose(0.5, 0.0), "lift")
+    done = UndoEntry(kitchen.empty_result("lift it"), "ice tea", PlanarPose(0.5, 0.0), "lift")
     here = undo_frames([done], _state(kitchen, 0.5, held=True), DEFAULTS)
     assert [frame.goal.kind for frame in here.frames] == ["set_down"]
     assert undo_text(here.frames) == "set the ice tea down"
@@ -163,9 +163,9 @@ def test_undoing_a_lift_sets_it_down(kitchen: Controller) -> None:
 def test_what_was_opened_is_closed_and_what_was_poured_stays(kitchen: Controller) -> None:
     pose, said = PlanarPose(0.5, 0.0), kitchen.empty_result("")
     state = _state(kitchen, 0.5, held=False)
-    opened = undo_frames([PastPush(said, "ice tea", pose, "open")], state, DEFAULTS)
+    opened = undo_frames([UndoEntry(said, "ice tea", pose, "open")], state, DEFAULTS)
     assert [frame.goal.kind for frame in opened.frames] == ["close"]
-    poured = undo_frames([PastPush(said, "ice tea", pose, "pour")], state, DEFAULTS)
+    poured = undo_frames([UndoEntry(said, "ice tea", pose, "pour")], state, DEFAULTS)
     assert not poured.frames
     assert poured.notes == ("what was poured from the ice tea is not poured back",)
 

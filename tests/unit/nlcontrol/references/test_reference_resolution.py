@@ -284,7 +284,7 @@ def test_a_question_may_be_about_a_model_that_is_not_on_the_table(kitchen: Contr
     can = _ref("soup can")
     heavy = g.Frame(query="value", object=can, goal=g.Parameters(which=("mass",)))
     assert _id(_only(kitchen, heavy).object) == "soup can"
-    seen, state = kitchen.surroundings("soup can")
+    seen, state = kitchen.locate("soup can")
     assert (seen.pose.x, seen.pose.y) == kitchen.cell.table.centre_m
     assert list(state.objects) == ["soup can"]
     it = g.Frame(query="value", object=IT, goal=g.Parameters(which=("height",)))

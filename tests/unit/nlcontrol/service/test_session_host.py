@@ -33,7 +33,7 @@ class Heard:
 
 
 @pytest.fixture
-def heard() -> Heard:
+def subscribed() -> Heard:
     return Heard()
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from nlcontrol.session.controller import Controller
 from nlcontrol.session.conversation import Conversation
-from nlcontrol.session.remarks.remark_aims import asks
+from nlcontrol.session.remarks.follow_up_targets import asks
 
 
 @pytest.mark.parametrize(

@@ -11,8 +11,8 @@ import pytest
 from grammar.frames import command as g
 from grammar.frames import conflicts
 from grammar.frames.constraints import CONSTRAINTS, new_constraint
-from nlcontrol.session.remarks import remark_aims
-from nlcontrol.session.remarks.remark_aims import merge_frames
+from nlcontrol.session.remarks import follow_up_targets
+from nlcontrol.session.remarks.follow_up_targets import merge_frames
 
 GOALS: dict[str, g.Goal] = {
     "topple": g.Topple(),
@@ -55,7 +55,7 @@ def test_new_constraint_takes_the_place_of_its_matter(
     said = g.Frame(dialogue="correct", constraints=(constraint(new),))
     assert kept(frame(known, g.Displace()), said) == {new}
     rest = conflicts.SAME_MATTER[:row] + conflicts.SAME_MATTER[row + 1 :]
-    monkeypatch.setattr(remark_aims, "SAME_MATTER", rest)
+    monkeypatch.setattr(follow_up_targets, "SAME_MATTER", rest)
     assert kept(frame(known, g.Displace()), said) == {known, new}
 
 
@@ -67,7 +67,7 @@ def test_new_distance_takes_the_place_of_what_says_how_far(
     farther = g.Frame(dialogue="correct", goal=g.Displace(distance=0.1))
     assert kept(before, farther) == set()
     assert kept(before, g.Frame(dialogue="correct", goal=g.Displace(direction="away"))) == {kind}
-    monkeypatch.setattr(remark_aims, "HOW_FAR", conflicts.HOW_FAR - {kind})
+    monkeypatch.setattr(follow_up_targets, "HOW_FAR", conflicts.HOW_FAR - {kind})
     assert kept(before, farther) == {kind}
 
 
@@ -81,7 +81,7 @@ def test_new_goal_drops_what_forbids_it(
     before, said = frame(kind, g.HandOver()), g.Frame(action="push", goal=GOALS[goal])
     assert kept(before, said) == set()
     rest = conflicts.FORBIDS | {goal: conflicts.FORBIDS[goal] - {kind}}
-    monkeypatch.setattr(remark_aims, "FORBIDS", rest)
+    monkeypatch.setattr(follow_up_targets, "FORBIDS", rest)
     assert kept(before, said) == {kind}
 
 

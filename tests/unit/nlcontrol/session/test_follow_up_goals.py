@@ -13,7 +13,7 @@ from nlcontrol.session.remarks.follow_up_frames import (
     correct_frame,
     repeat_frames,
 )
-from nlcontrol.session.remarks.remark_aims import merge_frames
+from nlcontrol.session.remarks.follow_up_targets import merge_frames
 from tests.fakes.played_executor import PlayedExecutor
 
 IT = g.ObjectRef(text="it", pronoun=True)

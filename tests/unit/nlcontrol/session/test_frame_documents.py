@@ -18,7 +18,7 @@ from nlcontrol.cli import run
 from nlcontrol.session.controller import Controller
 from nlcontrol.session.conversation import Conversation
 from nlcontrol.session.frame_documents import Frames
-from nlcontrol.session.remarks.undo_frames import PastPush
+from nlcontrol.session.remarks.undo_frames import UndoEntry
 
 BOX: dict[str, Any] = {"text": "ice tea box"}
 SHOVE: dict[str, Any] = {"action": "push", "object": BOX, "goal": {"kind": "displace"}}
@@ -98,7 +98,7 @@ def test_what_frames_did_is_undone(kitchen: Controller) -> None:
     here = kitchen.look().objects["mug"].pose
     done = planned(kitchen, [{**SHOVE, "object": {"text": "mug"}}])
     there = type(here)(here.x - 0.1, here.y, here.yaw)
-    talk.past.append(PastPush(done, "mug", there))
+    talk.past.append(UndoEntry(done, "mug", there))
     back = talk.do([{"dialogue": "undo"}], plan_only=True)
     assert back.status == "planned"
     assert isinstance(back.frames[0].goal, Displace)

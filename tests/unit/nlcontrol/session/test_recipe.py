@@ -10,7 +10,7 @@ from nlcontrol.errors import ControlError
 from nlcontrol.service.bundle import rebuild_controller
 from nlcontrol.session.controller import Controller
 from nlcontrol.session.conversation import Conversation
-from nlcontrol.session.recipe import Deed, Recipe
+from nlcontrol.session.recipe import JournalEntry, Recipe
 from objectmodels import Registry
 from objectmodels.registry.model_registry import model_document, model_from_document
 from sim.supervision import StopToken
@@ -46,7 +46,7 @@ def test_sentences_and_looks_are_done_again() -> None:
     first.say(list(controller.parse("push it 2 cm away").frames), plan_only=True)
     deeds = controller.recipe().deeds
     assert [deed.conversation for deed in deeds] == [0, 0, 1, 2, 1]
-    assert deeds[0] == Deed(begun=0.0)
+    assert deeds[0] == JournalEntry(begun=0.0)
     again = _again(controller)
     assert again.recipe() == controller.recipe()
 
@@ -92,7 +92,7 @@ def test_a_recipe_of_something_else_is_refused() -> None:
         {"scene": {}},
         {"defaults": {"no": 1}},
         {"registry": ({"format": "box/9"},)},
-        {"deeds": (Deed(begun=7.0),)},
+        {"deeds": (JournalEntry(begun=7.0),)},
         {"beliefs": {}},
     )
     for changes in broken:

@@ -12,7 +12,7 @@ import grammar
 from grammar.frames import command as g
 from nlcontrol.session.controller import Controller
 from nlcontrol.session.conversation import Conversation
-from nlcontrol.session.remarks.remark_aims import by_name, without_spans
+from nlcontrol.session.remarks.follow_up_targets import by_name, without_spans
 
 COMMANDS = Path(__file__).parents[3] / "data" / "commands"
 

@@ -13,7 +13,7 @@ from grammar.frames import command as g
 from nlcontrol.results.result import Result
 from nlcontrol.session.controller import Controller
 from nlcontrol.session.conversation import Conversation
-from nlcontrol.session.remarks.undo_frames import PastPush, undo_frames
+from nlcontrol.session.remarks.undo_frames import UndoEntry, undo_frames
 from objectmodels import Registry
 from planner.problem.directions import angle_between
 from planner.types.defaults import DEFAULTS
@@ -168,7 +168,7 @@ def test_a_way_back_ends_where_it_began() -> None:
     seen = {"ice tea box": SeenObject("ice tea box", PlanarPose(0.5, 0.2), model)}
     of = Result(ok=True, status="done", text="", scene="kitchen", seed=0)
     start, middle = PlanarPose(0.3, 0.0), PlanarPose(0.5, 0.0)
-    pushed = [PastPush(of, "ice tea box", start), PastPush(of, "ice tea box", middle)]
+    pushed = [UndoEntry(of, "ice tea box", start), UndoEntry(of, "ice tea box", middle)]
     back = undo_frames(pushed, WorldState(seen), DEFAULTS)
     assert back.undoes == (pushed[1], pushed[0])
     x, y = 0.5, 0.2
@@ -191,7 +191,7 @@ def test_what_is_round_is_turned_back_only_if_it_was_to_turn(asked: bool) -> Non
     )  # fmt: skip
     model = Registry.built_in().get("mug")
     seen = {"mug": SeenObject("mug", PlanarPose(0.5, 0.0, 0.7), model)}
-    back = undo_frames([PastPush(of, "mug", PlanarPose(0.5, 0.0))], WorldState(seen), DEFAULTS)
+    back = undo_frames([UndoEntry(of, "mug", PlanarPose(0.5, 0.0))], WorldState(seen), DEFAULTS)
     if asked:
         (frame,) = back.frames
         assert frame.goal == g.Rotate(angle=0.7, sense="cw")
@@ -253,7 +253,9 @@ def test_what_went_in_or_out_of_a_box_goes_back(before: str | None, after: str |
     mug = SeenObject("mug", PlanarPose(0.5, 0.3), known.get("mug"), on=after)
     state = WorldState({"storage bin": bin_, "mug": mug})
     there = PlanarPose(0.45, 0.02, z=0.0 if before is None else 0.004)
-    (frame,) = undo_frames([PastPush(of, "mug", there, "place", on=before)], state, DEFAULTS).frames
+    (frame,) = undo_frames(
+        [UndoEntry(of, "mug", there, "place", on=before)], state, DEFAULTS
+    ).frames
     assert isinstance(frame.goal, g.Place)
     if before is None:
         assert frame.goal.reference == g.Point(x=0.45, y=0.02)

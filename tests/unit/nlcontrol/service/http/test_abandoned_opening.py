@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from nlcontrol.service.http.service_access import HttpSettings
+from nlcontrol.service.http.responses import HttpSettings
 from nlcontrol.service.http.service_app import service_app
 from nlcontrol.service.planning_service import PlanningService
 from tests.patience import wait_until

@@ -11,7 +11,7 @@ from urllib.parse import urlsplit
 import httpx
 
 from nlcontrol.service.documents import RunInfo
-from nlcontrol.service.http.service_access import HttpSettings
+from nlcontrol.service.http.responses import HttpSettings
 from tests.patience import PATIENCE, wait_until
 from tests.service_process import ServerProcess
 from tests.unit.nlcontrol.service.http.test_request_guard import code

@@ -14,7 +14,7 @@ from starlette.types import Receive, Scope, Send
 from nlcontrol.errors import ErrorInfo
 from nlcontrol.service.http.problem_documents import Problem
 from nlcontrol.service.http.request_guard import SECURITY_HEADERS, RequestGuard
-from nlcontrol.service.http.service_access import HttpSettings
+from nlcontrol.service.http.responses import HttpSettings
 from tests.patience import PATIENCE
 from tests.service_process import ServerProcess
 

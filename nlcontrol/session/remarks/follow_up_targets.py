@@ -23,11 +23,11 @@ from nlcontrol.errors import error, whole_span
 from nlcontrol.references.object_names import find_by_name, name_words, names_on_table
 from nlcontrol.references.reference_resolution import names_together, parts_within
 from nlcontrol.references.reference_search import Context
-from nlcontrol.text_format import enumeration
+from nlcontrol.text_format import join_words
 
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result
-    from nlcontrol.session.remarks.undo_frames import PastPush
+    from nlcontrol.session.remarks.undo_frames import UndoEntry
     from objectmodels import ObjectModel
     from sim.robots.cell_description import CellDescription
 
@@ -339,7 +339,7 @@ def frames_about(before: Sequence[g.Frame], said: g.Frame) -> list[g.Frame]:
         return same
     objects = {frame.object.id: None for frame in fitting if frame.object and frame.object.id}
     if len(objects) > 1:
-        nothing_before(f"it is not clear whether {enumeration([*objects], 'or')} is meant")
+        nothing_before(f"it is not clear whether {join_words([*objects], 'or')} is meant")
     return fitting[-1:]
 
 
@@ -492,7 +492,7 @@ def context_of(context: Context, told: tuple[str, ...]) -> Context:
     return replace(context, last=tuple(dict.fromkeys((*told, *context.last)))) if told else context
 
 
-def with_moved(context: Context, past: Iterable[PastPush], deeds: Iterable[Result]) -> Context:
+def with_moved(context: Context, past: Iterable[UndoEntry], deeds: Iterable[Result]) -> Context:
     """What was moved, in that order; where nothing was done but planned, what would have been."""
     planned = (frame for deed in deeds if deed.status == "planned" for frame in deed.frames)
     names = [frame.object.id for frame in planned if frame.object and frame.object.id]
