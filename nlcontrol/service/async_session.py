@@ -61,7 +61,7 @@ class AsyncRun:
     """A run at a server, awaited; see `nlcontrol.service.methods.Run`.
 
     Args:
-        connection: to the service.
+        connection: connection to the service.
         run_id: name of the run.
         on_event: told of every event, in a task of its own. If it fails, the run is told to stop,
             and `result` raises what it raised.
@@ -196,8 +196,8 @@ class AsyncSession:
     """A planning session at a server, awaited; see `nlcontrol.service.methods.PlanningSession`.
 
     Args:
-        connection: to the service.
-        info: of the session, as it was opened.
+        connection: connection to the service.
+        info: the session as it was opened.
     """
 
     look = awaited(Questions.look)
@@ -362,7 +362,7 @@ class AsyncClient:
         url, token, timeout, transport: as of `nlcontrol.Client`.
 
     Attributes:
-        sessions: to be opened, and those that are open.
+        sessions: opens sessions, and lists those that are open.
         runs: under way, and those that the service remembers.
     """
 

@@ -40,11 +40,11 @@ class Request:
     """A request to a service.
 
     Attributes:
-        method: of HTTP.
+        method: HTTP method.
         path: below the service's URL.
         body: sent as JSON.
         headers: further ones.
-        params: of the query; those without a value are left out.
+        params: query parameters; those without a value are left out.
     """
 
     method: str
@@ -69,10 +69,10 @@ class ServiceConnection:
     """What every connection to a planning service has: its address, and what answers mean.
 
     Args:
-        url: of the service.
-        token: that it asks for, if any.
-        timeout: longest time to wait for an answer, by the clock on the wall [s].
-        transport: of the requests, if not over a network.
+        url: address of the service.
+        token: token that the service asks for, if any.
+        timeout: longest wall-clock time to wait for an answer [s].
+        transport: carrier of the requests, if not a network.
 
     Raises:
         ControlError: `missing_extra`; `usage` if the URL is none.
@@ -130,7 +130,7 @@ class ServiceConnection:
         """The answer to a request.
 
         Args:
-            request: to be sent.
+            request: the request.
             repeatable: it may be sent again if it is not known whether it arrived.
 
         Raises:

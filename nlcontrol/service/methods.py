@@ -197,7 +197,7 @@ class MapBody(ObjectBody):
     """A face to be mapped.
 
     Attributes:
-        face: as the robot calls it.
+        face: name of the face, as the robot sees it.
         spacing: between contacts [m].
     """
 
@@ -209,7 +209,7 @@ class TableBody(RequestBody):
     """A table to think about, without a session.
 
     Attributes:
-        table: that of a scene, or one that the caller states; the kitchen's if not given.
+        table: table of a scene, or one that the caller states; the kitchen's if not given.
     """
 
     table: TableSpec = TableSpec()
@@ -228,7 +228,7 @@ class Tool:
     """A question as language models are offered it.
 
     Attributes:
-        title: in a few words; its name if not given.
+        title: title in a few words; its name if not given.
         description: when to use it and what it answers; what it does, if not given.
         takes: fields of the body by what they are called there; all if not given.
     """
@@ -243,11 +243,11 @@ class Question:
     """A question of a session.
 
     Attributes:
-        name: of the method of a session, and of the operation.
+        name: name of the method of a session, and of the operation.
         asks: body of a request to a session; it may be left out if nothing in it has to be said.
         answers: kind of the document.
         told: what it does, in the document of the service.
-        path: of the route of a session.
+        path: route below a session.
         alone: body of a request without a session; None if it takes one.
         told_alone: what it does then.
         reads: makes what the method returns from the document.
@@ -314,7 +314,7 @@ class Questions:
 
         Args:
             asked: the question.
-            fields: of its body, as JSON.
+            fields: fields of its body, as JSON.
         """
         raise NotImplementedError
 
@@ -419,8 +419,8 @@ class Questions:
         """Predicts pushes all over a face.
 
         Args:
-            name: of the object, as it lies and is turned on the table.
-            face: as the robot calls it.
+            name: name of the object, as it lies and is turned on the table.
+            face: name of the face, as the robot sees it.
             spacing: between contacts [m].
 
         Raises:
@@ -540,7 +540,7 @@ class PlanningSession(Questions, ABC):
 
         Args:
             said: a sentence, frames, or what `plan` offered.
-            plan_id: of an offer, in its place.
+            plan_id: plan id of an offer, in its place.
             text: under which the plan was approved, such as the sentence that a person saw beside
                 it; not compared if not given.
             motion: `simulate` also lets a question move something, `never` nothing at all.

@@ -35,7 +35,7 @@ class HostCalls:
     """What a service is asked for beside sessions and runs that are known.
 
     Args:
-        connection: to the service.
+        connection: connection to the service.
     """
 
     def __init__(self, connection: ServiceConnection) -> None:
@@ -60,8 +60,8 @@ class SessionCalls:
     """Operations of one session.
 
     Args:
-        connection: to the service.
-        info: of the session.
+        connection: connection to the service.
+        info: the session.
     """
 
     def __init__(self, connection: ServiceConnection, info: SessionInfo) -> None:
@@ -107,7 +107,7 @@ class RunCalls:
     """Operations of one run.
 
     Args:
-        connection: to the service.
+        connection: connection to the service.
         run_id: name of the run.
     """
 

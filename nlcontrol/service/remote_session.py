@@ -58,7 +58,7 @@ class RemoteRun:
     """A run at a server; see `nlcontrol.service.methods.Run`.
 
     Args:
-        connection: to the service.
+        connection: connection to the service.
         run_id: name of the run.
         on_event: told of every event, in a thread of its own. If it fails, the run is told to stop,
             and `result` raises what it raised.
@@ -169,8 +169,8 @@ class RemoteSession(PlanningSession):
     Every call raises `no_service` where the service is lost.
 
     Args:
-        connection: to the service.
-        info: of the session, as it was opened.
+        connection: connection to the service.
+        info: the session as it was opened.
     """
 
     def __init__(self, connection: BlockingConnection, info: SessionInfo) -> None:
@@ -248,7 +248,7 @@ class RemoteSessions:
 
         Args:
             scene: name of a scene of the host, or all that is asked for of the session.
-            seed: of everything random.
+            seed: seed of everything random.
             defaults: meanings of clauses by their names, on top of the scene's.
             objects: all that stands on a table of the caller's own.
             approval: `plan` if nothing may move but what was approved.
@@ -294,7 +294,7 @@ class RemoteRuns:
 
         Args:
             session: those of one session alone, by its name.
-            cursor: of the page before.
+            cursor: cursor of the page before.
             limit: runs on the page, at most.
         """
         page = self._calls.read(RunPage, "runs", session=session, cursor=cursor, limit=limit)
@@ -310,13 +310,13 @@ class Client:
     """A planning service; making one calls nothing.
 
     Args:
-        url: of the service, like `http://127.0.0.1:8000`.
-        token: that it asks for, if any.
-        timeout: longest time to wait for an answer, by the clock on the wall [s].
-        transport: of the requests, if not over a network.
+        url: address of the service, like `http://127.0.0.1:8000`.
+        token: token that the service asks for, if any.
+        timeout: longest wall-clock time to wait for an answer [s].
+        transport: carrier of the requests, if not a network.
 
     Attributes:
-        sessions: to be opened, and those that are open.
+        sessions: opens sessions, and lists those that are open.
         runs: under way, and those that the service remembers.
 
     Raises:

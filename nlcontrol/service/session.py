@@ -89,16 +89,16 @@ class SessionRun:
 
     Args:
         body: carries it out; it is given who is told of events, and what asks it to stop.
-        session_id: of the session.
-        kind: of the run.
+        session_id: name of the session.
+        kind: kind of the run.
         text: the sentence.
-        plan_id: that was approved.
-        table: on which.
+        plan_id: the approved plan.
+        table: the table on which it is carried out.
         on_event: told of every event, in the thread of the run.
         request: makes the request of what has just been carried out.
 
     Attributes:
-        request: with all that it takes to repeat it; None until it has a result.
+        request: request with all that it takes to repeat the run; None until it has a result.
     """
 
     def __init__(
@@ -315,12 +315,12 @@ class Session(PlanningSession):
         executor: a robot of one's own, whose cell takes the scene's place.
         planner: how plans are found; `planner.plan` if not given.
         seed, defaults, objects, approval: as in a `SessionSpec`, if none is given.
-        time_limit: of each plan and answer, by the clock on the wall [s]; none if not given.
+        time_limit: wall-clock time for each plan and answer [s]; none if not given.
         clock: by which plans expire [s].
 
     Attributes:
-        session_id: of it.
-        spec: as it was asked for.
+        session_id: name of the session.
+        spec: the request that opened the session.
         controller: the robot, and what is believed.
         conversation: what was said and done.
 
@@ -479,8 +479,8 @@ class Session(PlanningSession):
         """Outcomes of pushes all over a face.
 
         Args:
-            name: of the object, as it lies and is turned on the table.
-            face: as the robot calls it.
+            name: name of the object, as it lies and is turned on the table.
+            face: name of the face, as the robot sees it.
             spacing: between contacts [m].
 
         Raises:

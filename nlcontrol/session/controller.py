@@ -63,9 +63,9 @@ class Controller:
         executor: the robot; that of the simulated scene if not given. `scene` and `seed` do not
             count beside it.
         planner: how plans are found; `planner.plan` if not given.
-        seed: of everything random; the same seed gives the same trace.
+        seed: seed of everything random; the same seed gives the same trace.
         defaults: what a clause means when a sentence does not say more; the scene's if not given.
-        time_limit: of each plan and answer, by the clock on the wall [s]; none if not given, so
+        time_limit: wall-clock time for each plan and answer [s]; none if not given, so
             that results do not depend on the machine.
 
     Raises:

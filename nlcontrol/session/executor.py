@@ -48,7 +48,7 @@ class Executor(Perception, Protocol):
 
     Attributes:
         cell: what the robot is told: objects by name, table, mount, data sheets of the sensors.
-        seed: of everything random; 0 where nothing is drawn.
+        seed: seed of everything random; 0 where nothing is drawn.
     """
 
     cell: CellDescription
@@ -85,7 +85,7 @@ class Executor(Perception, Protocol):
         """Looks at the table while nothing is done.
 
         Args:
-            name: of the object that the trace is about.
+            name: name of the object that the trace is about.
             duration: how long to look [s].
         """
 
@@ -126,9 +126,9 @@ class CancellableRobot:
     a `ControlError` of code `time_limit`.
 
     Args:
-        robot: that answers.
+        robot: the robot that answers.
         stop: asked whether to go on.
-        time_limit: for all answers, from now on, by the clock on the wall [s].
+        time_limit: wall-clock time for all answers from now on [s].
     """
 
     def __init__(self, robot: Robot, stop: StopToken | None, time_limit: float | None) -> None:

@@ -86,8 +86,8 @@ def with_way_back(
     """The plan, with a note if there is no way back from the fall in which it ends.
 
     Args:
-        controller: that plans.
-        made: from a state.
+        controller: the controller that plans.
+        made: a plan.
         state: what is believed.
     """
     if not isinstance(made, Plan) or not made.pushes or made.pushes[-1].ends_on != "toppled":

@@ -61,7 +61,7 @@ class BudgetedPlanner:
 
     Args:
         controller: its planner, and what clauses mean to it.
-        robot: that is asked.
+        robot: the robot that answers.
         work: units for all plans.
         each: units for one of them, at most.
         defaults: what clauses mean here, if not as to the controller.
@@ -98,7 +98,7 @@ class Foresight:
 
     Args:
         make: plans a frame from a state.
-        cache: of plans that were made from here.
+        cache: plans that were made from here.
     """
 
     def __init__(self, make: PlanStep, cache: PlanCache | None = None) -> None:
@@ -150,9 +150,9 @@ def plan_with_foresight(
     """The plan of the first step, or another one, after which the others can be done; or why not.
 
     Args:
-        controller: that plans.
+        controller: the controller that plans.
         made: the plan of the first step.
-        state: from where that was made.
+        state: the belief from which it was made.
         frames: all steps, their objects resolved.
         stop: asked whether to go on.
         cache: takes the plans that are made.
@@ -232,8 +232,8 @@ def onward_plan(
     """The plan of what is left of a frame, or why there is none to the aim that was chosen.
 
     Args:
-        planning: of the frame from where everything is; the aim of a `previous` plan is kept.
-        frame: that was begun.
+        planning: plans the frame from the present state; the aim of a `previous` plan is kept.
+        frame: the frame that was begun.
         state: what is believed now.
         previous: the plan whose first push was made last; None if its aim is not kept.
     """

@@ -99,7 +99,7 @@ def answer_to(
     """The answer to frames that are asked at once.
 
     Args:
-        controller: that answers single questions.
+        controller: the controller that answers single questions.
         asked: their objects resolved.
         state: what is believed.
         stop: asked whether to go on.
@@ -622,8 +622,8 @@ class ResolvedTurn:
     """The task of a sentence, as it is meant after those before it.
 
     Attributes:
-        command: with each remark replaced by the frames that it means.
-        notes: on how a remark was taken.
+        command: the command, each remark replaced by the frames that it means.
+        notes: remarks on how a remark was taken.
         joins: whether its objects join those of the sentence before ("and the mug too").
         corrects: whether its object takes the place of one that was not meant.
         exchange: the command before its objects were resolved, if things change places.
@@ -645,8 +645,8 @@ class Proposal:
     """A sentence that was planned.
 
     Attributes:
-        number: of it in its conversation, from 0.
-        result: of the sentence so far.
+        number: place of the proposal in its conversation, from 0.
+        result: result of the sentence so far.
         intention: what it is to do, its objects resolved; None if nothing is to be carried out.
     """
 

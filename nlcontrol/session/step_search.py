@@ -119,9 +119,9 @@ def ways_around(
     """Steps in place of frames of which one was refused, or an error that tells them.
 
     Args:
-        controller: that plans.
-        frames: of the command, their objects resolved.
-        index: of the frame that was refused; what stands before it is done.
+        controller: the controller that plans.
+        frames: frames of the command, their objects resolved.
+        index: index of the refused frame; what stands before it is done.
         refused: why, and what was believed then; None if it was not.
         supervisor: told of a search, and asked whether to go on.
         cache: plans that were made for the command from there.
@@ -155,7 +155,7 @@ class StepSearch:
     """Looks for steps by which frames can be done.
 
     Args:
-        controller: that plans.
+        controller: the controller that plans.
         frames: what is left of a command, its objects resolved.
         moved: names of objects that were moved for it by now, and stay where they are.
         stop: asked whether to go on.
