@@ -48,7 +48,7 @@ def checked_arguments(call: Callable[Given, Returned]) -> Callable[Given, Return
     signature = inspect.signature(call)
 
     @wraps(call)
-    def checked(*args: Given.args, **kwargs: Given.kwargs) -> Returned:
+    def call_with_checks(*args: Given.args, **kwargs: Given.kwargs) -> Returned:
         hints, told = _hints(call), call.__qualname__.removesuffix(".__init__")
         for name, value in signature.bind(*args, **kwargs).arguments.items():
             if name in hints and not is_of_type(value, hints[name]):
@@ -59,7 +59,7 @@ def checked_arguments(call: Callable[Given, Returned]) -> Callable[Given, Return
                 )
         return call(*args, **kwargs)
 
-    return checked
+    return call_with_checks
 
 
 @cache

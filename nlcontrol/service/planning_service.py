@@ -288,7 +288,7 @@ class PlanningService:
         """Frames of poses for a viewer (JSON of `PoseFrame`), as long as the session is open."""
         session = self._session(session_id)
         session.take_up()
-        with session.frames.subscribed() as heard:
+        with session.frames.subscription() as heard:
             session.tell_frames(wanted=True)
             try:
                 heard.set()

@@ -20,7 +20,7 @@ from nlcontrol.references.reference_search import Context
 from nlcontrol.results.result import Result, result_with
 from nlcontrol.session.executor import CancellableRobot, Executor, Planner
 from nlcontrol.session.recipe import LOOKED, Journal, Recipe
-from nlcontrol.session.turns import in_turn
+from nlcontrol.session.turns import TakesTurns, in_turn
 from objectmodels import ModelError, ObjectModel, Registry
 from planner.types.plan import Plan, Reached
 from planner.types.refusal import Refusal
@@ -54,7 +54,7 @@ def _initial_model(item: CellObject, registry: Registry) -> ObjectModel:
         ) from raised
 
 
-class Controller:
+class Controller(TakesTurns):
     """A robot at a table, ready to be told what to do; threads that share it take turns.
 
     Args:

@@ -29,7 +29,7 @@ from nlcontrol.session.remarks import follow_up_frames as follow_up
 from nlcontrol.session.remarks import follow_up_targets as aims
 from nlcontrol.session.remarks.follow_up_targets import nothing_before, says_something
 from nlcontrol.session.remarks.undo_frames import UndoEntry, undo_frames, undo_text
-from nlcontrol.session.turns import in_turn
+from nlcontrol.session.turns import TakesTurns, in_turn
 
 if TYPE_CHECKING:
     from grammar.frames.command import Command
@@ -100,7 +100,7 @@ class Options(TypedDict, total=False):
     force_rate: float
 
 
-class Conversation:
+class Conversation(TakesTurns):
     """Sentences said one after another to one robot.
 
     Attributes:

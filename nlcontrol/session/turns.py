@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import wraps
-from typing import TYPE_CHECKING, Concatenate, ParamSpec, Protocol, TypeVar
+from typing import TYPE_CHECKING, Concatenate, ParamSpec, TypeVar
 
 if TYPE_CHECKING:
     from threading import RLock
@@ -18,7 +18,7 @@ Given = ParamSpec("Given")
 Returned = TypeVar("Returned")
 
 
-class Shared(Protocol):
+class TakesTurns:
     """Something that several threads may use.
 
     Attributes:
@@ -28,7 +28,7 @@ class Shared(Protocol):
     turn: RLock
 
 
-One = TypeVar("One", bound=Shared)
+One = TypeVar("One", bound=TakesTurns)
 
 
 def in_turn(

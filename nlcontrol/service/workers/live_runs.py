@@ -235,7 +235,7 @@ class LiveRuns:
     async def events(self, run_id: str, after: int = 0) -> AsyncIterator[NumberedEvent]:
         """Events of a run after a number, as they happen, until it has ended."""
         live = self._live(run_id)
-        with (live.changed if live is not None else LoopNotifier()).subscribed() as changed:
+        with (live.changed if live is not None else LoopNotifier()).subscription() as changed:
             while True:
                 changed.clear()
                 has_ended = self._live(run_id) is None

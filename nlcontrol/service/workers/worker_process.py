@@ -443,7 +443,7 @@ class LoopNotifier:
                 loop.call_soon_threadsafe(heard.set)
 
     @contextmanager
-    def subscribed(self) -> Iterator[asyncio.Event]:
+    def subscription(self) -> Iterator[asyncio.Event]:
         """Context of one who listens, in a task; the event is set by every ring."""
         heard = asyncio.Event()
         with self._lock:
