@@ -57,11 +57,18 @@ class Figure(BaseModel):
 
     @property
     def tests(self) -> Path:
-        """Tests of its room, or of a module that is in none, relative to the project."""
+        """Tests of its room, or of a module that is in none, relative to the project.
+
+        The tests of a room that has none of its own are those of the room around it.
+        """
         at = Path(self.path)
         room = Path("tests/unit", at.parent)
         beside = room / f"test_{at.name}"
-        return beside if len(at.parts) == 2 and (ROOT / beside).exists() else room
+        if len(at.parts) == 2 and (ROOT / beside).exists():
+            return beside
+        while not (ROOT / room).exists():
+            room = room.parent
+        return room
 
     def change(self, project: Path, factor: float) -> None:
         """Writes the factor before the figure in a copy of the project."""

@@ -120,6 +120,7 @@ def touch(scene: Scene, contact: Contact, *, seed: int = 0) -> TouchResult:
         slow.run(_RISE + _SLOWNESS * (1.3 - near))
         if slow.verdict.outcome == "none":
             return TouchResult("none", None, "it moved only as long as the force grew quickly")
+        # The slow force must have grown by a hundredth of the rough onset first.
         if slow.onset > (near + 0.01) * rough:
             break
     return TouchResult(slow.verdict.outcome, slow.onset)
@@ -130,6 +131,7 @@ def _meets(truth: Truth, contact: Contact) -> bool:
     p, u = np.array(contact.point), np.array(contact.direction)
     sides = Polygon.convex(truth.outline)
     normals = np.vstack((np.pad(sides.normals, ((0, 0), (0, 1))), [[0, 0, 1], [0, 0, -1]]))
+    # To meet it within 1 mm will do.
     room = np.append(sides.offsets, [truth.height, 0.0]) - normals @ p + 1e-3
     closing = normals @ u
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -191,6 +193,7 @@ def onset_time(times: ArrayLike, speeds: ArrayLike) -> float:
         speeds: at these times, shape (n,) [m/s].
     """
     t, root = np.asarray(times, float), np.sqrt(np.maximum(speeds, 0.0))
+    # The line is fitted to the upper half of √v.
     before = (root < 0.5 * root[-1]) | (np.diff(root, append=np.inf) < 0.0)
     first = int(np.flatnonzero(before)[-1]) + 1 if before.any() else 0
     if len(root) - first < 4:

@@ -342,6 +342,7 @@ def _touch_trial(row: Row, model: ObjectModel, prefix: str, by_size: bool) -> Tr
         moved=moved,
         point=point,
         force=force,
+        # No sensor of forces is better than a ten-thousandth of what it reads.
         force_sd=_deviation_or_default(row, "force_sd_n", FORCE_SHARE * size, 1e-4 * size),
         tilt=tilt,
         tilt_sd=tilt_sd,

@@ -201,6 +201,7 @@ def _contact_places(face: Face, fingers: int, allowed: _Allowed) -> tuple[Array,
         return np.empty((0, 3)), np.empty(0), np.empty(0)
     aim = float(np.clip(allowed.aim, -max(room, 0.0), max(room, 0.0)))
     lateral = np.array([aim + y for y in allowed.beside if abs(aim + y) <= room + 1e-9 or y == 0])
+    # About 4 mm apart.
     heights = np.linspace(low, high, max(1, round((high - low) / 0.004)) + 1)
     z, y = (a.ravel() for a in np.meshgrid(heights, lateral, indexing="ij"))
     on = face.contains(y, z)

@@ -163,13 +163,14 @@ class ProbeControl(TouchControl):
     def _let_down(self) -> None:
         radius = self._arc.arc_radius
         while self._angle > 0.0:
+            # Twice as fast as it was raised.
             self._angle -= 2.0 * self.experiment.push.speed * self._period / radius
             self._step(self._arc.tip_at(self._angle) + self._aside, self._u)
 
     def _hold(self) -> None:
         """Stands still and looks."""
         since = self.recorder.port.time
-        for _ in range(round(0.8 / self._period)):
+        for _ in range(round(0.8 / self._period)):  # for 0.8 s
             self._step(self.commanded, self._u)
             self._seen += [frame for frame in self.recorder.frames if frame.time > since]
 
@@ -196,7 +197,7 @@ class ProbeControl(TouchControl):
         for frame in self.recorder.frames:
             own = self._own_tilt()
             self._views.append((frame.time, self._tilt_in(frame), own))
-        while self._views and self._views[0][0] < now - 0.35:
+        while self._views and self._views[0][0] < now - 0.35:  # [s]
             self._views.popleft()
 
     def _way_end(self) -> tuple[EndReason, str] | None:
@@ -254,6 +255,7 @@ class ProbeControl(TouchControl):
     def _slid(self, seen: float, own: float, views: Sized) -> tuple[EndReason, str] | None:
         """The end if much less of a tilt is seen in some frames than the fingertip has gone."""
         noise = np.radians(self.recorder.port.cell.vision.angle_noise_deg)
+        # Four deviations of what is seen; half a degree may always be missing.
         unsure = 4.0 * float(noise) / np.sqrt(max(len(views), 1))
         if own - seen > max(0.5 * own, unsure, np.radians(0.5)):
             self._moved = "slide"

@@ -274,14 +274,14 @@ def _chosen(
 ) -> NDArray[np.bool_] | None:
     """The samples whose force counts."""
     if moved == "none":
-        return np.asarray(time > time[-1] - 0.5)
+        return np.asarray(time > time[-1] - 0.5)  # held at its limit for so long [s]
     if moved == "slip":
         end = time[int(np.argmax(travel))]  # after it the finger springs back
-        return np.asarray((time > end - 0.2) & (time <= end))
+        return np.asarray((time > end - 0.2) & (time <= end))  # it surely slips then [s]
     if moved == "topple":
         onset = detect_onset(time, force, travel)
         if not onset.moved:
             return None
-        return np.asarray(np.abs(np.arange(len(time)) - onset.index) <= 5)
+        return np.asarray(np.abs(np.arange(len(time)) - onset.index) <= 5)  # samples
     even = (travel > EVEN[0]) & (travel < EVEN[1] * push.stroke)
-    return np.asarray(even) if even.sum() >= 20 else None
+    return np.asarray(even) if even.sum() >= 20 else None  # that a mean needs

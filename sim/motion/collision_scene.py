@@ -184,7 +184,7 @@ class Obstacle:
         # Seen from D the object moves: nothing but the spheres that it comes near to is looked at.
         middle = ((self.middle - points[:, :2])[:, None] @ R_WD[:, :2, :2])[:, 0]
         rows = spheres.T.take(near, axis=1)
-        if len(near) > 400:
+        if len(near) > 400:  # for fewer it is not worth it
             (beside,) = np.nonzero(self._are_beside(rows, middle, clearance))
             near, rows = near[beside], rows.take(beside, axis=1)
         x, y, _, r = rows

@@ -87,6 +87,7 @@ class HeldSegment:
     def sample_shares(self) -> Array:
         """Shares between which nothing is missed."""
         far = np.linalg.norm(self.end - self.start)
+        # Every 25 mm and every 8°.
         n = int(np.ceil(max(far / 0.025, abs(self.turn) / np.radians(8.0), 1.0)))
         return np.linspace(0.0, 1.0, n + 1)
 

@@ -153,6 +153,7 @@ class FlipMotionSearch:
     def _clear_hands(self) -> FlipPostureSet:
         """Hands that hit nothing else on their way."""
         every = self._hands
+        # So many at most, evenly among all.
         hands = every[np.unique(np.linspace(0, len(every) - 1, 240).astype(int))]
         near = self._scenery.obstacles_near(self._p_WE[None], 0.45)
         if not near:
@@ -427,7 +428,7 @@ class GraspMotionSearch:
             return _OUT_OF_REACH
         hindered: str | None = None
         tried = 0
-        for k in range(min(len(q), 40)):
+        for k in range(min(len(q), 40)):  # arms that are looked at, at most
             self.work += 2
             what = self._arm_blocked(q[k])
             if what is not None:
@@ -448,7 +449,7 @@ class GraspMotionSearch:
                 return found
             hindered = hindered or self._plan.object
             tried += 1
-            if tried >= 4:
+            if tried >= 4:  # ways from home that are looked for, at most
                 break
         own = hindered in {self._plan.object, "table"}
         return ReachAnswer(
@@ -906,7 +907,7 @@ class PushMotionSearch:
             return np.ones(len(solved), dtype=bool)
         off = self._points[-1] - BACK * self._way.inward
         far = float(np.linalg.norm(self._points[0] - off))
-        shares = np.linspace(0.0, 1.0, 2 + int(far / 0.015))[:, None]
+        shares = np.linspace(0.0, 1.0, 2 + int(far / 0.015))[:, None]  # 15 mm apart at most
         points = off + shares * (self._points[0] - off)
         which, hand = np.unique(solved.hand, return_inverse=True)
         robot = hands[which].spheres_in_D()

@@ -54,7 +54,7 @@ MOST_CELLS = 100_000
 
 def lowest_contact(hand: Hand) -> float:
     """Least height above the table at which a hand may push [m]."""
-    return hand.tip_radius + 0.015
+    return hand.tip_radius + 0.015  # of a fingertip over the table [m]
 
 
 class ReachabilityMap:

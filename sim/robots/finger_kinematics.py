@@ -194,7 +194,7 @@ def is_at_stop(angles: Angles) -> bool:
     """True if a joint of a finger is at its stop, which bears what no torque sensor shows."""
     low, high = FINGER_LIMITS.T
     room = np.minimum(angles - low, high - angles)
-    return bool(room.min() < 0.005)
+    return bool(room.min() < 0.005)  # [rad]
 
 
 def touching_posture(name: str, angles: Mapping[str, Angles], pushing: tuple[str, ...]) -> Posture:

@@ -151,6 +151,7 @@ def _is_clear(
         upright = np.stack([x - lid.length / 2.0, y, z + lid.height, r], axis=-1)
         body = distance_to_cylinder(upright, lid.half_width, lid.height)
         plate = lid.distance_to_lid(robot, np.full(len(left), angle))
+        # All but the fingertip keeps 3 mm from the object and its lid.
         left = left[~(on_table | (np.minimum(body, plate) < 0.003)).any(axis=1)]
     clear = np.zeros(len(R_EP), dtype=bool)
     clear[left] = True
@@ -218,6 +219,7 @@ class FourFingerGrasp(GraspPosture):
         """Room between its middle and what of the hand is beside or before the width [m]."""
         spheres = hand_spheres(self.posture_at(opening), wrist)
         beside = np.abs(spheres[:, 0] - self.middle[0]) - spheres[:, 3]
+        # Of what is nearer to the sides than 3 mm.
         inside = spheres[beside < self.width / 2.0 + 0.003]
         return float(self.middle[2] - (inside[:, 2] + inside[:, 3]).max())
 
@@ -257,7 +259,7 @@ def best_grasp(
     Of all places where the fingertips meet, the one that bears the largest squeeze is taken, with a
     fingertip leading each finger and room for something deep before the palm.
     """
-    shares = np.array([1.0, 0.0, 1.0, 0.0]) if pinch else SHARES
+    shares = np.array([1.0, 0.0, 1.0, 0.0]) if pinch else SHARES  # of `HOLDING`
     across, along = np.arange(0.030, 0.0901, 0.005), np.arange(0.165, 0.2051, 0.005)
     found = [_grasp_at(width, x, z, shares) for x, z in itertools.product(across, along)]
     worth = _pinch_worth if pinch else _grasp_worth
@@ -270,6 +272,7 @@ def best_grasp(
 
 def _grasp_worth(grip: FourFingerGrasp) -> float:
     """The squeeze [N], with what room before the palm and beside the sides is worth of it."""
+    # A centimetre before the palm is worth 1 N, one beside the sides 2 N.
     return float(grip.largest_squeeze + 100.0 * grip.middle[2] + 200.0 * grip.opening)
 
 
@@ -280,7 +283,7 @@ def _pinch_worth(grip: FourFingerGrasp) -> float:
         for finger in grip.touching_fingers
         for opening in (0.0, grip.opening)
     ]
-    return _grasp_worth(grip) - 1000.0 * float(max(hanging))
+    return _grasp_worth(grip) - 1000.0 * float(max(hanging))  # 1 N for each millimetre
 
 
 def _touching_fingers(shares: Array) -> tuple[str, ...]:

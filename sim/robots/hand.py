@@ -108,6 +108,7 @@ class PostureSet:
         about[..., :3] -= tips[:, None]
         touching = len(postures[0].pushing)
         rows = []
+        # So many hands at once need little memory.
         for k in range(0, len(which), 1024):
             some = slice(k, k + 1024)
             placed = place_spheres(about[which[some]], R_DP[some], np.zeros(3))

@@ -126,6 +126,7 @@ class LidPath:
         standoff = 0.045  # how far from the lid the fingertip begins [m]
         arc = np.linspace(lid.start, lid.end, points)
         first, last = arc[:1], arc[-1:]
+        # Before it touches the fingertip is 4 mm from the lid, and goes 25 mm off it at the end.
         near, ahead = lid.tip_centres(first, 0.004), np.array([standoff, 0.0, 0.0])
         before = near + ahead if lid.is_opening else lid.tip_centres(first, standoff)
         off = lid.tip_centres(last, 0.025)

@@ -103,8 +103,8 @@ class LwrKinematics:
         valid = (
             reachable[:, None]
             & (np.abs(q) < LIMITS).all(axis=-1)
-            & (np.abs(q[..., 1]) > 0.01)
-            & (np.abs(q[..., 5]) > 0.05)
+            & (np.abs(q[..., 1]) > 0.01)  # [rad]
+            & (np.abs(q[..., 5]) > 0.05)  # [rad]
         )
         return q, valid
 
@@ -114,7 +114,7 @@ class LwrKinematics:
 
     def is_regular(self, q: Array) -> NDArray[np.bool_]:
         """Joint angles with the wrist bent enough to move on."""
-        return np.asarray(np.abs(q[..., 5]) > 0.15)
+        return np.asarray(np.abs(q[..., 5]) > 0.15)  # [rad]
 
     def range_excess(self, p_AW: Array, margin: float) -> Array:
         """How far wrist centres are out of the reach of the elbow; the room is joint 4's [m]."""

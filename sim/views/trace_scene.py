@@ -151,7 +151,7 @@ def _stream(
         [np.outer(ahead * t, out), -(down * t + 0.5 * GRAVITY * t * t)]
     )
     speeds = np.hypot(ahead, down + GRAVITY * t)
-    radii = np.clip(np.sqrt(rate / (np.pi * speeds)), 0.0015, 0.006)
+    radii = np.clip(np.sqrt(rate / (np.pi * speeds)), 0.0015, 0.006)  # [m]
     phi = 2.0 * np.pi * np.arange(8) / 8
     # Rings across the way: one side horizontal, the other square to both.
     along = np.column_stack([np.outer(np.full_like(t, ahead), out), -(down + GRAVITY * t)])
@@ -369,7 +369,7 @@ def _hollow(shape: Shape, truth: Truth, vessel: Vessel) -> Shape:
     elif wide:  # an inner side would stripe with the liquid that is seen through the outer one
         profile = [*outside, (radius, height), (opening, height)]
     else:
-        neck = opening + 0.0015
+        neck = opening + 0.0015  # its wall [m]
         shoulder = [(radius, 0.78 * height), (neck, 0.88 * height)]
         profile = [*outside, *shoulder, (neck, height), (opening, height)]
     return shape | {

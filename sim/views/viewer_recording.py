@@ -250,7 +250,7 @@ def scene_and_recording(trace: Trace, scene: Scene) -> tuple[dict[str, Any], dic
     }  # of objects among the bodies
     recording = {
         "times": [_since(trace, float(time)) for time in trace.time[at]],
-        "turns": packed_series(poses[:, :, :4], 1.0 / 32767.0),
+        "turns": packed_series(poses[:, :, :4], 1.0 / 32767.0),  # in 16 bits
         "places": packed_series(poses[:, :, 4:], _LENGTH),
         "liquid": _liquid(trace, scene, at, places),
         "phases": _phases(trace),

@@ -93,7 +93,7 @@ class Lids:
         """True if the opening of an object with a lid is free."""
         each = self._lids[name]
         if isinstance(each.lid, FlipLid):
-            return bool(self._joint_position(each) > np.radians(30.0))
+            return bool(self._joint_position(each) > np.radians(30.0))  # lets the contents out
         return name in self._off
 
     def loose(self) -> dict[str, tuple[Array, Array]]:
@@ -134,7 +134,7 @@ class Lids:
         X_SL = self._from_seat(each)
         x, y, z = X_SL.translation()
         upright = X_SL.rotation().matrix()[2, 2] > np.cos(np.radians(6.0))
-        return bool(np.hypot(x, y) < 0.004 and z < 0.002 and upright)
+        return bool(np.hypot(x, y) < 0.004 and z < 0.002 and upright)  # [m]
 
     def _is_touched(self, each: LidBody) -> bool:
         """True if anything but objects touches a lid."""

@@ -85,8 +85,8 @@ def surface(friction: float) -> ProximityProperties:
 
     properties = ProximityProperties()
     AddContactMaterial(
-        dissipation=20.0,
-        point_stiffness=1e6,
+        dissipation=20.0,  # [s/m]
+        point_stiffness=1e6,  # [N/m]
         friction=CoulombFriction(friction, friction),
         properties=properties,
     )
@@ -411,8 +411,8 @@ def add_slab(plant: MultibodyPlant, truth: Truth, body: RigidBody) -> GeometryId
         "slab",
         middle + off,
         friction=truth.friction_table,
-        dissipation=2e3,
-        hydroelastic_modulus=0.5 * 5e12 * np.ptp(corners[:, 2]),
+        dissipation=2e3,  # [s/m]
+        hydroelastic_modulus=0.5 * 5e12 * np.ptp(corners[:, 2]),  # of 5e12 Pa/m
     )
 
 
@@ -501,7 +501,7 @@ def add_sole(plant: MultibodyPlant, truth: Truth, body: RigidBody) -> GeometryId
         corners,
         friction=truth.friction_table / 2,
         dissipation=_EDGE_DISSIPATION,
-        hydroelastic_modulus=0.5 * 5e9 * np.ptp(corners[:, 2]),
+        hydroelastic_modulus=0.5 * 5e9 * np.ptp(corners[:, 2]),  # of 5e9 Pa/m
     )
 
 

@@ -9,16 +9,7 @@ import pytest
 
 from objectmodels import BoxModel, CylinderModel, ObjectModel, Registry
 from objectmodels.identification.measurement_model import Balance
-from planner.touch_experiments import (
-    BELOW_TOP,
-    RUB,
-    SLIDE,
-    TILT,
-    TILT_SHARE,
-    Experiment,
-    expected_trials,
-    experiments,
-)
+from planner.touch_experiments import Experiment, expected_trials, experiments
 from planner.types.robot import RobotLimits
 from planner.types.world_state import PlanarPose, SeenObject
 from sim import load_scene
@@ -90,18 +81,18 @@ def test_where_the_fingertip_touches_and_how_far_it_goes(name: str, arm: RobotLi
         assert e.push.normal_W == pytest.approx(-np.array(e.push.direction_W))
         assert height >= arm.lowest_height - 1e-9  # rounding
         assert (e.push.fingers, e.push.ends_on) == (1, "stroke")
-        assert (e.angle > 0.0, e.raised) == (e.kind == "tilt", RUB if e.kind == "rub" else 0.0)
+        assert (e.angle > 0.0, e.raised) == (e.kind == "tilt", 0.010 if e.kind == "rub" else 0.0)
         assert (e.lateral != 0.0) == (e.kind == "off-centre slide")
         if e.kind == "tilt":
-            assert height == pytest.approx(model.top - BELOW_TOP)
+            assert height == pytest.approx(model.top - 0.010)
             # Twice the believed deviation of the centre of mass may be against it.
-            assert e.angle <= min(TILT, TILT_SHARE * model.angle_of_no_return(u, sigmas=2.0))
+            assert e.angle <= min(np.radians(8.0), 0.4 * model.angle_of_no_return(u, sigmas=2.0))
             # A face that leans by θ recedes by h tan θ; its edge below rises by a hair.
             assert e.push.stroke == pytest.approx(height * np.tan(e.angle), rel=0.1)
         elif e.kind == "rub":
             assert e.push.stroke == 0.0
         else:
-            assert e.push.stroke == SLIDE
+            assert e.push.stroke == 0.012
 
 
 @pytest.mark.parametrize("name", sorted(set(MODELS) - ROUND - {LOW}))
@@ -119,6 +110,27 @@ def test_off_centre_slides_are_low_at_one_end_and_as_high_as_is_sure_at_the_othe
         # The lowest one is made whether it is sure or not.
         assert surely > 0.99 or high.push.p_BC[2] == pytest.approx(arm.lowest_height)
     assert name == BROAD or any(e.push.p_BC[2] > 1.5 * arm.lowest_height for e in off)
+
+
+def test_nothing_is_touched_with_more_than_10_newtons_however_strong_the_hand(
+    arm: RobotLimits,
+) -> None:
+    model = MODELS["ice tea box"]
+    for strongest, most in ((30.0, 10.0), (9.5, 9.5)):
+        found = experiments(seen(model), replace(arm, max_force=strongest))
+        assert {e.push.force_limit for e in found} == {most}
+
+
+def test_a_tilt_ends_at_two_fifths_of_the_way_to_a_fall(arm: RobotLimits) -> None:
+    # It falls from 35 / 100 on; by two deviations it may be 30 / 110.
+    tall = BoxModel(
+        name="tall", size=(0.07, 0.07, 0.2), mass=0.3, friction=0.6, com=(0.0, 0.0, 0.1),
+        com_sd=(0.0025, 0.0025, 0.005),
+    )  # fmt: skip
+    tilts = [e for e in experiments(seen(tall), arm) if e.kind == "tilt"]
+    assert tilts
+    for e in tilts:
+        assert e.angle == pytest.approx(0.4 * np.arctan2(0.030, 0.110), rel=1e-9)
 
 
 def test_no_tilt_where_it_cannot_tilt(arm: RobotLimits) -> None:

@@ -64,6 +64,18 @@ def test_what_was_sure_is_doubted_once_it_withstood() -> None:
     assert found.model.lid.retention_sd > 0.0
 
 
+def test_what_was_sure_is_doubted_by_a_tenth_if_it_withstood_just_that() -> None:
+    lid = JAR.lid
+    assert isinstance(lid, LiftOffLid)
+    sure = JAR.model_copy(update={"lid": lid.model_copy(update={"retention_sd": 0.0})})
+    found = belief_of_stiffer_lid(sure, lid.retention + 0.06 * 9.81).model.lid
+    assert isinstance(found, LiftOffLid)
+    # The upper half of a normal law whose deviation is a tenth of its mean.
+    assert found.retention == pytest.approx((1.0 + 0.1 * np.sqrt(2.0 / np.pi)) * lid.retention)
+    deviation = 0.1 * np.sqrt(1.0 - 2.0 / np.pi) * lid.retention
+    assert found.retention_sd == pytest.approx(deviation)
+
+
 def test_what_slipped_is_more_slippery_than_the_squeeze_bore() -> None:
     """Held with half more than was needed: at μ it would have held, so it is less than μ/1.5."""
     found = belief_of_slipperier_object(JAR, 1.5)

@@ -27,6 +27,12 @@ def test_the_paper_s_map_slides_below_and_topples_above_the_critical_height() ->
     np.testing.assert_allclose(m.force[~below], TEA.weight * 0.045 / m.height[~below], rtol=1e-12)
 
 
+def test_a_map_ends_5_mm_from_the_border_of_the_face() -> None:
+    m = chart(turning=False)
+    assert np.abs(m.lateral).max() == pytest.approx(0.5 * FRONT.width - 0.005, abs=1e-9)
+    assert (m.height.min(), m.height.max()) == pytest.approx((0.005, TEA.top - 0.005), abs=1e-9)
+
+
 def test_off_the_middle_it_turns_and_slides_by_less() -> None:
     m = chart()
     row = np.isclose(m.height, m.height.min())

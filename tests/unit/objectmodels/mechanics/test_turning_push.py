@@ -140,6 +140,19 @@ def test_the_best_push_turns_with_least_translation(sense: float) -> None:
     assert np.hypot(*others.pose[sure, :2].T).min() > 0.99 * moved
 
 
+def test_a_chosen_push_still_sticks_to_a_finger_that_is_smoother_by_a_deviation() -> None:
+    unsure = BOX.model_copy(update={"finger_friction_sd": 0.1})
+    for angle in (-0.4, 0.4):
+        best = best_turn(unsure, unsure.faces()[2], angle, 0.05)
+        assert best is not None
+        (n_x, n_y, _), (d_x, d_y, _) = best.normal, best.direction
+        slant = np.arctan2(n_y * d_x - n_x * d_y, -n_x * d_x - n_y * d_y)
+        shown = turning_motion(BOX, [best.point], [best.normal], slant, angle)
+        # The force takes nine tenths of the friction that is left one deviation below belief.
+        left = BOX.finger_friction - 0.1
+        assert abs(np.tan(shown.slant[0])) == pytest.approx(0.9 * left, rel=1e-6)
+
+
 def test_a_narrow_face_and_a_slippery_can_are_not_turned() -> None:
     slippery = CAN.model_copy(update={"finger_friction": 0.1, "finger_friction_sd": 0.1})
     assert best_turn(slippery, slippery.faces()[0], 0.3, 0.05) is None

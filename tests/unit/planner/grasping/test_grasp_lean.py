@@ -46,6 +46,13 @@ def test_a_weight_beside_the_hand_turns_it_against_the_springs() -> None:
     assert 1.2 * phi == pytest.approx(moment, rel=phi**2)
 
 
+def test_one_lift_in_six_leans_by_more_than_1_2_degrees_beyond_its_model() -> None:
+    lean = held(block(), 1.2, y=-0.02)
+    # Φ(1), since the other limit is seven deviations off.
+    within = lean.probability_within(abs(lean.angle) + math.radians(1.2))
+    assert within == pytest.approx(0.8413, abs=1e-4)
+
+
 def test_what_is_not_known_of_the_weight_counts() -> None:
     unsure = block(mass_sd=0.08, com_sd=(0.001, 0.006, 0.02))
     by_place, by_mass = 0.4 * GRAVITY * 0.006 / 1.2, 0.2 * 0.4 * GRAVITY * 0.02 / 1.2

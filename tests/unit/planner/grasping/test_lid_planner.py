@@ -171,6 +171,22 @@ def test_a_lid_is_lifted_off_and_put_aside(pantry: WorldState, hand: RuledHand) 
     assert pull.prediction.lid_force == pytest.approx(1.5 + 0.06 * 9.81, abs=1e-3)
 
 
+@pytest.mark.parametrize(("apart", "free"), [(0.049, False), (0.052, True)])
+def test_a_lid_lies_5_cm_from_what_stands_there(apart: float, free: bool, hand: RuledHand) -> None:
+    jar, radius, can = PlanarPose(0.45, -0.10), 0.042, 0.033  # the radii of lid and soup can
+    (first,) = [
+        s for s in planned("open the jar", world(jar=jar), hand).steps if isinstance(s, Carry)
+    ]
+    place = np.array([first.to.x, first.to.y])
+    way = place - [jar.x, jar.y]
+    # Round outlines have corners, up to 0.4 mm outside of them.
+    assert np.linalg.norm(way) - 2.0 * radius == pytest.approx(0.05, abs=0.0005)
+    x, y = (place + (radius + apart + can) * way / np.linalg.norm(way)).tolist()
+    beside = world(jar=jar, soup_can=PlanarPose(x, y))
+    (then,) = [s for s in planned("open the jar", beside, hand).steps if isinstance(s, Carry)]
+    assert (then.to == first.to) == free
+
+
 def test_a_lid_goes_back_from_where_it_lies(pantry: WorldState, hand: RuledHand) -> None:
     off = _with(pantry, "jar", lid=0.3)
     assert "not seen" in refused("close the jar", off, hand).message

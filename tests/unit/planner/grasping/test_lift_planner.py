@@ -9,10 +9,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from objectmodels import HullModel
+from objectmodels import BoxModel, HullModel
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from planner import plan
-from planner.grasping.grasp_selection import ACCELERATION
 from planner.grasping.lift_planner import require_room
 from planner.problem.planning_problem import (
     ContactLimits,
@@ -75,6 +74,23 @@ def test_what_is_too_wide_is_refused_with_both_widths(table: WorldState, hand: R
     assert made.message == "the ice tea is 44 mm wide, the hand opens to 40 mm"
 
 
+@pytest.mark.parametrize(("length", "held"), [(0.0615, False), (0.0625, True)])
+def test_fingers_side_by_side_stay_4_mm_from_the_ends_of_a_side(
+    length: float, held: bool, hand: RuledHand
+) -> None:
+    # Too low for fingers above each other, so that 54 mm of them lie along its sides.
+    bar = BoxModel(
+        name="bar", size=(0.05, length, 0.035), mass=0.2, friction=0.3, finger_friction=0.8
+    )
+    state = WorldState({"bar": SeenObject("bar", PlanarPose(0.5, 0.0), bar)})
+    if held:
+        grasp = planned("lift the bar", state, hand).grasp
+        assert grasp is not None
+        assert grasp.width == pytest.approx(0.05)
+    else:
+        assert refused("lift the bar", state, hand).code == "no_room"
+
+
 def test_a_model_that_does_not_say_how_is_held_by_its_sides(hand: RuledHand) -> None:
     grasp = planned("lift the cereal box", world(cereal_box=PlanarPose(0.5, 0.0)), hand).grasp
     assert grasp is not None
@@ -109,7 +125,7 @@ def test_sides_that_lean_take_a_part_of_the_friction(slope: float, hand: RuledHa
     angle = np.radians(slope)
     # In balance, friction bears the weight, and a tenth for what trembles, on both sides.
     bears = 2.0 * (0.8 * np.cos(angle) - np.sin(angle))
-    weighs = 0.2 * (GRAVITY + ACCELERATION)
+    weighs = 0.2 * (GRAVITY + 1.0)
     # A bisection finds it.
     assert grasp.needed == pytest.approx(weighs / bears, rel=1e-4)
     # Half-way up it is so wide, which changes by 4 mm where it may be held.

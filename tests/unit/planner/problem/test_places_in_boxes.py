@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from planner.problem.footprints import footprint, gap
-from planner.problem.places import WALL_ROOM, InBox
+from planner.problem.places import InBox
 from planner.problem.stacks import put_on
 from planner.types.world_state import PlanarPose, SeenObject
 from tests.unit.planner.conftest import world
@@ -39,7 +39,7 @@ def test_each_spot_leaves_room_to_the_walls(name: str) -> None:
     spots = place().spots(OBJECTS[name])
     assert spots
     c, s = np.cos(0.4), np.sin(0.4)
-    half = 0.5 * np.array([0.212, 0.292]) - WALL_ROOM
+    half = 0.5 * np.array([0.212, 0.292]) - 0.008
     for at in spots:
         put = there(name, at)
         in_B = (footprint(put) - [0.5, 0.1]) @ np.array([[c, -s], [s, c]])
@@ -62,8 +62,8 @@ def test_it_keeps_off_what_stands_there() -> None:
 
 def test_how_much_too_long_something_is() -> None:
     askew = replace(OBJECTS["book"], pose=PlanarPose(0.7, -0.5, 0.4 + np.pi / 2.0))
-    # Its 220 mm lie across the 212 mm, less the room on both sides.
-    assert place().excess(askew) == pytest.approx(0.220 - 0.212 + 2.0 * WALL_ROOM, abs=ROUNDING)
+    # Its 220 mm lie across the 212 mm, less 8 mm of room on both sides.
+    assert place().excess(askew) == pytest.approx(0.220 - 0.212 + 2.0 * 0.008, abs=ROUNDING)
     assert not place().spots(askew)
     assert place().excess(OBJECTS["book"]) < 0.0
 

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import pytest
+
 from planner.problem.stacks import put_on, stack_with, with_supports
 from planner.types.world_state import PlanarPose
 from tests.unit.planner.conftest import world
@@ -25,6 +29,23 @@ def test_what_is_as_high_as_a_top_below_it_stands_there() -> None:
     assert found["mug"].pose.z == BOOK + tin
     assert found["sugar box"].pose.z == 0.0
     assert found["mug"].top_height == BOOK + tin + state.objects["mug"].model.top
+
+
+@pytest.mark.parametrize(("off", "stands"), [(0.011, True), (0.013, False)])
+@pytest.mark.parametrize("way", [-1.0, 1.0])
+def test_a_camera_may_be_off_by_12_mm(off: float, stands: bool, way: float) -> None:
+    state = world(book=PlanarPose(0.4, 0.0), mug=PlanarPose(0.42, 0.03))
+    found = with_supports(state.objects, {"book": 0.0, "mug": BOOK + way * off})
+    assert (found["mug"].on == "book") == stands
+
+
+def test_what_is_seen_less_than_12_mm_over_the_table_stands_on_it() -> None:
+    state = world(book=PlanarPose(0.4, 0.0), mug=PlanarPose(0.42, 0.03))
+    book = state.objects["book"]
+    thin = book.model.model_copy(update={"size": (0.15, 0.22, 0.008)})
+    objects = {**state.objects, "book": replace(book, model=thin)}
+    for height, on in ((0.0115, None), (0.0125, "book")):
+        assert with_supports(objects, {"book": 0.0, "mug": height})["mug"].on == on
 
 
 def test_a_stack_has_all_that_its_lowest_object_carries() -> None:

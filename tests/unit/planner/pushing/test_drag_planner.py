@@ -89,6 +89,22 @@ def test_what_stands_in_the_way_or_turns_refuses_it() -> None:
     assert refused("turn the book by 90 degrees", book(), hand()).code != "drag_slips"
 
 
+@pytest.mark.parametrize(("room", "code"), [(0.0045, "no_top_to_press"), (0.0055, None)])
+def test_the_fingertip_presses_5_mm_from_the_edge_of_a_top(room: float, code: str | None) -> None:
+    state = book()
+    seen = state.objects["book"]
+    # Of the 150 mm of the book nearly all of its weight is at one end.
+    model = seen.model.model_copy(update={"com": (0.075 - room, 0.0, 0.015)})
+    made = plan(
+        frame_of(LEFT + " on its top face"),
+        replace(state, objects={"book": replace(seen, model=model)}),
+        hand(),
+    )
+    assert (made.code if isinstance(made, Refusal) else None) == code
+    if isinstance(made, Plan):
+        assert made.push.press > 0.0
+
+
 def test_an_open_top_is_not_pressed() -> None:
     state = world(mug=PlanarPose(0.45, 0.0))
     assert (

@@ -470,3 +470,15 @@ def test_a_tap_touches_a_side_and_ends_as_it_gives_way(words: str, face: str) ->
     assert (made.push.face, made.push.until) == (face, "moves")
     assert made.push.stroke == pytest.approx(DEFAULTS.tap)
     assert len(made.pushes) == 1
+
+
+@pytest.mark.parametrize(("free", "offered"), [(0.009, False), (0.011, True)])
+def test_a_shorter_way_is_offered_if_it_is_a_centimetre(
+    free: float, offered: bool, reach: RuledReach
+) -> None:
+    # Half of each box, 10 mm that are kept, and what is free.
+    beyond = 0.045 + 0.031 + 0.010 + free
+    state = world(ice_tea_box=PlanarPose(0.45, 0.0), coffee_box=PlanarPose(0.45 + beyond, 0.0))
+    refusal = refused("push the ice tea box 10 cm away", state, reach)
+    assert refusal.numbers["free"] == pytest.approx(free)
+    assert (refusal.code == "in_the_way_so_far") == offered

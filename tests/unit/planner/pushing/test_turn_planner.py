@@ -9,6 +9,8 @@ from objectmodels import BoxModel
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.mechanics.push_motion import best_turn
 from planner.pushing.turn_planner import LARGEST_TURN, PAIRED_TURN, turn_parts
+from planner.types.world_state import PlanarPose
+from tests.unit.planner.conftest import RuledReach, planned, world
 
 BOX = BoxModel(
     name="b", size=(0.08, 0.12, 0.2), mass=1.0, friction=0.3, finger_friction=0.6, support="corners"
@@ -35,3 +37,15 @@ def test_pushes_on_opposite_faces_leave_it_where_it_was(degrees: float, radius: 
         heading += part
     assert abs(parts[0]) <= 0.5 * LARGEST_TURN
     assert np.linalg.norm(place) < (1e-12 if len(parts) > 2 else 0.002)
+
+
+@pytest.mark.parametrize(("degrees", "largest"), [(100, 50.0), (120, 31.0)])
+def test_no_push_turns_an_object_by_more_than_52_degrees(
+    degrees: int, largest: float, reach: RuledReach
+) -> None:
+    state = world(ice_tea_box=PlanarPose(0.5, 0.0))
+    made = planned(f"turn the ice tea box by {degrees} degrees", state, reach)
+    turns = np.degrees([push.turn for push in made.pushes])
+    assert turns.sum() == pytest.approx(degrees)
+    # Halves of 50° are allowed, halves of 60° are not.
+    assert turns.max() == pytest.approx(largest, abs=0.05)

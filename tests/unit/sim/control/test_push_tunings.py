@@ -17,7 +17,7 @@ from objectmodels.geometry.rotations import Array, rot_y
 from planner.types.actions import Push
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
-from sim.control.guarded_touch import TOUCH_FORCE, TOUCH_SPEED
+from sim.control.guarded_touch import TOUCH_SPEED
 from sim.control.press_control import DragControl
 from sim.control.push_control import (
     ExecutionContext,
@@ -28,6 +28,7 @@ from sim.control.push_control import (
 )
 from sim.control.trace_recorder import EarlyEndError, TraceRecorder
 from sim.motion.fingertip_path import STANDOFF, TiltArc
+from sim.robots.finger_kinematics import FINGERS
 from sim.worlds.ports import SeenPose
 from tests.plans import push_plan
 from tests.unit.sim.control.scripted_robot import PERIOD, REACH, ScriptedRobot
@@ -97,7 +98,10 @@ def _push(**changes: Any) -> Push:
 
 
 def _control(
-    make: type[ForceController], push: Push, body: Block
+    make: type[ForceController],
+    push: Push,
+    body: Block,
+    robot_of: type[ScriptedRobot] = ScriptedRobot,
 ) -> tuple[ForceController, ScriptedRobot]:
     """A controller before the face, with a robot that holds its hand there."""
     model = BLOCK.model_copy(update={"size": (0.10, 0.12, LOW)}) if push.press else BLOCK
@@ -107,7 +111,7 @@ def _control(
     assert not isinstance(answer, ReachAnswer), answer.message
     stance, way = answer[0], REACH.fingertip_path(push, state)
     body.stiffness = stance.push_stiffness(way.inward)
-    robot = ScriptedRobot(body, stance.joint_angles(way.start), stance.posture.joint_angles)
+    robot = robot_of(body, stance.joint_angles(way.start), stance.posture.joint_angles)
     recorder = TraceRecorder(robot, robot, REACH.mount, np.array(push.normal_W))
     recorder.fingers = stance.posture.pushing
     assert recorder.fingers == (FINGER,)
@@ -152,15 +156,34 @@ def test_a_touch_is_felt_within_four_steps() -> None:
     assert robot.time - 1.0 == pytest.approx(3 * PERIOD, abs=1e-6)
 
 
+class Noisy(ScriptedRobot):
+    """The robot with noise of its own in each reading of a torque sensor."""
+
+    draws: np.random.Generator
+
+    def step(self, q_arm: Array, q_hand: Array) -> None:
+        super().step(q_arm, q_hand)
+        self.noise = self.draws.normal(0.0, self.torque_noise, (len(FINGERS), 3))
+
+    def finger_torques(self, finger: str) -> Array:
+        return np.asarray(super().finger_torques(finger) + self.noise[FINGERS.index(finger)])
+
+
 def test_noise_is_no_touch() -> None:
-    """Six standard deviations of what is left of it stay below the touch."""
-    control, robot = _control(PushControl, _push(), Block())
-    gain = control.stance.force_noise_gain(control.way.inward)
-    for noise, weight in [(0.05 * TOUCH_FORCE, 0.25), (TOUCH_FORCE, None)]:
-        robot.torque_noise = noise / gain
-        quiet = (TOUCH_FORCE / (6.0 * noise)) ** 2
-        expected = min(0.25, 2.0 * quiet / (1.0 + quiet)) if weight is None else weight
-        assert control._touch_share() == pytest.approx(expected, rel=1e-9)
+    delays = []
+    for seed in range(8):
+        control, robot = _control(PushControl, _push(), Sudden(force=1.2, begins=2.0), Noisy)
+        assert isinstance(robot, Noisy)
+        robot.draws = np.random.default_rng(seed)
+        # Noise of 0.6 N in each sample, as much as counts as a touch.
+        robot.torque_noise = 0.6 / control.stance.force_noise_gain(control.way.inward)
+        control.touch()
+        delays.append(robot.time - 2.0)
+    # For more than a second no noise was a touch.
+    assert min(delays) >= 0.0
+    # A sixth of it is left by the mean of 36 samples, for which a filter has a time constant of 18:
+    # so 1.2 N are felt as 0.6 N after 0.18 s ln 2. Noise shifts the mean of eight by 0.015 s.
+    assert np.mean(delays) == pytest.approx(0.125, abs=0.04)
 
 
 # --- turns ----------------------------------------------------------------------------------------

@@ -10,7 +10,7 @@ import pytest
 
 from objectmodels.geometry.rotations import Array, rot_z
 from planner.types.world_state import PlanarPose, SeenObject
-from sim.motion.clearance import FACE_CLEARANCE, Approach
+from sim.motion.clearance import Approach
 from sim.motion.collision_scene import Obstacle
 from sim.robots.four_finger_hand import FourFingerHand
 from sim.robots.hand import PostureSet
@@ -23,19 +23,28 @@ CONTACT = np.array([[-0.11, 0.0, 0.06], [-0.08, 0.0, 0.06]])
 """T before the face of a box and at it, seen from the box, in m."""
 
 
-def _approach(x: float, yaw: float, height: float = 0.0) -> tuple[Approach, Obstacle, Array]:
+def _approach(
+    x: float, yaw: float, height: float = 0.0, nearer: float = 0.0
+) -> tuple[Approach, Obstacle, Array]:
     pushed = Obstacle.from_seen(SeenObject("tea", PlanarPose(x, 0.1, yaw), TEA), 0.012)
-    points = pushed.p_WB + (CONTACT + np.array([0.0, 0.0, height])) @ pushed.R_WB.T
+    points = pushed.p_WB + (CONTACT + np.array([nearer, 0.0, height])) @ pushed.R_WB.T
     made = Approach.to_object(pushed, points, pushed.R_WB, HAND, 1, 0.0, fine=False)
     return made, pushed, points
 
 
 def test_hands_are_clear_that_keep_off_at_both_places() -> None:
-    approach, pushed, points = _approach(0.6, 0.5)
-    robot = HANDS.spheres_along(np.broadcast_to(rot_z(0.5), (2, 3, 3)), points)[..., :-1, :]
-    directly = pushed.is_clear(robot, FACE_CLEARANCE).all(axis=1)
-    assert 0.05 < directly.mean() < 0.95
-    np.testing.assert_array_equal(approach.clear_hands(HANDS), directly)
+    near, clear = [], []
+    for nearer in np.linspace(0.0, 0.004, 21).tolist():
+        approach, pushed, points = _approach(0.6, 0.5, nearer=nearer)
+        robot = HANDS.spheres_along(np.broadcast_to(rot_z(0.5), (2, 3, 3)), points)[..., :-1, :]
+        near.append(pushed.distance_to(robot).min(axis=(1, 2)))
+        clear.append(approach.clear_hands(HANDS))
+        assert 0.05 < clear[-1].mean() < 0.95
+    # All but the fingertip keeps half a millimetre, and no hand is left out that does.
+    apart = np.concatenate(near)
+    np.testing.assert_array_equal(np.concatenate(clear), apart > 0.0005)
+    assert ((apart > 0.0004) & (apart < 0.0005)).any()
+    assert ((apart > 0.0005) & (apart < 0.0006)).any()
 
 
 def test_it_is_one_approach_wherever_the_object_stands() -> None:

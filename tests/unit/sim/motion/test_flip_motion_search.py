@@ -42,12 +42,14 @@ def _lid(start: float, end: float) -> LidShape:
     return LidShape(0.07, 0.035, 0.02, 0.12, start, end, TIP_RADIUS)
 
 
-def _state(x: float, y: float, yaw: float, *others: SeenObject, opened: float = 0.0) -> WorldState:
+def state_of(
+    x: float, y: float, yaw: float, *others: SeenObject, opened: float = 0.0
+) -> WorldState:
     cup = SeenObject(CUP, PlanarPose(x, y, yaw), Registry.built_in().get(CUP), lid=opened)
     return WorldState({CUP: cup} | {each.name: each for each in others})
 
 
-def _plan(start: float, end: float, *, heading: float = 0.0, limit: float = 1.5) -> Plan:
+def plan_of(start: float, end: float, *, heading: float = 0.0, limit: float = 1.5) -> Plan:
     step = FlipOver(
         start=start, end=end, speed=0.05, force_limit=limit, heading=heading, prediction=EASY_FLIP
     )
@@ -109,7 +111,7 @@ def test_a_cup_beside_the_arm_is_opened_and_closed_whichever_way_it_faces(
     heading: float, way: tuple[float, float]
 ) -> None:
     reach = ArmHandReach(load_scene("kitchen").cell, ARM, HAND)
-    plan, state = _plan(*way), _state(0.24, 0.20, heading, opened=way[0])
+    plan, state = plan_of(*way), state_of(0.24, 0.20, heading, opened=way[0])
     answer = reach.reach_plan(plan, state)
     assert answer.ok
     assert answer.margin > 0.08
@@ -135,7 +137,7 @@ def test_what_stands_where_the_hand_must_be_is_named() -> None:
         )
         for k, a in enumerate(np.radians([0.0, 45.0, 90.0, 135.0, 180.0, 225.0, 270.0, 315.0]))
     ]
-    answer = reach.reach_plan(_plan(0.0, OPEN), _state(0.24, 0.20, 0.0, *walls))
+    answer = reach.reach_plan(plan_of(0.0, OPEN), state_of(0.24, 0.20, 0.0, *walls))
     assert not answer.ok
     assert answer.reason == "obstacle"
     assert answer.blocker in {each.name for each in walls}
@@ -143,13 +145,13 @@ def test_what_stands_where_the_hand_must_be_is_named() -> None:
 
 def test_out_of_reach_is_told() -> None:
     reach = ArmHandReach(load_scene("kitchen").cell, ARM, HAND)
-    answer = reach.reach_plan(_plan(0.0, OPEN), _state(2.0, 0.0, 0.0))
+    answer = reach.reach_plan(plan_of(0.0, OPEN), state_of(2.0, 0.0, 0.0))
     assert not answer.ok
     assert answer.reason == "kinematics"
 
 
 def test_the_view_follows_what_is_seen() -> None:
-    cup = _state(0.24, 0.2, 0.1).objects[CUP]
+    cup = state_of(0.24, 0.2, 0.1).objects[CUP]
     view = LidEstimator(cup, 0.0, Vision())
     lean = np.array(
         [[math.cos(0.1), 0.0, math.sin(0.1)], [0, 1, 0], [-math.sin(0.1), 0, math.cos(0.1)]]
@@ -164,7 +166,7 @@ def test_the_view_follows_what_is_seen() -> None:
 
 def test_noise_is_not_taken_for_motion() -> None:
     vision, rng = Vision(position_noise_m=0.005, angle_noise_deg=2.0), np.random.default_rng(0)
-    cup = _state(0.24, 0.2, 0.1).objects[CUP]
+    cup = state_of(0.24, 0.2, 0.1).objects[CUP]
     view, shown, leans = LidEstimator(cup, 0.0, vision), [], []
     off = rng.normal(0.0, vision.position_noise_m, (3000, 3))
     turns = rng.normal(0.0, np.radians(vision.angle_noise_deg), (3000, 3))
@@ -221,10 +223,10 @@ def _motion(trace: Trace) -> tuple[float, float]:
 @pytest.mark.slow
 def test_a_lid_is_opened_and_closed_on_a_cup_that_stays_where_it_is() -> None:
     world = DrakeWorld(_scene(yaw_deg=25.0), seed=3)
-    opened = _done(_plan(0.0, OPEN, heading=math.radians(25.0)), world)
+    opened = _done(plan_of(0.0, OPEN, heading=math.radians(25.0)), world)
     assert opened.end == "handled"
     assert math.degrees(opened.lids[CUP][-1]) == pytest.approx(100.0, abs=4.0)  # seen to 2°
-    closed = _done(_plan(OPEN, 0.0, heading=math.radians(25.0)), world)
+    closed = _done(plan_of(OPEN, 0.0, heading=math.radians(25.0)), world)
     assert closed.end == "handled"
     assert math.degrees(closed.lids[CUP][-1]) == pytest.approx(0.0, abs=0.5)
     for trace in (opened, closed):
@@ -236,7 +238,7 @@ def test_a_lid_is_opened_and_closed_on_a_cup_that_stays_where_it_is() -> None:
 @pytest.mark.slow
 def test_a_cup_too_light_for_its_lid_is_let_go_at_once() -> None:
     world = DrakeWorld(_scene(yaw_deg=0.0, mass=0.07, snap=0.06), seed=0)
-    trace = _done(_plan(0.0, OPEN), world)
+    trace = _done(plan_of(0.0, OPEN), world)
     assert trace.end in {"tilted", "slid"}
     assert _motion(trace)[1] < math.radians(10.0)  # far from 30°, where it would fall
     poses = trace.poses[CUP][-1]
@@ -246,7 +248,7 @@ def test_a_cup_too_light_for_its_lid_is_let_go_at_once() -> None:
 @pytest.mark.slow
 def test_a_catch_that_does_not_give_way_is_told_with_its_force() -> None:
     world = DrakeWorld(_scene(yaw_deg=0.0, mass=0.9, snap=0.3), seed=0)
-    trace = _done(_plan(0.0, OPEN, limit=1.2), world)
+    trace = _done(plan_of(0.0, OPEN, limit=1.2), world)
     assert trace.end == "force"
     assert "does not move with 1." in trace.detail
     assert trace.lids[CUP][-1] == pytest.approx(0.0, abs=0.01)
@@ -261,6 +263,6 @@ def test_a_lid_that_does_not_follow_is_missed(monkeypatch: pytest.MonkeyPatch) -
         return [replace(frame, lids={CUP: 0.0}) for frame in frames()]
 
     monkeypatch.setattr(world.robot, "frames", stays_shut)
-    trace = _done(_plan(0.0, OPEN), world)
+    trace = _done(plan_of(0.0, OPEN), world)
     assert trace.end == "missed"
     assert "does not follow" in trace.detail

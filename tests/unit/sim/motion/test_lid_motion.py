@@ -25,14 +25,14 @@ AT = {JAR: (0.25, -0.32), BOTTLE: (0.80, 0.40)}
 TURN = TurnCap(angle=math.tau, torque_limit=0.1, prediction=EASY_TURN)
 
 
-def _state(name: str, lid_at: tuple[float, float, float] | None = None) -> WorldState:
+def state_of(name: str, lid_at: tuple[float, float, float] | None = None) -> WorldState:
     seen = SeenObject(
         name, PlanarPose(*AT[name], 0.2), Registry.built_in().get(name), lid=0.0, lid_at=lid_at
     )
     return WorldState({name: seen})
 
 
-def _plan(name: str, *steps: Action, yaw: float = 0.0) -> Plan:
+def plan_of(name: str, *steps: Action, yaw: float = 0.0) -> Plan:
     model = Registry.built_in().get(name)
     lid = model.lid
     assert isinstance(lid, LiftOffLid | ScrewCap)
@@ -53,7 +53,7 @@ def _plan(name: str, *steps: Action, yaw: float = 0.0) -> Plan:
     return hand_plan(name, grasp, *steps, speed=0.12, task="open")
 
 
-def _aside(name: str) -> tuple[Action, ...]:
+def aside_of(name: str) -> tuple[Action, ...]:
     x, y = AT[name]
     to = Aim(x=x, y=y + (0.13 if y < 0.0 else -0.13))
     return LiftUp(height=0.04, hold=0.0), Carry(to=to), SetDown()
@@ -72,20 +72,20 @@ def test_a_pinch_does_not_hang_below_its_fingertips(width: float) -> None:
 
 
 def test_a_lid_is_an_object_of_its_own() -> None:
-    handled = HeldObject.from_plan(_plan(JAR, *_aside(JAR)), _state(JAR))
+    handled = HeldObject.from_plan(plan_of(JAR, *aside_of(JAR)), state_of(JAR))
     assert handled.held.name == "jar lid"
     assert handled.name == JAR
     assert handled.height == handled.seat == pytest.approx(0.11)
     # In B the knob is held 17 mm over the disc, in the lid's own frame that is 25 mm up.
     assert handled.grasp.p_BG == pytest.approx((0.0, 0.0, 0.025))
     assert handled.grasped_obstacle.radius == pytest.approx(0.012)
-    aside = HeldObject.from_plan(_plan(JAR, *_aside(JAR)), _state(JAR, (0.4, 0.1, 0.0)))
+    aside = HeldObject.from_plan(plan_of(JAR, *aside_of(JAR)), state_of(JAR, (0.4, 0.1, 0.0)))
     assert aside.height == 0.0
     assert aside.held.pose.p_WB == pytest.approx([0.4, 0.1, 0.0])
 
 
 def test_a_cap_rises_on_its_thread_and_is_gripped_anew() -> None:
-    handled = HeldObject.from_plan(_plan(BOTTLE, TURN), _state(BOTTLE))
+    handled = HeldObject.from_plan(plan_of(BOTTLE, TURN), state_of(BOTTLE))
     _, turning, back = held_segments(handled, np.array([0.0, 0.0, 0.05]))
     held, free = [[leg for leg in turning if leg.free is so] for so in (False, True)]
     assert sum(leg.turn for leg in held) == pytest.approx(math.tau)
@@ -98,7 +98,7 @@ def test_a_cap_rises_on_its_thread_and_is_gripped_anew() -> None:
 def test_a_lid_is_put_onto_its_rim() -> None:
     x, y = AT[JAR]
     steps = (LiftUp(height=0.15), Carry(to=Aim(x=x, y=y)), PutOn(onto=JAR, press=2.0))
-    handled = HeldObject.from_plan(_plan(JAR, *steps), _state(JAR, (x + 0.1, y + 0.1, 0.0)))
+    handled = HeldObject.from_plan(plan_of(JAR, *steps), state_of(JAR, (x + 0.1, y + 0.1, 0.0)))
     *_, on, _ = held_segments(handled, np.array([0.0, 0.0, 0.05]))
     assert on[-1].end == pytest.approx([x, y, 0.11])
 
@@ -106,9 +106,9 @@ def test_a_lid_is_put_onto_its_rim() -> None:
 @pytest.mark.parametrize("name", [JAR, BOTTLE])
 def test_the_arm_reaches_lids_that_stand_away_from_below_it(name: str) -> None:
     reach = ArmHandReach(load_scene("kitchen").cell, ARM, HAND)
-    steps = _aside(name) if name == JAR else (TURN, *_aside(name))
+    steps = aside_of(name) if name == JAR else (TURN, *aside_of(name))
     found = [
-        reach.reach_plan(_plan(name, *steps, yaw=math.radians(yaw)), _state(name))
+        reach.reach_plan(plan_of(name, *steps, yaw=math.radians(yaw)), state_of(name))
         for yaw in range(0, 360, 60)
     ]
     assert any(answer.ok for answer in found)

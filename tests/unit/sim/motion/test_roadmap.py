@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.motion.roadmap import LIMIT_MARGIN, free_path, interpolate_joints, sample_configurations
+from sim.motion.roadmap import free_path, interpolate_joints, sample_configurations
 from sim.robots.lwr_arm import LIMITS
 from sim.robots.robots import ARM
 
@@ -63,9 +63,11 @@ def test_there_is_no_way_out_of_a_cage() -> None:
     assert free_path(ARM, START, GOAL, NOWHERE, lambda q: ~_everywhere(q)) is None
 
 
-def test_places_beyond_the_joint_limits_are_not_taken() -> None:
-    beyond = np.where(np.arange(7) == 0, LIMITS - 0.5 * LIMIT_MARGIN, BESIDE)
-    assert free_path(ARM, START, GOAL, beyond[None], _around_the_middle) is None
+def test_places_nearer_than_80_mrad_to_a_joint_limit_are_not_taken() -> None:
+    for room, taken in ((0.079, False), (0.081, True)):
+        place = np.where(np.arange(7) == 0, LIMITS - room, BESIDE)
+        way = free_path(ARM, START, GOAL, place[None], _around_the_middle)
+        assert (way is not None) == taken, room
 
 
 def test_poses_along_a_leg_are_close_to_each_other() -> None:
