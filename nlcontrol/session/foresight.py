@@ -40,6 +40,7 @@ from planner.problem.directions import angle_between
 from planner.problem.planning_problem import SearchBudget
 from planner.problem.predicted_states import state_after
 from planner.true_reasons import REASON_WORK
+from planner.types.cure import Cure, CureKind
 from planner.types.defaults import CLEARED, Defaults
 from planner.types.plan import Plan, PlanningResult, Reached
 from planner.types.refusal import Refusal
@@ -163,7 +164,8 @@ class _ForesightedRobot(StoppableRobot):
         refused = _refused_ahead(plan_step, plan, state, self._frames)
         if refused is None:
             return replace(answer, work=answer.work + budget.done)
-        return ReachAnswer(False, "approach", refused.message, work=answer.work + budget.done)
+        work, words = answer.work + budget.done, {"text": refused.message}
+        return ReachAnswer(False, "approach", "told", work=work, words=words)
 
 
 # Whether another push would bring an object nearer to its aim, as far as the camera can tell.
@@ -400,8 +402,11 @@ def ways_around(
         return None
     if found is None or not found.aside or controller.defaults.clear == CLEARED.index("yes"):
         return found
-    step = f"{paraphrase(found.aside)} first"
-    return refusal_error(refusal).model_copy(update={"suggestions": (step,)})
+    command = paraphrase(found.aside)
+    kind: CureKind = "move" if found.aside[0].action == "move" else "first"
+    cure = Cure(kind, f"{command} first", command)
+    changes = {"suggestions": (cure.text,), "cures": (cure,)}
+    return refusal_error(refusal).model_copy(update=changes)
 
 
 class StepSearch:
