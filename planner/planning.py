@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 from grammar.frames import command as g
 from planner.problem.frame_interpretation import (
@@ -82,36 +83,24 @@ def plan(
     Returns:
         A plan; that nothing is left to be done; or the reason why there is no plan.
     """
-    made = _outcome(
-        frame,
-        state,
-        robot,
-        defaults,
-        budget or SearchBudget(defaults.most_work),
-        previous=previous,
-        failed=failed,
-        notify=notify,
+    outcome = partial(
+        _outcome, frame=frame, robot=robot, defaults=defaults, previous=previous, failed=failed
     )
-    if not isinstance(made, Blocked):
-        return made
+    made = outcome(state, budget or SearchBudget(defaults.most_work), notify=notify)
     # In a search it does not matter which of the reasons is the one.
-    if budget is None and frame.object is not None:
-
-        def outcome_from(other: WorldState) -> Made:
-            less = SearchBudget(int(REASON_WORK * defaults.most_work))
-            return _outcome(frame, other, robot, defaults, less, previous=previous, failed=failed)
-
-        made = true_reason(made, frame, state, outcome_from)
-    return made.refusal
+    if isinstance(made, Blocked) and budget is None and frame.object is not None:
+        less = int(REASON_WORK * defaults.most_work)
+        made = true_reason(made, frame, state, lambda other: outcome(other, SearchBudget(less)))
+    return made.refusal if isinstance(made, Blocked) else made
 
 
 def _outcome(
-    frame: g.Frame,
     state: WorldState,
-    robot: Robot,
-    defaults: Defaults,
     budget: SearchBudget,
     *,
+    frame: g.Frame,
+    robot: Robot,
+    defaults: Defaults,
     previous: Plan | None,
     failed: Sequence[Failed],
     notify: Callable[[str], None] = lambda _: None,
@@ -133,7 +122,9 @@ def _outcome(
         if why := _why_not_pushed(problem):
             return why
         made = plan_pushes(replace(problem, budget=budget), notify)
-        if upright and isinstance(made, Plan) and not _stands_after(made, state):
+        if not (upright and isinstance(made, Plan)):
+            return made
+        if not _stands(made.object, state_after(made, state)):
             return dead_end("falls_otherwise", object=made.object)
         return made
 
@@ -143,7 +134,7 @@ def _outcome(
         is_new = previous is None and not failed
         if is_new and (why := why_not_tellable(frame, state, defaults)):
             return why
-        if upright and state.held is None and _stands(frame, state):
+        if upright and state.held is None and _stands(_name_of(frame), state):
             return Reached()
         if only_pushes or not is_handled(frame):
             return by_pushes()
@@ -177,28 +168,23 @@ def _plan_handled(
     two_ways = frame.goal.kind in ("place", "upright") and not is_off_the_table(frame)
     if state.held is not None or not two_ways:
         return by_hand()
-    if not upright and _is_said_how_to_hold(frame, state):
+    # What states a grasp is lifted.
+    if not upright and state.objects[_name_of(frame)].model.grasp is not None:
         lifted = by_hand()
         return by_pushes() if isinstance(lifted, Blocked) else lifted
     ways = (by_hand, by_pushes) if upright else (by_pushes, by_hand)
     return first_made(way() for way in ways)
 
 
-def _is_said_how_to_hold(frame: g.Frame, state: WorldState) -> bool:
-    """Return True if the model of what is to be placed states a grasp, so that it is lifted."""
-    assert frame.object is not None
-    return state.objects[frame.object.id or ""].model.grasp is not None
+def _stands(name: str, state: WorldState | None) -> bool:
+    """Return True if an object stands on its bottom, as far as that is foreseen."""
+    return state is not None and state.objects[name].lies_on == "bottom"
 
 
-def _stands(frame: g.Frame, state: WorldState) -> bool:
-    assert frame.object is not None
-    return state.objects[frame.object.id or ""].lies_on == "bottom"
-
-
-def _stands_after(made: Plan, state: WorldState) -> bool:
-    """Return True if a fall ends on the bottom of what falls."""
-    after = state_after(made, state)
-    return after is not None and after.objects[made.object].lies_on == "bottom"
+def _name_of(frame: g.Frame) -> str:
+    """The name of the object of a frame."""
+    assert frame.object is not None, "only pushes and holds of an object are planned"
+    return frame.object.id or ""
 
 
 def _is_placed(frame: g.Frame, state: WorldState, defaults: Defaults) -> bool:
@@ -206,8 +192,7 @@ def _is_placed(frame: g.Frame, state: WorldState, defaults: Defaults) -> bool:
     goal = frame.goal
     if not isinstance(goal, g.Place) or goal.fraction is not None or state.held is not None:
         return False
-    assert frame.object is not None
-    target = state.objects[frame.object.id or ""]
+    target = state.objects[_name_of(frame)]
     place = region(goal, state, defaults, target)
     return place is not None and place.holds(target)
 

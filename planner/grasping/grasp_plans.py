@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
 from typing import TypeVar
 
@@ -79,8 +80,9 @@ def first_reachable_plan(
         if len(answers) == problem.defaults.most_grasps:
             break
         problem.budget.require_rest(problem.target.name, len(ways) - number)
+        ask = partial(problem.robot.reach_plan, made, problem.state)
         failed = _failed_twice(problem, made)
-        answers.append(failed or _robots_answer(problem, made))
+        answers.append(failed or problem.budget.answer_to((made.object, made.actions), ask))
         if answers[-1].ok:
             return made
     doing, name = problem.goal.doing, problem.target.name
@@ -90,12 +92,6 @@ def first_reachable_plan(
         return dead_end("unlikely_grasp", numbers, doing=doing, object=name)
     held = problem.state.held is not None
     return no_grasp_reached(doing, name, answers, problem.spared, held=held)
-
-
-def _robots_answer(problem: GraspProblem, made: Plan) -> ReachAnswer:
-    robot, state = problem.robot, problem.state
-    asked = made.object, made.actions
-    return problem.budget.answer_to(asked, lambda: robot.reach_plan(made, state))
 
 
 def _failed_twice(problem: GraspProblem, made: Plan) -> ReachAnswer | None:

@@ -198,7 +198,9 @@ def stable_grasps(
     squeeze[unsure] = limit[unsure]
     for i in np.flatnonzero(unsure & (spare >= 1.0)).tolist():
         probability[i] = known.probability(bearings[i], squeeze[i])
-    leans = [_lean(problem, each.candidate) for each in bearings]
+    model, candidates = problem.target.model, [each.candidate for each in bearings]
+    # Lids do not lean.
+    leans = [Lean.of_grasp(model, each) if each.part == "body" else None for each in candidates]
     upright = np.array([1.0 if u is None else u.probability_within(d.upright) for u in leans])
     holds = (spare >= 1.0) & (probability >= d.probability)
     probability = np.maximum(probability + upright - 1.0, 0.0)
@@ -259,11 +261,6 @@ def _may_slip(
     }
     name, model = problem.target.name, problem.target.model
     return dead_end(f"may_slip.{learn}", numbers, object=name, model=model.name)
-
-
-def _lean(problem: GraspProblem, candidate: Candidate) -> Lean | None:
-    """How an object leans in a grasp; None of a lid."""
-    return Lean.of_grasp(problem.target.model, candidate) if candidate.part == "body" else None
 
 
 def _hangs_askew(problem: GraspProblem, leans: Sequence[Lean | None]) -> Blocked:

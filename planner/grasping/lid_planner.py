@@ -61,19 +61,15 @@ def open_lid(problem: GraspProblem) -> Plan | Reached | Blocked:
             if is_off(lid, seen):
                 return Reached(lid=seen)
             found = lift_off(problem.target.model, lid, fixed=problem.target.fixed)
-            if why := _why_not_still(problem, found):
-                return why
             pull = PullPrediction(lid_force=found.needed, lifting_force=finite_or_none(found.held))
             ways = _lid_holds(problem, lid, Load(found.needed, lid.retention_sd))
-            return _plan_take_off(problem, lid, ways, found.probability, pull=pull)
+            return _plan_take_off(problem, lid, ways, found, pull=pull)
         case ScrewCap():
             if is_off(lid, seen):
                 return Reached(lid=seen)
             found = unscrew(problem.target.model, lid, fixed=problem.target.fixed)
-            if why := _why_not_still(problem, found):
-                return why
             turn = _turn_step(problem, lid, math.tau * lid.turns - seen, found)
-            return _plan_take_off(problem, lid, _cap_holds(problem, lid), found.probability, turn)
+            return _plan_take_off(problem, lid, _cap_holds(problem, lid), found, turn)
     return dead_end("no_lid", object=problem.target.name)
 
 
@@ -184,17 +180,19 @@ def _plan_take_off(
     problem: GraspProblem,
     lid: LiftOffLid | ScrewCap,
     ways: list[StableGrasp] | Blocked,
-    probability: float,
+    found: Loosening,
     *before: Action,
     pull: PullPrediction | None = None,
 ) -> Plan | Blocked:
     """A lid that is loose, lifted off and put aside."""
+    if why := _why_not_still(problem, found):
+        return why
     drafts = []
     for spot, tallest in _free_lid_places(problem, lid.radius):
         # Its lower side is as high as the object, and passes over what stands on the way.
         up = max(tallest - problem.target.model.top, 0.0) + problem.defaults.carry_clearance
         steps = (*before, LiftUp(height=up, hold=0.0, prediction=pull), Carry(to=spot), SetDown())
-        drafts.append(MotionDraft(steps, probability))
+        drafts.append(MotionDraft(steps, found.probability))
     if not drafts:
         return dead_end("no_room_aside", {"width": 2.0 * lid.radius}, object=problem.target.name)
     return first_reachable_plan(problem, "open", each_with_each(ways, drafts))

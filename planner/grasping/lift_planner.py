@@ -340,7 +340,10 @@ def stand_up(problem: GraspProblem) -> Plan | Reached | Blocked:
 
     def with_loads(loads: list[GraspLoad]) -> Plan | Blocked:
         found = stable_grasps(problem, loads)
-        return found if isinstance(found, Blocked) else _first_way(problem, rest, found)
+        if isinstance(found, Blocked):
+            return found
+        turns = all_made(_turning_way(problem, rest, hold) for hold in found)
+        return first_reachable_plan(problem, "stand", turns)
 
     loads = (
         [load for each in group for load in _turned(each, rest, problem.target)] for group in groups
@@ -377,12 +380,6 @@ def _lean_onto(foot: Array) -> Array:
         return axis_rotation([1.0, 0.0, 0.0], 0.0 if foot[2] < 0.0 else math.pi)
     angle = math.acos(float(np.clip(-foot[2], -1.0, 1.0)))
     return axis_rotation(axis / np.linalg.norm(axis), angle)
-
-
-def _first_way(problem: GraspProblem, rest: Resting, ways: list[StableGrasp]) -> Plan | Blocked:
-    """The first of some turns, the best held first, that hand and arm can make."""
-    drafts = all_made(_turning_way(problem, rest, hold) for hold in ways)
-    return first_reachable_plan(problem, "stand", drafts)
 
 
 def _turning_way(problem: GraspProblem, rest: Resting, hold: StableGrasp) -> Way | Blocked:

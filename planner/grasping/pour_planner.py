@@ -223,7 +223,9 @@ class _Pouring:
         ways = stable_grasps(self._problem, self._grasp_loads(each, motions))
         if isinstance(ways, Blocked):
             return ways
-        return self._first_way(sorted(ways, key=_comes_from_above), motions)
+        # The hand had better be beside what pours, not over it.
+        beside_first = sorted(ways, key=lambda hold: hold.grasp.approach_W[2] < -0.5)
+        return self._first_way(beside_first, motions)
 
     def _first_way(self, ways: list[StableGrasp], motions: dict[int, Motion]) -> Plan | Blocked:
         """The first of some grasps with some motions that hand and arm can go."""
@@ -357,11 +359,6 @@ def _lean_key(lean: float | None) -> int:
     """A direction in whole degrees."""
     assert lean is not None, "it is tilted"
     return round(math.degrees(lean)) % 360
-
-
-def _comes_from_above(hold: StableGrasp) -> bool:
-    """The hand had better be beside what pours, not over it."""
-    return hold.grasp.approach_W[2] < -0.5
 
 
 def _all_of_it(vessel: Vessel, volume: float, lean: float, rate: float) -> tuple[float, float]:

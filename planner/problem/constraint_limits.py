@@ -357,12 +357,6 @@ def _stay_on_table(problem: GraspProblem, clause: g.NoLift) -> GraspProblem:
     return replace(problem, motion=motion)
 
 
-def _stay_in_place(problem: PushProblem, clause: g.NoSlide) -> PushProblem | Blocked:
-    if problem.goal.aims:
-        return dead_end("contradiction.slide", spans=clause.spans)
-    return problem
-
-
 def _keep_heading(problem: PushProblem, clause: g.NoTurn | g.MaxTurn) -> PushProblem | Blocked:
     most = problem.defaults.no_turn if isinstance(clause, g.NoTurn) else clause.value
     goal, yaw = problem.goal, problem.target.pose.yaw
@@ -425,32 +419,27 @@ def _push_clear(problem: PushProblem, clause: g.NoTouch) -> PushProblem | Blocke
 
 
 def _push_at_most(problem: PushProblem, clause: g.MaxForce | g.Force) -> PushProblem:
-    largest = min(problem.force.max, clause.value)
-    return replace(problem, force=replace(problem.force, max=largest, spans=clause.spans))
+    return _with_force(problem, max=min(problem.force.max, clause.value), spans=clause.spans)
 
 
 def _squeeze_at_most(problem: GraspProblem, clause: g.MaxForce | g.Force) -> GraspProblem:
-    largest, spans = min(problem.force.max, clause.value), problem.force.spans + clause.spans
-    return replace(problem, force=replace(problem.force, max=largest, spans=spans))
+    spans = problem.force.spans + clause.spans
+    return _with_force(problem, max=min(problem.force.max, clause.value), spans=spans)
 
 
-def _push_at_least(problem: PushProblem, clause: g.MinForce) -> PushProblem:
-    return replace(problem, force=replace(problem.force, min=clause.value, spans=clause.spans))
-
-
-def _push_hard(problem: PushProblem, clause: g.Hard) -> PushProblem:
-    return replace(problem, force=replace(problem.force, least_limit=problem.defaults.force_hard))
+def _with_force(problem: PlanningProblem[GoalT], **limits: Any) -> PlanningProblem[GoalT]:
+    """The problem with other limits of the force."""
+    return replace(problem, force=replace(problem.force, **limits))
 
 
 def _push_gently(problem: PushProblem, clause: g.Gentle) -> PushProblem:
-    force = replace(problem.force, reserve=problem.defaults.force_reserve_gentle)
-    return _limit_speed(replace(problem, force=force), problem.defaults.speed_gentle)
+    gentle = _with_force(problem, reserve=problem.defaults.force_reserve_gentle)
+    return _limit_speed(gentle, problem.defaults.speed_gentle)
 
 
 def _grasp_gently(problem: GraspProblem, clause: g.Gentle) -> GraspProblem:
     reserve = min(problem.force.reserve, problem.defaults.grasp_reserve_gentle)
-    force = replace(problem.force, reserve=reserve)
-    return _limit_speed(replace(problem, force=force), problem.defaults.carry_speed_gentle)
+    return _limit_speed(_with_force(problem, reserve=reserve), problem.defaults.carry_speed_gentle)
 
 
 def _limit_speed(problem: PlanningProblem[GoalT], speed: float) -> PlanningProblem[GoalT]:
@@ -491,10 +480,6 @@ def _push_within(problem: PushProblem, clause: g.MaxDuration) -> PushProblem:
     return replace(problem, motion=motion)
 
 
-def _push_exactly(problem: PushProblem, clause: g.Duration) -> Blocked:
-    return dead_end("not_capable", spans=clause.spans, what="pushing for an exact time")
-
-
 def _push_near(problem: PushProblem, clause: g.MaxDistance) -> PushProblem | Blocked:
     """The limit is kept with the tolerance to spare, if that is still far enough."""
     goal, tolerance = problem.goal, problem.defaults.distance_tolerance
@@ -524,7 +509,12 @@ LIMITS: dict[str, ConstraintRule] = {
     "no_topple": ConstraintRule(_stay_on_base, _keep_anyhow),
     "no_tilt": ConstraintRule(_stay_on_base, _keep_upright),
     "max_tilt": ConstraintRule(_stay_on_base, _keep_upright),
-    "no_slide": ConstraintRule(_stay_in_place, _keep_anyhow),
+    "no_slide": ConstraintRule(
+        lambda problem, clause: (
+            dead_end("contradiction.slide", spans=clause.spans) if problem.goal.aims else problem
+        ),
+        _keep_anyhow,
+    ),
     "no_turn": ConstraintRule(_keep_heading, _keep_anyhow),
     "max_turn": ConstraintRule(_keep_heading, _keep_anyhow),
     "no_spill": ConstraintRule(_keep_contents, _keep_anyhow),
@@ -532,8 +522,14 @@ LIMITS: dict[str, ConstraintRule] = {
     "no_touch": ConstraintRule(_push_clear, _keep_clear),
     "max_force": ConstraintRule(_push_at_most, _squeeze_at_most),
     "force": ConstraintRule(_push_at_most, _squeeze_at_most),
-    "min_force": ConstraintRule(_push_at_least, unsupported="pressing with a least force"),
-    "hard": ConstraintRule(_push_hard, unsupported="using much force"),
+    "min_force": ConstraintRule(
+        lambda problem, clause: _with_force(problem, min=clause.value, spans=clause.spans),
+        unsupported="pressing with a least force",
+    ),
+    "hard": ConstraintRule(
+        lambda problem, _: _with_force(problem, least_limit=problem.defaults.force_hard),
+        unsupported="using much force",
+    ),
     "gentle": ConstraintRule(_push_gently, _grasp_gently),
     "slow": ConstraintRule(
         lambda problem, _: _limit_speed(problem, problem.defaults.speed_gentle),
@@ -547,7 +543,12 @@ LIMITS: dict[str, ConstraintRule] = {
         lambda problem, clause: _limit_speed(problem, clause.value),
     ),
     "max_duration": ConstraintRule(_push_within, unsupported="keeping to a time"),
-    "duration": ConstraintRule(_push_exactly, unsupported="keeping to a time"),
+    "duration": ConstraintRule(
+        lambda _, clause: dead_end(
+            "not_capable", spans=clause.spans, what="pushing for an exact time"
+        ),
+        unsupported="keeping to a time",
+    ),
     "max_distance": ConstraintRule(_push_near, unsupported="limiting a distance"),
     "contact": ConstraintRule(limit_push_contact, limit_grasp_contact),
     "effector": ConstraintRule(limit_fingertips, require_whole_hand),

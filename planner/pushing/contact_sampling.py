@@ -288,23 +288,16 @@ def _rate_face(
     margin = cone.slide_margin if outcome == "slide" else cone.topple_margin
     # Off the best place the object turns, or one finger carries more.
     order = np.argsort(-np.where(holds, margin, -np.inf) + 1e-3 * aside)
-    chosen = _spread_out(order[: np.count_nonzero(holds)])
-    probability = np.empty(0)
+    chosen, probability = order[: np.count_nonzero(holds)], np.empty(0)
     if len(chosen):
+        # The best, and some that are less good, but reached otherwise.
+        chosen = chosen[sorted({int(share * len(chosen)) for share in _SHARES})]
         probability = worst_probability(model, points[chosen], normals[chosen], turning, outcome)
         likely = probability >= least
         chosen, probability = chosen[likely], probability[likely]
     return _Rating(
         points=points, lateral=lateral, cone=cone, chosen=chosen, probability=probability
     )
-
-
-def _spread_out(order: NDArray[np.intp]) -> NDArray[np.intp]:
-    """The best of an order of contacts and some that are less good, but reached otherwise."""
-    if not len(order):
-        return order
-    at = sorted({int(share * len(order)) for share in _SHARES})
-    return np.asarray(order[at], dtype=np.intp)
 
 
 # Speeds that strokes come to, and sentences that ask for more than that.

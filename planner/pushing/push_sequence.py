@@ -254,7 +254,11 @@ class PushSequencePlanner:
         if problem.effort.direct or self._distance_to_aim(target) <= _CLOSE:
             return
         aside = push_paths.sidestep_paths(target, self._aim, self._within, self._largest)
-        yield from sorted([*self._detour_paths(target), *aside], key=_path_cost)
+        yield from sorted(
+            [*self._detour_paths(target), *aside],
+            # Length of a path, and what its pushes cost [m].
+            key=lambda path: sum(s.distance for s in path) + push_paths.ANOTHER_PUSH * len(path),
+        )
 
     def _ordered_paths(self, target: SeenObject) -> Iterator[tuple[PathSegment, ...]]:
         """Paths to the aim; first those on which what is met is met in the asked direction."""
@@ -351,11 +355,6 @@ class PushSequencePlanner:
             meets=goal.meets if last else None,
         )
         return best_push(self._problem.with_target(target), step, self._search)
-
-
-def _path_cost(path: tuple[PathSegment, ...]) -> float:
-    """Length of a path, and what its pushes cost [m]."""
-    return sum(segment.distance for segment in path) + push_paths.ANOTHER_PUSH * len(path)
 
 
 def why_not_in_time(problem: PushProblem, pushes: int) -> Blocked | None:

@@ -26,7 +26,7 @@ from planner.pushing.push_sequence import PushSequencePlanner, why_not_in_time
 from planner.pushing.reach_search import ReachSearch
 from planner.pushing.topple_planner import TopplePlanner
 from planner.refusals.blocked import Blocked, SearchEndedError, dead_end, first_made
-from planner.types.actions import Aim, Limits, Push
+from planner.types.actions import Aim, Limits
 from planner.types.plan import Plan, PlanTask, Reached
 
 _TASKS: dict[str, PlanTask] = {"toppled": "topple", "tilted": "tilt"}  # by the last push's end
@@ -80,7 +80,8 @@ class PlanningStrategy(ABC):
 
     def plan(self, problem: PushProblem, search: ReachSearch) -> Plan | Reached | Blocked:
         """The plan for the problem that it solves."""
-        foreseen = _foreseen_pushes(problem)
+        # What is left of the plan before is tried first.
+        foreseen = () if problem.previous is None else problem.previous.pushes[1:]
         if not problem.goal.aims:
             return _joint_plan(problem, TopplePlanner(problem, search, foreseen).pushes())
         return first_made(
@@ -292,11 +293,6 @@ def plan_pushes(
     if untried or so_far[-1].why.code == "work_used_up":
         raise budget.end(problem.target.name, untried)
     return deciding_reason(so_far)
-
-
-def _foreseen_pushes(problem: PushProblem) -> tuple[Push, ...]:
-    """Remaining pushes of the previous plan, tried first."""
-    return () if problem.previous is None else problem.previous.pushes[1:]
 
 
 def _joint_plan(

@@ -85,12 +85,16 @@ class Blocked:
         """The refusal in words."""
         capability, values = SENTENCES[self.key].capability, self._values
         numbers = {name: each for name, each in self.numbers.items() if isfinite(each)}
+        # Nothing is suggested with an amount that nobody has.
+        endless = {
+            n for n, each in values.items() if isinstance(each, float) and not isfinite(each)
+        }
         cures = tuple(
             replace(
                 cure, text=filled_in(cure.text, values), command=filled_in(cure.command, values)
             )
             for cure in self.cures
-            if not _names(cure.text) & {n for n, each in values.items() if _is_endless(each)}
+            if endless.isdisjoint(name for _, name, _, _ in _Formatter().parse(cure.text))
         )
         return Refusal(
             code=self.code,
@@ -171,17 +175,9 @@ def first_made(
 
 def all_made(ways: Iterable[MadeT | Blocked]) -> list[MadeT] | Blocked:
     """Those of some ways that are not blocked; if all are, why the first of them is."""
-    made: list[MadeT] = []
-    first: Blocked | None = None
-    for each in ways:
-        if isinstance(each, Blocked):
-            first = first or each
-        else:
-            made.append(each)
-    if made:
-        return made
-    assert first is not None, "there is a way that may be blocked"
-    return first
+    made = list(ways)
+    free = [each for each in made if not isinstance(each, Blocked)]
+    return free or next(each for each in made if isinstance(each, Blocked))
 
 
 _About = Literal["topples", "slides", "asked", "reach"]
@@ -296,16 +292,6 @@ def reach_sentence(answer: ReachAnswer) -> str:
     """Why arm and hand do not carry something out, in one plain sentence; of a denial."""
     values = {**answer.numbers, **answer.words, "other": answer.blocker}
     return filled_in(REACH[answer.code], values)
-
-
-def _names(text: str) -> set[str | None]:
-    """Names in braces."""
-    return {name for _, name, _, _ in _Formatter().parse(text)}
-
-
-def _is_endless(value: object) -> bool:
-    """Return True for an amount that nobody has, so that nothing is suggested with it."""
-    return isinstance(value, float) and not isfinite(value)
 
 
 def _height_marks(name: str | None, numbers: Mapping[str, float]) -> Iterator[Mark]:

@@ -61,120 +61,6 @@ _MAY_SLIP = (
 )
 _WEIGH = first("find out the weight of the {object}")
 _PUT_DOWN = first("put the {object} down", "put the {object} down, then it may be held otherwise")
-
-_GRASPS = {
-    "no_two_sides": impossible("{part} has no two sides that a hand could hold", ("push it",)),
-    "too_wide": impossible(
-        "{part} is {width:mm} wide, the hand opens to {widest:mm}", ("push it",)
-    ),
-    "too_narrow": impossible(
-        "{part} is {width:mm} wide, the hand closes to {narrowest:mm}", ("push it",)
-    ),
-    "low_lid": impossible(
-        "the {object}'s lid can be held over {height:mm} of its height, the fingers need "
-        "{needed:mm}",
-        ("open the {object} yourself",),
-    ),
-    "no_room": impossible(_NO_ROOM, ("push it",)),
-    "no_room_there": impossible(_NO_ROOM, (leave_out("leave out where to hold it"),)),
-    "squeeze_not_allowed": impossible(
-        _SQUEEZE + "{allowed_force:N} are allowed",
-        (change("allow {needed_force:N_up}", "with at most {needed_force:N_up}"),),
-    ),
-    "bears_no_squeeze": impossible(_SQUEEZE + "it bears {crush:N}", ("push it",)),
-    "squeeze_not_there": impossible(
-        _SQUEEZE + "the fingers have {strongest:N} at {width:mm}", ("push it instead",)
-    ),
-    "no_squeeze_holds": impossible(
-        "no squeeze holds the {object}: {doing} it takes a friction of {needed_friction:share} and "
-        "more at the fingers, and μ is {friction:share}",
-        ("push it",),
-    ),
-    "may_slip.mass": too_uncertain(_MAY_SLIP, (first("find out the weight of the {model}"),)),
-    "may_slip.finger_friction": too_uncertain(
-        _MAY_SLIP, ("find out how slippery the {model} is to the fingers first",)
-    ),
-    "hangs_askew": too_uncertain(
-        "the {object} would lean by {lean:deg} in the hand, give or take {lean_sd:deg}, and "
-        "{upright:deg} are allowed",
-        ("push it",),
-    ),
-    "unlikely_grasp": too_uncertain(
-        "{doing} the {object} succeeds with a probability of {probability:chance}, and "
-        "{asked_probability:share} is asked",
-        (_WEIGH,),
-    ),
-    "no_grasp_reached": out_of_reach(_NO_GRASP, ("move it to another place",)),
-    "grasps_blocked": blocked(_NO_GRASP, (move("the {blocker}"),)),
-    "hemmed_in": blocked(
-        "the hand does not get to the {object} for all that stands about it; which of that would "
-        "have to go was not found",
-        ("make room around the {object}",),
-    ),
-    "no_reach_in_hand": out_of_reach(_NO_GRASP, (_PUT_DOWN,)),
-    "blocked_in_hand": blocked(_NO_GRASP, (_PUT_DOWN,)),
-    "holds_nothing": impossible(
-        "the hand holds nothing that could be put down", ("pick something up",)
-    ),
-    "is_fixed": impossible(
-        "the {object} is fixed in a holder; {doing} it would tear it out",
-        (first("take it out of its holder"),),
-    ),
-    "forbidden_meanwhile": impossible(
-        "{doing} the {object} {forbidden}", (leave_out("leave out what forbids it"),)
-    ),
-    "table_ends": impossible(
-        "{what} cannot be put there: the table ends there", ("say another place",)
-    ),
-    "no_level_top": impossible(
-        "the {other} has no level top to stand on", ("put it next to the {other}",)
-    ),
-    "no_level_top.open": impossible(
-        "the {other} has no level top to stand on", ("put it into the {other}",)
-    ),
-    "not_open": impossible(
-        "the {other} is no open box, so that the {object} cannot stand in it",
-        ("put it next to the {other}",),
-    ),
-    "too_long_for_box": impossible(
-        "the {object} is {excess:mm} too long or too wide for the {other}, with {room:mm} of room "
-        "on each side",
-        (first("turn the {object}"), "put it next to the {other}"),
-    ),
-    "box_is_full": blocked(
-        "there is no free place for the {object} in the {box}: the {other} stands there",
-        (first("take the {other} out of the {box}"),),
-    ),
-    "falls_in": impossible(
-        "the {object} does not cover the opening of the {other}", ("put it next to the {other}",)
-    ),
-    "overhangs": impossible(
-        "the {object} would not stand on the {other}: a centre of mass would be {beyond:mm} beyond "
-        "the edge of what carries it",
-        ("put it next to the {other}",),
-    ),
-    "may_fall_off": too_uncertain(
-        "the {object} would stand on the {other} with a probability of {probability:share}, "
-        "{margin:mm} from falling, and {asked_probability:share} is asked",
-        ("put it next to the {other}",),
-    ),
-    "carries": blocked(
-        "the {other} stands on the {object}", (first("take the {other} off the {object}"),)
-    ),
-    "stands_on": blocked(
-        "the {object} stands on the {other}", (first("take the {object} off the {other}"),)
-    ),
-    "contains": blocked(
-        "the {other} stands in the {object}", (first("take the {other} out of the {object}"),)
-    ),
-    "stands_in": blocked(
-        "the {object} stands in the {other}", (first("take the {object} out of the {other}"),)
-    ),
-    "place_taken": blocked(
-        "{what} cannot be put there: the {other} stands there", (move("the {other}"),)
-    ),
-}
-
 _ARC = (
     "{doing} the {object} takes {lid_force:N2} at the tab with the lid at {angle:deg}; the "
     "standing {object}, {mass:kg}, {verb} at {limit:N2} there"
@@ -191,101 +77,8 @@ _STAYS = (
 )
 _HOLDER = "fix it in a holder"
 _LOOSE = (first("find out how slippery the {object} is"), _HOLDER)
-
-_LIDS = {
-    "no_lid": impossible("the {object} has no lid", ("name something with a lid",)),
-    "lid_not_seen": impossible(
-        "the lid of the {object} is not seen anywhere",
-        ("lay the lid on the table, where the camera sees it",),
-    ),
-    "cap_off": unsupported(
-        "the cap of the {object} is off, and this hand cannot set it on its thread again: it takes "
-        "off caps, and closes those that are still on the thread",
-        ("screw the cap on yourself",),
-    ),
-    "flip_not_allowed": impossible(
-        "{doing} the {object} takes up to {needed_force:N} at the tab; {allowed_force:N} are "
-        "allowed",
-        (change("allow {needed_force:N_up}", "with at most {needed_force:N_up}"),),
-    ),
-    "gives_way": impossible(
-        _ARC + "; {reserve:times} as much as the lid takes is asked", (_HOLDER,)
-    ),
-    "may_give_way": too_uncertain(
-        _ARC
-        + "; it opens with a probability of {probability:chance}, and {asked_probability:share} is "
-        "asked",
-        (_WEIGH,),
-    ),
-    "pulled_along": impossible(_PULL, (_HOLDER,)),
-    "turned_along": impossible(_TURN, (_HOLDER,)),
-    "may_be_pulled_along": too_uncertain(_PULL + _STAYS, _LOOSE),
-    "may_be_turned_along": too_uncertain(_TURN + _STAYS, _LOOSE),
-    "no_room_aside": blocked(
-        "there is no free place near the {object} for its lid, {width:mm} wide",
-        ("move something away first",),
-    ),
-}
-
 _FULL = "{volume:ml} do not fit into the {into}: it has room for {room:ml}"
 _SIDE = "as it {holds}, the {object} does not lean to the side of its opening"
-
-_POURS = {
-    "into_nothing": impossible(
-        "pouring from the {object} needs something to pour into",
-        ("say what it is to be poured into",),
-    ),
-    "into_itself": impossible(
-        "the {object} cannot be poured into itself", ("say another container to pour into",)
-    ),
-    "no_container": impossible("the {object} is no container", ("name a container",)),
-    "hand_from_below": impossible(
-        "to stand the {object} up the hand would have to hold it from below",
-        ("have somebody stand it up",),
-    ),
-    "container_lies": impossible("the {object} lies on its side", (first("set it upright"),)),
-    "is_closed": impossible("the {object} is closed", (first("open the {object}"),)),
-    "is_empty": impossible("the {object} is empty", ("fill it by hand",)),
-    "is_full": impossible(
-        _FULL,
-        (
-            "say another container to pour into",
-            first("empty that one"),
-        ),
-    ),
-    "does_not_fit": impossible(
-        _FULL, (change("pour up to {surely:ml_down}", "pour {surely:ml_down} of it"),)
-    ),
-    "all_does_not_fit": impossible(
-        _FULL,
-        (
-            change(
-                "pour up to {surely:ml_down}, which is all that is surely there",
-                "pour {surely:ml_down} of it",
-            ),
-        ),
-    ),
-    "not_so_much": impossible(
-        "{volume:ml} are asked; {contents:ml} are in the {object}",
-        (change("pour up to {surely:ml_down}", "pour {surely:ml_down} of it"),),
-    ),
-    "wrong_side": impossible(_SIDE, ("pour from something whose opening is in the middle",)),
-    "wrong_side_in_hand": impossible(
-        _SIDE,
-        (first("put the {object} down", "put the {object} down, then pour from it"),),
-    ),
-    "may_spill": too_uncertain(
-        "of {volume:ml} the {into}, with room for {room:ml}, receives {received:ml} and "
-        "{spilled:ml} are spilled; that it goes well has a probability of {probability:chance}, "
-        "and {asked_probability:share} is asked",
-        (_WEIGH, "pour less"),
-    ),
-}
-
-HAND_SENTENCES: dict[str, Sentence] = _GRASPS | _LIDS | _POURS
-"""Refusals of what takes the whole hand, by their code."""
-
-
 _NO_PLACE = leave_out("leave out where to touch it")
 _THAT = leave_out("leave that out")
 _EITHER = ("leave one of the two out",)
@@ -314,7 +107,6 @@ _OBLIQUE = (
     "fingertips slip off (up to {largest_obliqueness:deg1} would do)"
 )
 _PUSH_FORCE = "{doing} the {object} may take {needed_force:N}; {allowed_force:N} "
-
 _NO_RETURN = (
     "{tilt:deg_exact} are asked, and the {object} falls by itself beyond "
     "{stay_on_base_angle:deg_exact}"
@@ -325,8 +117,26 @@ _MAY_NOT_RETURN = (
 )
 _LESS_TILT = up_to("{possible:deg_floor}")
 _LEARN_COM = "find out where its centre of mass is first"
+_LOWEST = "the lowest contact that the fingers reach is {lowest_height:mm}"
+_SETTLED = "the {object} does not topple there: "
+_NEVER_TOPPLES = (
+    _SETTLED + "by what is known it slides before it topples, even {highest_height:mm} above the "
+    "table"
+)
+_SLIDES_BELOW = (
+    _SETTLED + "it slides before it topples below {critical_height:mm}, and the highest contact is "
+    "{highest_height:mm}"
+)
+_MAY_NOT_TOPPLE = (
+    "the {object} should topple when pushed above {critical_height:mm}, but friction and centre of "
+    "mass are not known well enough to be sure up to {highest_height:mm}"
+)
+_OVER_TABLE = ("push the {object} over the table instead",)
+_HIGHER = change("push it at the top", "at the top")
+_NARROW = "the {object} is {width:mm} wide there; "
 
-_PUSHES = {
+SENTENCES: dict[str, Sentence] = {
+    # Pushes
     "not_capable": unsupported(
         "this version of the robot is not capable of {what}", (_THAT,), "{what}"
     ),
@@ -614,27 +424,7 @@ _PUSHES = {
     "work_used_up": out_of_time(_USED_UP, ("--set most_work={more:count}",)),
     "search_given_up": out_of_time(_GIVEN_UP, (other_way("another direction"),)),
     "search_blocked": out_of_time(_GIVEN_UP, (move("the {blocker}"),)),
-}
-
-_LOWEST = "the lowest contact that the fingers reach is {lowest_height:mm}"
-_SETTLED = "the {object} does not topple there: "
-_NEVER_TOPPLES = (
-    _SETTLED + "by what is known it slides before it topples, even {highest_height:mm} above the "
-    "table"
-)
-_SLIDES_BELOW = (
-    _SETTLED + "it slides before it topples below {critical_height:mm}, and the highest contact is "
-    "{highest_height:mm}"
-)
-_MAY_NOT_TOPPLE = (
-    "the {object} should topple when pushed above {critical_height:mm}, but friction and centre of "
-    "mass are not known well enough to be sure up to {highest_height:mm}"
-)
-_OVER_TABLE = ("push the {object} over the table instead",)
-_HIGHER = change("push it at the top", "at the top")
-_NARROW = "the {object} is {width:mm} wide there; "
-
-_CONTACTS = {
+    # Contacts of pushes
     "out_of_fingers_reach": out_of_reach(
         "the {object} is {size:mm} high; the fingers reach {lowest_height:mm} and more",
         ("lift the {object}, if a hand can hold it",),
@@ -684,13 +474,202 @@ _CONTACTS = {
         (first("find out the friction and the centre of mass of the {object}"),),
     ),
     "may_not_topple.higher": too_uncertain(_MAY_NOT_TOPPLE, (_HIGHER,)),
+    # Grasps
+    "no_two_sides": impossible("{part} has no two sides that a hand could hold", ("push it",)),
+    "too_wide": impossible(
+        "{part} is {width:mm} wide, the hand opens to {widest:mm}", ("push it",)
+    ),
+    "too_narrow": impossible(
+        "{part} is {width:mm} wide, the hand closes to {narrowest:mm}", ("push it",)
+    ),
+    "low_lid": impossible(
+        "the {object}'s lid can be held over {height:mm} of its height, the fingers need "
+        "{needed:mm}",
+        ("open the {object} yourself",),
+    ),
+    "no_room": impossible(_NO_ROOM, ("push it",)),
+    "no_room_there": impossible(_NO_ROOM, (leave_out("leave out where to hold it"),)),
+    "squeeze_not_allowed": impossible(
+        _SQUEEZE + "{allowed_force:N} are allowed",
+        (change("allow {needed_force:N_up}", "with at most {needed_force:N_up}"),),
+    ),
+    "bears_no_squeeze": impossible(_SQUEEZE + "it bears {crush:N}", ("push it",)),
+    "squeeze_not_there": impossible(
+        _SQUEEZE + "the fingers have {strongest:N} at {width:mm}", ("push it instead",)
+    ),
+    "no_squeeze_holds": impossible(
+        "no squeeze holds the {object}: {doing} it takes a friction of {needed_friction:share} and "
+        "more at the fingers, and μ is {friction:share}",
+        ("push it",),
+    ),
+    "may_slip.mass": too_uncertain(_MAY_SLIP, (first("find out the weight of the {model}"),)),
+    "may_slip.finger_friction": too_uncertain(
+        _MAY_SLIP, ("find out how slippery the {model} is to the fingers first",)
+    ),
+    "hangs_askew": too_uncertain(
+        "the {object} would lean by {lean:deg} in the hand, give or take {lean_sd:deg}, and "
+        "{upright:deg} are allowed",
+        ("push it",),
+    ),
+    "unlikely_grasp": too_uncertain(
+        "{doing} the {object} succeeds with a probability of {probability:chance}, and "
+        "{asked_probability:share} is asked",
+        (_WEIGH,),
+    ),
+    "no_grasp_reached": out_of_reach(_NO_GRASP, ("move it to another place",)),
+    "grasps_blocked": blocked(_NO_GRASP, (move("the {blocker}"),)),
+    "hemmed_in": blocked(
+        "the hand does not get to the {object} for all that stands about it; which of that would "
+        "have to go was not found",
+        ("make room around the {object}",),
+    ),
+    "no_reach_in_hand": out_of_reach(_NO_GRASP, (_PUT_DOWN,)),
+    "blocked_in_hand": blocked(_NO_GRASP, (_PUT_DOWN,)),
+    "holds_nothing": impossible(
+        "the hand holds nothing that could be put down", ("pick something up",)
+    ),
+    "is_fixed": impossible(
+        "the {object} is fixed in a holder; {doing} it would tear it out",
+        (first("take it out of its holder"),),
+    ),
+    "forbidden_meanwhile": impossible(
+        "{doing} the {object} {forbidden}", (leave_out("leave out what forbids it"),)
+    ),
+    "table_ends": impossible(
+        "{what} cannot be put there: the table ends there", ("say another place",)
+    ),
+    "no_level_top": impossible(
+        "the {other} has no level top to stand on", ("put it next to the {other}",)
+    ),
+    "no_level_top.open": impossible(
+        "the {other} has no level top to stand on", ("put it into the {other}",)
+    ),
+    "not_open": impossible(
+        "the {other} is no open box, so that the {object} cannot stand in it",
+        ("put it next to the {other}",),
+    ),
+    "too_long_for_box": impossible(
+        "the {object} is {excess:mm} too long or too wide for the {other}, with {room:mm} of room "
+        "on each side",
+        (first("turn the {object}"), "put it next to the {other}"),
+    ),
+    "box_is_full": blocked(
+        "there is no free place for the {object} in the {box}: the {other} stands there",
+        (first("take the {other} out of the {box}"),),
+    ),
+    "falls_in": impossible(
+        "the {object} does not cover the opening of the {other}", ("put it next to the {other}",)
+    ),
+    "overhangs": impossible(
+        "the {object} would not stand on the {other}: a centre of mass would be {beyond:mm} beyond "
+        "the edge of what carries it",
+        ("put it next to the {other}",),
+    ),
+    "may_fall_off": too_uncertain(
+        "the {object} would stand on the {other} with a probability of {probability:share}, "
+        "{margin:mm} from falling, and {asked_probability:share} is asked",
+        ("put it next to the {other}",),
+    ),
+    "carries": blocked(
+        "the {other} stands on the {object}", (first("take the {other} off the {object}"),)
+    ),
+    "stands_on": blocked(
+        "the {object} stands on the {other}", (first("take the {object} off the {other}"),)
+    ),
+    "contains": blocked(
+        "the {other} stands in the {object}", (first("take the {other} out of the {object}"),)
+    ),
+    "stands_in": blocked(
+        "the {object} stands in the {other}", (first("take the {object} out of the {other}"),)
+    ),
+    "place_taken": blocked(
+        "{what} cannot be put there: the {other} stands there", (move("the {other}"),)
+    ),
+    # Lids
+    "no_lid": impossible("the {object} has no lid", ("name something with a lid",)),
+    "lid_not_seen": impossible(
+        "the lid of the {object} is not seen anywhere",
+        ("lay the lid on the table, where the camera sees it",),
+    ),
+    "cap_off": unsupported(
+        "the cap of the {object} is off, and this hand cannot set it on its thread again: it takes "
+        "off caps, and closes those that are still on the thread",
+        ("screw the cap on yourself",),
+    ),
+    "flip_not_allowed": impossible(
+        "{doing} the {object} takes up to {needed_force:N} at the tab; {allowed_force:N} are "
+        "allowed",
+        (change("allow {needed_force:N_up}", "with at most {needed_force:N_up}"),),
+    ),
+    "gives_way": impossible(
+        _ARC + "; {reserve:times} as much as the lid takes is asked", (_HOLDER,)
+    ),
+    "may_give_way": too_uncertain(
+        _ARC
+        + "; it opens with a probability of {probability:chance}, and {asked_probability:share} is "
+        "asked",
+        (_WEIGH,),
+    ),
+    "pulled_along": impossible(_PULL, (_HOLDER,)),
+    "turned_along": impossible(_TURN, (_HOLDER,)),
+    "may_be_pulled_along": too_uncertain(_PULL + _STAYS, _LOOSE),
+    "may_be_turned_along": too_uncertain(_TURN + _STAYS, _LOOSE),
+    "no_room_aside": blocked(
+        "there is no free place near the {object} for its lid, {width:mm} wide",
+        ("move something away first",),
+    ),
+    # Pours
+    "into_nothing": impossible(
+        "pouring from the {object} needs something to pour into",
+        ("say what it is to be poured into",),
+    ),
+    "into_itself": impossible(
+        "the {object} cannot be poured into itself", ("say another container to pour into",)
+    ),
+    "no_container": impossible("the {object} is no container", ("name a container",)),
+    "hand_from_below": impossible(
+        "to stand the {object} up the hand would have to hold it from below",
+        ("have somebody stand it up",),
+    ),
+    "container_lies": impossible("the {object} lies on its side", (first("set it upright"),)),
+    "is_closed": impossible("the {object} is closed", (first("open the {object}"),)),
+    "is_empty": impossible("the {object} is empty", ("fill it by hand",)),
+    "is_full": impossible(
+        _FULL,
+        (
+            "say another container to pour into",
+            first("empty that one"),
+        ),
+    ),
+    "does_not_fit": impossible(
+        _FULL, (change("pour up to {surely:ml_down}", "pour {surely:ml_down} of it"),)
+    ),
+    "all_does_not_fit": impossible(
+        _FULL,
+        (
+            change(
+                "pour up to {surely:ml_down}, which is all that is surely there",
+                "pour {surely:ml_down} of it",
+            ),
+        ),
+    ),
+    "not_so_much": impossible(
+        "{volume:ml} are asked; {contents:ml} are in the {object}",
+        (change("pour up to {surely:ml_down}", "pour {surely:ml_down} of it"),),
+    ),
+    "wrong_side": impossible(_SIDE, ("pour from something whose opening is in the middle",)),
+    "wrong_side_in_hand": impossible(
+        _SIDE,
+        (first("put the {object} down", "put the {object} down, then pour from it"),),
+    ),
+    "may_spill": too_uncertain(
+        "of {volume:ml} the {into}, with room for {room:ml}, receives {received:ml} and "
+        "{spilled:ml} are spilled; that it goes well has a probability of {probability:chance}, "
+        "and {asked_probability:share} is asked",
+        (_WEIGH, "pour less"),
+    ),
 }
-
-_OBJECT_MET = "it would hit the {object} or the table"
-_OTHER_MET = "it would hit the {other}"
-_TO_LID = "the arm has no free way to the lid: "
-_TO_CONTACT = "the arm has no free way to the contact: "
-_TO_HOLD = "the arm has no free way to the hand's places: "
+"""Refusals by their code."""
 
 REACH: dict[str, str] = {
     "": "",  # of a robot that gives no reason
@@ -712,12 +691,13 @@ REACH: dict[str, str] = {
     "hand_hits_other": "the hand would hit the {other}",
     "object_hits_other": "the {object} would hit the {other}",
     "open_hand_hits": "the open hand does not get around the {object}",
-    "no_way_to_lid": _TO_LID + _OBJECT_MET,
-    "no_way_to_lid_past": _TO_LID + _OTHER_MET,
-    "no_way_to_contact": _TO_CONTACT + _OBJECT_MET,
-    "no_way_to_contact_past": _TO_CONTACT + _OTHER_MET,
-    "no_way_to_hold": _TO_HOLD + "it would hit the {met}",
-    "no_way_to_hold_past": _TO_HOLD + _OTHER_MET,
+    "no_way_to_lid": "the arm has no free way to the lid: it would hit the {object} or the table",
+    "no_way_to_lid_past": "the arm has no free way to the lid: it would hit the {other}",
+    "no_way_to_contact": "the arm has no free way to the contact: it would hit the {object} or the "
+    "table",
+    "no_way_to_contact_past": "the arm has no free way to the contact: it would hit the {other}",
+    "no_way_to_hold": "the arm has no free way to the hand's places: it would hit the {met}",
+    "no_way_to_hold_past": "the arm has no free way to the hand's places: it would hit the {other}",
     "hand_out_of_reach": "the arm does not reach along the whole way of the hand",
     "hand_lacks": "the arm does not reach along the whole way of the hand: it lacks {lacks:mm}",
     "push_out_of_reach": "the arm does not reach along the whole way of the push",
@@ -749,6 +729,3 @@ FACTS: dict[str, Sentence] = {
     ),
 }
 """What a sentence goes on with, and what would do first then."""
-
-SENTENCES: dict[str, Sentence] = _PUSHES | _CONTACTS | HAND_SENTENCES
-"""Refusals by their code."""

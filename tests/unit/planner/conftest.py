@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import pytest
 from pydantic import BaseModel
@@ -64,6 +64,18 @@ class RuledReach:
 
     def reach_plan(self, plan: Plan, state: WorldState) -> ReachAnswer:
         return ReachAnswer(False, "width", "told", words={"text": "it only pushes"})
+
+
+@pytest.fixture(autouse=True)
+def _every_dead_end_can_be_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Words all dead ends of a search, of which but one is told: none lacks a word or a number."""
+    init = Blocked.__init__
+
+    def told(self: Blocked, *args: Any, **fields: Any) -> None:
+        init(self, *args, **fields)
+        assert self.refusal.message
+
+    monkeypatch.setattr(Blocked, "__init__", told)
 
 
 def world(**poses: PlanarPose) -> WorldState:
