@@ -121,18 +121,12 @@ class TopplePlanner:
         # Pushes square to its faces, the shortest first.
         target = problem.target
         ahead = Aim(x=target.pose.x + 1.0, y=target.pose.y, yaw=target.pose.yaw)
-        segments = (
-            PathSegment(heading, distance)
-            for distance, heading in itertools.product(_ASIDE, push_headings(target, ahead))
+        ways = itertools.product(_ASIDE, push_headings(target, ahead))
+        segments = (PathSegment(heading, distance) for distance, heading in ways)
+        falls = (
+            self._push_and_fall(few, each) for each in segments if way.first_stop((each,)) is None
         )
-        return first_made(
-            (
-                self._push_and_fall(few, each)
-                for each in segments
-                if way.first_stop((each,)) is None
-            ),
-            otherwise=dead_end("no_way", object=target.name),
-        )
+        return first_made(itertools.chain(falls, [dead_end("no_way", object=target.name)]))
 
     def _push_and_fall(
         self, problem: PushProblem, segment: PathSegment

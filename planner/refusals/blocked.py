@@ -156,19 +156,16 @@ def dead_end(
     return Blocked(key, reason or row.reason, numbers or {}, words, spans, row.cures, met, marks)
 
 
-def first_made(
-    ways: Iterable[MadeT | Blocked], otherwise: Blocked | None = None
-) -> MadeT | Blocked:
+def first_made(ways: Iterable[MadeT | Blocked]) -> MadeT | Blocked:
     """The first of some ways that is not blocked; else why the first of them is.
 
-    Ways are made one after the other, no more than it takes; `otherwise` is for none at all.
+    Ways are made one after the other, no more than it takes.
     """
     first: Blocked | None = None
     for made in ways:
         if not isinstance(made, Blocked):
             return made
         first = first or made
-    first = first or otherwise
     assert first is not None, "there is a way, or a reason why there is none"
     return first
 
