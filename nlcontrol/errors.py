@@ -19,6 +19,7 @@ from pydantic import Field
 from nlcontrol.interruption import EXIT_CODES
 from nlcontrol.json_document import DocumentPart
 from objectmodels.errors import NlcontrolError
+from planner.types.cure import Cure
 
 if TYPE_CHECKING:
     from grammar.frames.command import Span
@@ -184,6 +185,7 @@ class ErrorInfo(DocumentPart):
         capability: what this robot lacks, if that is the matter.
         path: file and key that it is about, if any.
         family: the stage that raised it.
+        cures: suggestions as data, where it is known what they ask for; not written into documents.
     """
 
     code: str
@@ -196,6 +198,7 @@ class ErrorInfo(DocumentPart):
     capability: str | None = None
     path: str | None = None
     family: str | None = None
+    cures: tuple[Cure, ...] = Field(default=(), exclude=True, repr=False)
 
     @property
     def status(self) -> Status:
@@ -363,6 +366,7 @@ def refusal_error(refusal: Refusal) -> ErrorInfo:
         message=refusal.message,
         span=whole_span(refusal.spans),
         suggestions=refusal.suggestions,
+        cures=refusal.cures,
         numbers=refusal.numbers,
         capability=refusal.capability,
     )

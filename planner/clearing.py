@@ -22,8 +22,9 @@ from planner.problem.frame_interpretation import interpret_frame
 from planner.problem.places import object_at
 from planner.problem.planning_problem import places_told_by
 from planner.pushing.push_paths import Obstructions, PathSegment
+from planner.refusals.blocked import Blocked
 from planner.types.defaults import Defaults
-from planner.types.refusal import NoPlanError, Refusal
+from planner.types.refusal import Refusal
 from planner.types.world_state import ObstacleMark, SeenObject, WorldState
 
 _WAYS: tuple[tuple[g.Direction, ...], ...] = (
@@ -253,9 +254,7 @@ def _lanes(frame: g.Frame, state: WorldState, defaults: Defaults) -> list[Array]
     assert frame.object is not None, "what is in the way of nothing is not cleared"
     target = state.objects[frame.object.id or ""]
     here = footprint(target)
-    try:
-        aims = interpret_frame(frame, state, defaults).goal.aims
-    except NoPlanError:
-        aims = ()
+    problem = interpret_frame(frame, state, defaults)
+    aims = () if isinstance(problem, Blocked) else problem.goal.aims
     ends = [here + (np.array([aim.x, aim.y]) - target.pose.p_WB[:2]) for aim in aims]
     return [hull_polygon(np.vstack([here, end])).vertices for end in ends or [here]]

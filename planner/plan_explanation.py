@@ -19,7 +19,7 @@ from pydantic import ConfigDict
 from grammar.frames import command as g
 from objectmodels.short_repr import ShortRepr
 from planner.problem.directions import phrase
-from planner.refusals.no_plan import refusal
+from planner.refusals.blocked import dead_end
 from planner.types.actions import Carry, FlipOver, LiftUp, PourOut, TurnCap, TurnOver
 from planner.types.plan import Plan
 from planner.types.refusal import probability_text
@@ -265,7 +265,7 @@ class Basis:
         here = state.objects[self.target.name]
         if here.lies_on == self.target.lies_on or isinstance(frame.goal, g.Upright):
             return None
-        return refusal("fell", object=here.name, side=here.side_below)
+        return dead_end("fell", object=here.name, side=here.side_below).refusal
 
 
 def explain_push(frame: g.Frame, plan: Plan, text: str, basis: Basis) -> tuple[Row, ...]:

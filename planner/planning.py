@@ -7,8 +7,8 @@ edge. All else is pushed.
 
 The frame becomes a problem (`planner.problem`). Pushes for it are planned by strategies
 (`planner.pushing.strategies`): a fall or a tilt (`planner.pushing.topple_planner`), or an aim on
-the table, to which the object goes by several pushes (`planner.pushing.push_sequence`). Inside the
-planner a dead end raises `NoPlanError`; here it becomes a refusal.
+the table, to which the object goes by several pushes (`planner.pushing.push_sequence`). A stage
+that goes no further returns `Blocked`; the one that counts becomes a refusal here.
 
 Frames: W is the world, B the object.
 """
@@ -17,35 +17,43 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 from grammar.frames import command as g
 from planner.problem.frame_interpretation import (
     grasp_problem,
     interpret_frame,
-    require_loose,
-    require_on_table,
-    require_other_objects,
-    require_resting,
+    why_no_place,
+    why_not_loose,
+    why_not_on_table,
+    why_not_resting,
 )
-from planner.problem.least_amounts import require_tellable
+from planner.problem.least_amounts import why_not_tellable
 from planner.problem.places import region
 from planner.problem.planning_problem import (
     GraspProblem,
+    PushProblem,
     SearchBudget,
     is_handled,
     is_off_the_table,
 )
 from planner.problem.predicted_states import state_after
 from planner.pushing.strategies import plan_pushes
-from planner.refusals.no_plan import no_plan, with_account
-from planner.true_reasons import REASON_WORK, true_refusal
+from planner.refusals.blocked import (
+    Blocked,
+    SearchEndedError,
+    dead_end,
+    first_made,
+    with_account,
+)
+from planner.true_reasons import REASON_WORK, true_reason
 from planner.types.defaults import DEFAULTS, Defaults
 from planner.types.plan import Plan, PlanningResult, Reached
-from planner.types.refusal import Alternatives, NoPlanError
 from planner.types.robot import Failed, Robot
 from planner.types.world_state import WorldState
 
-Way = Callable[[], PlanningResult]
+Made = Plan | Reached | Blocked
+Way = Callable[[], Made]
 
 
 def plan(
@@ -75,54 +83,84 @@ def plan(
     Returns:
         A plan; that nothing is left to be done; or the reason why there is no plan.
     """
-    told, budget = budget is None, budget or SearchBudget(defaults.most_work)
+    outcome = partial(
+        _outcome, frame=frame, robot=robot, defaults=defaults, previous=previous, failed=failed
+    )
+    made = outcome(state, budget or SearchBudget(defaults.most_work), notify=notify)
+    # In a search it does not matter which of the reasons is the one.
+    if isinstance(made, Blocked) and budget is None and frame.object is not None:
+        less = int(REASON_WORK * defaults.most_work)
+        made = true_reason(made, frame, state, lambda other: outcome(other, SearchBudget(less)))
+    return made.refusal if isinstance(made, Blocked) else made
+
+
+def _outcome(
+    state: WorldState,
+    budget: SearchBudget,
+    *,
+    frame: g.Frame,
+    robot: Robot,
+    defaults: Defaults,
+    previous: Plan | None,
+    failed: Sequence[Failed],
+    notify: Callable[[str], None] = lambda _: None,
+) -> Made:
+    """The plan, or what the search for it ends in, with an account of that."""
     upright = isinstance(frame.goal, g.Upright)
     only_pushes = robot.limits.grasp_widths is None or previous is not None
 
-    def by_hand() -> PlanningResult:
+    def by_hand() -> Made:
         problem = grasp_problem(frame, state, robot, defaults, failed)
+        if isinstance(problem, Blocked):
+            return problem
         return _plan_with_hand(replace(problem, budget=budget))
 
-    def by_pushes() -> PlanningResult:
+    def by_pushes() -> Made:
         problem = interpret_frame(frame, state, defaults, robot, previous=previous, failed=failed)
-        if state.held is not None:
-            raise no_plan("hand_not_free", object=state.held.name)
-        if not _is_placed(frame, state, defaults):
-            require_loose(frame, problem.target)
-        require_resting(problem.target)
-        require_on_table(problem.target, state)
+        if isinstance(problem, Blocked):
+            return problem
+        if why := _why_not_pushed(problem):
+            return why
         made = plan_pushes(replace(problem, budget=budget), notify)
-        if upright and isinstance(made, Plan):
-            _require_standing_after(made, state)
+        if not (upright and isinstance(made, Plan)):
+            return made
+        if not _stands(made.object, state_after(made, state)):
+            return dead_end("falls_otherwise", object=made.object)
         return made
 
-    try:
-        require_other_objects(frame)
-        if previous is None and not failed:
-            require_tellable(frame, state, defaults)
-        if upright and state.held is None and _stands(frame, state):
+    def search() -> Made:
+        if why := why_no_place(frame):
+            return why
+        is_new = previous is None and not failed
+        if is_new and (why := why_not_tellable(frame, state, defaults)):
+            return why
+        if upright and state.held is None and _stands(_name_of(frame), state):
             return Reached()
         if only_pushes or not is_handled(frame):
             return by_pushes()
         return _plan_handled(frame, state, defaults, by_hand, by_pushes)
-    except NoPlanError as error:
-        refusal = with_account(error.refusal, budget.answers.values(), budget.done)
-    # In a search it does not matter which of the reasons is the one.
-    if not told or frame.object is None:
-        return refusal
 
-    def plan_from(other: WorldState) -> PlanningResult:
-        less = SearchBudget(int(REASON_WORK * defaults.most_work))
-        return plan(
-            frame, other, robot, defaults=defaults, previous=previous, failed=failed, budget=less
-        )
+    try:
+        made = search()
+    except SearchEndedError as ended:
+        made = ended.blocked
+    if isinstance(made, Blocked):
+        return with_account(made, budget.answers.values(), budget.done)
+    return made
 
-    return true_refusal(refusal, frame, state, plan_from)
+
+def _why_not_pushed(problem: PushProblem) -> Blocked | None:
+    """The hand is not free to push an object, or something keeps it where it is."""
+    frame, target, state = problem.frame, problem.target, problem.state
+    if state.held is not None:
+        return dead_end("hand_not_free", object=state.held.name)
+    stays = not _is_placed(frame, state, problem.defaults) and why_not_loose(frame, target)
+    return stays or why_not_resting(target) or why_not_on_table(target, state)
 
 
 def _plan_handled(
     frame: g.Frame, state: WorldState, defaults: Defaults, by_hand: Way, by_pushes: Way
-) -> PlanningResult:
+) -> Made:
     """Plan what a whole hand does, or pushes where these would do too."""
     upright = isinstance(frame.goal, g.Upright)
     if _is_placed(frame, state, defaults):
@@ -130,36 +168,23 @@ def _plan_handled(
     two_ways = frame.goal.kind in ("place", "upright") and not is_off_the_table(frame)
     if state.held is not None or not two_ways:
         return by_hand()
-    ways = (by_hand, by_pushes)
-    if not upright and not _is_said_how_to_hold(frame, state):
-        ways = (by_pushes, by_hand)
-    dead_ends = Alternatives()
-    for way in ways:
-        with dead_ends:
-            return way()
-    raise dead_ends.first if upright or ways[-1] is by_hand else dead_ends.last
+    # What states a grasp is lifted.
+    if not upright and state.objects[_name_of(frame)].model.grasp is not None:
+        lifted = by_hand()
+        return by_pushes() if isinstance(lifted, Blocked) else lifted
+    ways = (by_hand, by_pushes) if upright else (by_pushes, by_hand)
+    return first_made(way() for way in ways)
 
 
-def _is_said_how_to_hold(frame: g.Frame, state: WorldState) -> bool:
-    """Return True if the model of what is to be placed states a grasp, so that it is lifted."""
-    assert frame.object is not None
-    return state.objects[frame.object.id or ""].model.grasp is not None
+def _stands(name: str, state: WorldState | None) -> bool:
+    """Return True if an object stands on its bottom, as far as that is foreseen."""
+    return state is not None and state.objects[name].lies_on == "bottom"
 
 
-def _stands(frame: g.Frame, state: WorldState) -> bool:
-    assert frame.object is not None
-    return state.objects[frame.object.id or ""].lies_on == "bottom"
-
-
-def _require_standing_after(made: Plan, state: WorldState) -> None:
-    """Make sure that a fall ends on the bottom of what falls.
-
-    Raises:
-        NoPlanError: it does not.
-    """
-    after = state_after(made, state)
-    if after is None or after.objects[made.object].lies_on != "bottom":
-        raise no_plan("falls_otherwise", object=made.object)
+def _name_of(frame: g.Frame) -> str:
+    """The name of the object of a frame."""
+    assert frame.object is not None, "only pushes and holds of an object are planned"
+    return frame.object.id or ""
 
 
 def _is_placed(frame: g.Frame, state: WorldState, defaults: Defaults) -> bool:
@@ -167,13 +192,12 @@ def _is_placed(frame: g.Frame, state: WorldState, defaults: Defaults) -> bool:
     goal = frame.goal
     if not isinstance(goal, g.Place) or goal.fraction is not None or state.held is not None:
         return False
-    assert frame.object is not None
-    target = state.objects[frame.object.id or ""]
+    target = state.objects[_name_of(frame)]
     place = region(goal, state, defaults, target)
     return place is not None and place.holds(target)
 
 
-def _plan_with_hand(problem: GraspProblem) -> Plan | Reached:
+def _plan_with_hand(problem: GraspProblem) -> Made:
     """Plan a grasp and the steps after it, or what a fingertip does to a lid."""
     # Pushes do without them.
     from planner.grasping import lid_planner, lift_planner, pour_planner

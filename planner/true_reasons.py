@@ -12,19 +12,19 @@ refusals of its own.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
+from dataclasses import replace
 
 import numpy as np
 
 from grammar.frames import command as g
-from planner.clearing import obstacles
 from planner.problem.places import object_at
 from planner.problem.planning_problem import places_told_by
-from planner.refusals.no_plan import refusal as refusal_of
-from planner.types.plan import PlanningResult
-from planner.types.refusal import Refusal
-from planner.types.world_state import ObstacleMark, WorldState, obstacle_mark
+from planner.refusals.blocked import Blocked, dead_end
+from planner.types.cure import move
+from planner.types.plan import Plan, Reached
+from planner.types.world_state import WorldState
 
-PlanFrom = Callable[[WorldState], PlanningResult]
+OutcomeFrom = Callable[[WorldState], Plan | Reached | Blocked]
 
 REASON_WORK = 0.15
 """Work of each plan by which a reason is tried, in that of the plan that was refused."""
@@ -36,86 +36,81 @@ _BEYOND = frozenset({"no_push_reached", "no_grasp_reached"})
 _HALVINGS = 4  # of the way to the middle of the table
 
 
-def true_refusal(
-    refusal: Refusal, frame: g.Frame, state: WorldState, plan_from: PlanFrom
-) -> Refusal:
-    """The refusal with its true reason.
+def true_reason(
+    why: Blocked, frame: g.Frame, state: WorldState, outcome_from: OutcomeFrom
+) -> Blocked:
+    """The true reason of a refusal.
 
     Args:
-        refusal: what the search for a plan ended in.
+        why: what the search for a plan ended in.
         frame: that is refused.
         state: what is believed.
-        plan_from: plans the frame from another belief.
+        outcome_from: of planning the frame from another belief.
     """
     assert frame.object is not None, "what is about no object is not refused by reach"
     name = frame.object.id or ""
     spared = places_told_by(frame.goal) | _held_up_by(name, state)
-    if refusal.code in _FACTS:
-        return refusal
-    if any(each not in spared for each in obstacles(refusal)):
-        refusal = _without_obstacles(refusal, name, state, spared, plan_from)
-    if refusal.code in _BEYOND and not obstacles(refusal):
-        return _with_distance(refusal, name, state, spared, plan_from)
-    if refusal.reason == "blocked" and (kept := [n for n in obstacles(refusal) if n in spared]):
-        found = refusal_of(
-            "no_way_past", refusal.numbers, spans=refusal.spans, object=name, other=kept[0]
+    if why.code in _FACTS:
+        return why
+    if any(each not in spared for each in why.obstacles):
+        why = _without_obstacles(why, name, state, spared, outcome_from)
+    if why.code in _BEYOND and not why.obstacles:
+        return _with_distance(why, name, state, spared, outcome_from)
+    if why.reason == "blocked" and (kept := [n for n in why.obstacles if n in spared]):
+        return dead_end(
+            "no_way_past", why.numbers, spans=why.spans, marks=why.marks, object=name, other=kept[0]
         )
-        marks = tuple(mark for mark in refusal.marks if not isinstance(mark, ObstacleMark))
-        return found.model_copy(update={"marks": marks})
-    return refusal
+    return why
 
 
 def _without_obstacles(
-    refusal: Refusal, name: str, state: WorldState, spared: Collection[str], plan_from: PlanFrom
-) -> Refusal:
-    """The refusal by the obstacles that block, or what stays in the way without any."""
+    why: Blocked, name: str, state: WorldState, spared: Collection[str], outcome_from: OutcomeFrom
+) -> Blocked:
+    """The reason with the obstacles that block, or what stays in the way without any."""
     gone: list[str] = []
-    met: list[Refusal] = []
-    made: PlanningResult = refusal
-    while isinstance(made, Refusal):
+    met: list[Blocked] = []
+    made: Plan | Reached | Blocked = why
+    while isinstance(made, Blocked):
         if gone and made.code == "work_used_up":
-            return _hemmed_in(refusal, name)
+            return _hemmed_in(why, name)
         met.append(made)
-        left = [each for each in obstacles(made) if each not in spared and each not in gone]
+        left = [each for each in made.obstacles if each not in spared and each not in gone]
         if not left:
             return made
         if len(gone) == 3:  # Obstacles that are taken away together
             others = [each for each in state.objects if each != name and each not in spared]
-            made = plan_from(_state_without(others, state))
-            if isinstance(made, Refusal) and made.code != "work_used_up":
+            made = outcome_from(_state_without(others, state))
+            if isinstance(made, Blocked) and made.code != "work_used_up":
                 return made
-            return _hemmed_in(refusal, name)
+            return _hemmed_in(why, name)
         gone.append(left[0])
-        made = plan_from(_state_without(gone, state))
+        made = outcome_from(_state_without(gone, state))
     needed = list(gone)
     for each in gone[:-1]:  # without the last of them there was none
         fewer = [other for other in needed if other != each]
-        if not isinstance(plan_from(_state_without(fewer, state)), Refusal):
+        if not isinstance(outcome_from(_state_without(fewer, state)), Blocked):
             needed = fewer
     named = met[gone.index(needed[0])]
-    marks = [mark for mark in named.marks if not isinstance(mark, ObstacleMark)]
-    first = f"move {' and '.join(f'the {each}' for each in needed)} first"
-    own = [each for each in named.suggestions if not each.startswith("move the ")]
-    changes = {
-        "marks": (*marks, *map(obstacle_mark, needed)),
-        "suggestions": (first, *own),
-    }
-    return named.model_copy(update=changes)
+    own = (cure for cure in named.cures if cure.kind != "move")
+    first = move(" and ".join(f"the {each}" for each in needed))
+    return replace(named, obstacles=tuple(needed), cures=(first, *own))
 
 
-def _hemmed_in(refusal: Refusal, name: str) -> Refusal:
-    """The refusal since it was not found which of the things about an object are in the way."""
-    found = refusal_of("hemmed_in", refusal.numbers, spans=refusal.spans, object=name)
-    return found.model_copy(update={"marks": refusal.marks})
+def _hemmed_in(why: Blocked, name: str) -> Blocked:
+    """It was not found which of the things about an object are in the way."""
+    met = why.obstacles
+    return dead_end(
+        "hemmed_in", why.numbers, spans=why.spans, marks=why.marks, obstacles=met, object=name
+    )
 
 
 def _with_distance(
-    refusal: Refusal, name: str, state: WorldState, spared: Collection[str], plan_from: PlanFrom
-) -> Refusal:
-    """The refusal with how far the object is from the nearest place that would do, if one does."""
+    why: Blocked, name: str, state: WorldState, spared: Collection[str], outcome_from: OutcomeFrom
+) -> Blocked:
+    """The reason with how far the object is from the nearest place that would do, if one does."""
     target, table = state.objects[name], state.table
     if state.held is not None or target.on is not None or state.carried_by(name):
-        return refusal
+        return why
     lone = _state_without([n for n in state.objects if n != name and n not in spared], state)
     here = np.array([target.pose.x, target.pose.y])
     way = table.middle - here
@@ -123,28 +118,17 @@ def _with_distance(
 
     def is_planned(share: float) -> bool:
         moved = object_at(target, here + share * way)
-        made = plan_from(WorldState({**lone.objects, name: moved}, table))
-        return not isinstance(made, Refusal)
+        made = outcome_from(WorldState({**lone.objects, name: moved}, table))
+        return not isinstance(made, Blocked)
 
     if length < 0.02 or not is_planned(1.0):  # it stands in the middle as it is
-        return refusal
+        return why
     none, some = 0.0, 1.0
     for _ in range(_HALVINGS):
         middle = 0.5 * (none + some)
         none, some = (none, middle) if is_planned(middle) else (middle, some)
     x, y = (here + some * way).tolist()
-    off = some * length
-    told = f"; {1e3 * off:.0f} mm nearer to the middle of the table, at x {1e3 * x:.0f} mm, "
-    return refusal.model_copy(
-        update={
-            "message": f"{refusal.message}{told}y {1e3 * y:.0f} mm, it would do",
-            "suggestions": (
-                f"put it there by hand: x {x:.2f} m, y {y:.2f} m",
-                *refusal.suggestions,
-            ),
-            "numbers": {**refusal.numbers, "nearer": off, "nearest_x": x, "nearest_y": y},
-        }
-    )
+    return why.with_fact("nearer", {"nearer": some * length, "nearest_x": x, "nearest_y": y})
 
 
 def _held_up_by(name: str, state: WorldState) -> frozenset[str]:

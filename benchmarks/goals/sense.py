@@ -33,9 +33,9 @@ from planner.problem.footprints import footprint, free_travel, gap, landing_stri
 from planner.problem.frame_interpretation import interpret_frame
 from planner.problem.planning_problem import PushProblem, is_handled
 from planner.pushing.push_paths import obliqueness
+from planner.refusals.blocked import Blocked
 from planner.types.actions import Aim
 from planner.types.defaults import DEFAULTS
-from planner.types.refusal import NoPlanError
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.motion.robot_reach import lowest_contact
 from sim.robots.robots import HAND
@@ -72,9 +72,8 @@ def sensible(frames: Sequence[g.Frame], state: WorldState) -> bool:
                 return False
             if not isinstance(frame.goal, g.Place):
                 continue
-        try:
-            asked = interpret_frame(frame, state, DEFAULTS)
-        except NoPlanError:
+        asked = interpret_frame(frame, state, DEFAULTS)
+        if isinstance(asked, Blocked):
             return False
         assert frame.object is not None, "what is read has an object"
         target = state.objects[frame.object.id or ""]

@@ -30,9 +30,9 @@ from nlcontrol.text_format import aside_text, quantity
 from objectmodels.mechanics.outcome_map import OutcomeMap, outcome_map
 from planner.affordances import SPACING, least, pushed_face, turning_map
 from planner.problem.directions import FACE_HEADINGS, HEADINGS, heading_of, unit
-from planner.problem.frame_interpretation import interpret_frame, require_resting
-from planner.refusals.no_plan import no_plan, not_capable
-from planner.types.refusal import NoPlanError, probability_text
+from planner.problem.frame_interpretation import interpret_frame, why_not_resting
+from planner.refusals.blocked import Blocked, dead_end
+from planner.types.refusal import probability_text
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -145,6 +145,10 @@ def target_of(frame: g.Frame, state: WorldState) -> SeenObject:
     return state.objects[frame.object.id]
 
 
+def _unanswered(why: Blocked) -> ControlError:
+    return ControlError(refusal_error(why.refusal))
+
+
 def push_asked_about(frame: g.Frame, state: WorldState, defaults: Defaults) -> Inquiry:
     """The push of a question.
 
@@ -153,31 +157,27 @@ def push_asked_about(frame: g.Frame, state: WorldState, defaults: Defaults) -> I
             on the object.
     """
     target = target_of(frame, state)
-    try:
-        asked = interpret_frame(_as_command(frame), state, defaults)
-        require_resting(target)
-        # The heading of the push if it is not straight in: what falls is pushed square to its face.
-        by_default = any(used.name == "direction" for used in asked.defaults_used)
-        square = by_default or asked.goal.outcome == "topple"
-        heading = None if square else asked.goal.heading
-        if asked.contact.face == "top":
-            raise not_capable(
-                "predicting presses on the top face",
-                "questions are answered about pushes on side faces; the top face is not one",
-                asked.contact.spans,
-                "say “at the top” for the upper third of a side face",
-            )
-        if asked.contact.face is not None:
-            into = FACE_HEADINGS[asked.contact.face] + math.pi
-        else:
-            into = HEADINGS["away"] if asked.goal.heading is None else asked.goal.heading
-        found = pushed_face(target, into)
-        if found is None or asked.contact.face not in (None, found[0]):
-            where = "side" if asked.contact.face is None else f"{asked.contact.face} face"
-            raise no_plan("no_side", spans=asked.contact.spans, object=target.name, where=where)
-        face_name, face = found
-    except NoPlanError as refused:
-        raise ControlError(refusal_error(refused.refusal)) from refused
+    asked = interpret_frame(_as_command(frame), state, defaults)
+    if isinstance(asked, Blocked):
+        raise _unanswered(asked)
+    if why := why_not_resting(target):
+        raise _unanswered(why)
+    # The heading of the push if it is not straight in: what falls is pushed square to its face.
+    by_default = any(used.name == "direction" for used in asked.defaults_used)
+    square = by_default or asked.goal.outcome == "topple"
+    heading = None if square else asked.goal.heading
+    said, spans = asked.contact.face, asked.contact.spans
+    if said == "top":
+        raise _unanswered(dead_end("not_capable.press", spans=spans))
+    if said is not None:
+        into = FACE_HEADINGS[said] + math.pi
+    else:
+        into = HEADINGS["away"] if asked.goal.heading is None else asked.goal.heading
+    found = pushed_face(target, into)
+    if found is None or said not in (None, found[0]):
+        where = "side" if said is None else f"{said} face"
+        raise _unanswered(dead_end("no_side", spans=spans, object=target.name, where=where))
+    face_name, face = found
     low, high = max(asked.contact.low, face.bottom), min(asked.contact.high, face.top)
     if low > high:
         raise error(

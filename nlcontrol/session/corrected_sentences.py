@@ -1,9 +1,8 @@
 """Whole sentences in place of one that was refused or not understood, by what its error suggests.
 
-A suggestion is a phrase for people: "up to 690 mm would do". Here it becomes the remark that a
-person would make ("no, 690 mm"), is put into the frames as a conversation does that, and the frames
-are said in full: "push the ice tea box away by 69 cm". What the language has no words for is left
-to people.
+What would do comes with a refusal as data: "up to 690 mm would do" is the remark "no, 690 mm". It
+is put into the frames as a conversation does that, and the frames are said in full: "push the ice
+tea box away by 69 cm". What the language has no words for is advice, and is left to people.
 
 Each sentence is planned before it is offered, from where things were seen last, step by step as far
 as it is foreseen where they stand then. Where there is no plan for it, or nothing is suggested that
@@ -31,6 +30,7 @@ from planner import plan
 from planner.affordances import frame_with_less
 from planner.problem.planning_problem import SearchBudget
 from planner.problem.predicted_states import state_after
+from planner.types.cure import Cure
 from planner.types.refusal import Refusal
 from sim.supervision import Stopped, StopToken
 
@@ -52,33 +52,8 @@ MOST_WORK, MOST_EACH = 1500, 500
 CHAIN = 2
 """How often what the refusal of a change suggests is followed."""
 
-REMARKS: tuple[tuple[str, str], ...] = (
-    (r"up to (.+) would do", r"no, \1"),
-    (r"(.+) or more would do", r"no, \1"),
-    (r"(at .+ mm/s)", r"no, \1"),
-    (r"allow (.+ N)", r"no, with at most \1"),
-    (r"allow (.+ s)", r"no, in at most \1"),
-    (r"ask for no more than (.+ N)", r"no, with at least \1"),
-    (r"pour up to ([^,]+ ml).*", r"no, pour \1 of it"),
-    (r"say “(.+)”, or leave it out", r"no, \1"),
-    (r"(?:push|pull|move|turn|tilt|topple) it (.+)", r"no, \1"),
-)
-"""Suggestions of a change, and the remark that asks for it."""
-
-BEFORE = (r"(.+) first", r"(put .+ down)(?:,.*)?")
-"""Suggestions of what is to be done before."""
-
-IN_THE_WAY = r"(move the .+) first"
-"""Suggestions to move something else before, which a person may do as well."""
-
-LEFT_OUT = r"leave (?:out .+|that out)"
-"""Suggestions to leave out the words that the error is about."""
-
-WHOLE = r'[^"“]+: "(.+)"'
-"""Suggestions of a whole sentence: 'this would do: "push the mug away"'."""
-
-OTHER_WAY = r"(?:say |(?:tilt|topple) it to )?another (?:direction|side)"
-"""Suggestions of no direction in particular."""
+_WHOLE = re.compile(r'[^"“]+: "(.+)"')
+"""What the grammar suggests as a whole sentence: 'this would do: "push the mug away"'."""
 
 
 def result_with_corrections(
@@ -110,13 +85,14 @@ def result_with_corrections(
         plain = tuple(map(without_spans, frames))
         less = trials.sentence_with_less(plain)
         found[""] = less or trials.first_planned(_other_ways(controller.parse, info, plain))
-        found |= dict.fromkeys(each for each in info.suggestions if re.fullmatch(OTHER_WAY, each))
+        found |= dict.fromkeys(each.text for each in info.cures if each.kind == "other_way")
     say = tuple(dict.fromkeys(filter(None, found.values())))[:MOST]
     kept = [each for each in info.suggestions if each not in found or each in as_suggested]
     better = [f"say “{said}”" for said in say if said not in as_suggested]
     if "" in found and not say:
         kept += _nothing_near(frames[0])
-    changes = {"say": say, "suggestions": tuple(better + kept) or info.suggestions}
+    suggestions = tuple(better + kept) or info.suggestions
+    changes = {"say": say, "suggestions": suggestions, "cures": ()}
     return result_with(result, error=info.model_copy(update=changes))
 
 
@@ -186,10 +162,10 @@ class _Trials:
             return said
         step, refused = dead_end
         before, rest = frames[:step], frames[step:]
-        for suggestion in refused.suggestions if chain else ():
-            if remark := _first_match(REMARKS, suggestion):
+        for cure in refused.cures if chain else ():
+            if cure.kind == "change":
                 with suppress(ControlError):
-                    changed = _corrected(self._controller.parse, remark, rest)
+                    changed = _corrected(self._controller.parse, cure.command, rest)
                     if better := self.sentence((*before, *changed), chain - 1):
                         return better
         return self.sentence_with_less(frames, step)
@@ -255,28 +231,36 @@ class _Trials:
         return None
 
 
+def _cures_of(info: ErrorInfo) -> tuple[Cure, ...]:
+    """What would do; errors of reading have phrases alone, of which some leave words out."""
+    return info.cures or tuple(
+        Cure("leave_out" if each.startswith(("leave out ", "leave that out")) else "advice", each)
+        for each in info.suggestions
+    )
+
+
 def _from_frames(parse: Parse, info: ErrorInfo, frames: Frames) -> Iterator[tuple[str, Frames]]:
     if info.code in ("ambiguous_object", "unknown_object"):
         yield from _with_other_names(parse, info, frames)
         return
-    for suggestion in info.suggestions:
+    for cure in _cures_of(info):
         with suppress(ControlError):
-            if re.fullmatch(LEFT_OUT, suggestion):
-                yield from ((suggestion, rest) for rest in _without_words(frames, info.span))
-            elif remark := _first_match(REMARKS, suggestion):
-                yield suggestion, _corrected(parse, remark, frames)
-            elif re.fullmatch(IN_THE_WAY, suggestion):
-                continue
-            elif before := _first_match([(each, r"\1") for each in BEFORE], suggestion):
-                yield suggestion, (*parse(before).frames, *map(without_spans, frames))
+            match cure.kind:
+                case "leave_out":
+                    yield from ((cure.text, rest) for rest in _without_words(frames, info.span))
+                case "change":
+                    yield cure.text, _corrected(parse, cure.command, frames)
+                case "first":
+                    before = parse(cure.command).frames
+                    yield cure.text, (*before, *map(without_spans, frames))
 
 
 def _other_ways(parse: Parse, info: ErrorInfo, frames: Frames) -> Iterator[Frames]:
     """The frames after what is in the way is moved, and with other directions of the first."""
-    for suggestion in info.suggestions:
-        if moved := re.fullmatch(IN_THE_WAY, suggestion):
+    for cure in info.cures:
+        if cure.kind == "move":
             with suppress(ControlError):
-                yield (*parse(moved[1]).frames, *frames)
+                yield (*parse(cure.command).frames, *frames)
     first, *rest = frames
     said = getattr(first.goal, "direction", None)
     for other in get_args(Direction) if isinstance(said, str) else ():
@@ -289,23 +273,15 @@ def _with_other_names(
     parse: Parse, info: ErrorInfo, frames: Frames
 ) -> Iterator[tuple[str, Frames]]:
     """The frames with the object that may be meant."""
-    for suggestion in info.suggestions:
-        name = _meant_words(suggestion)
+    for cure in _cures_of(info):
+        name = _meant_words(cure.text)
         # What else stands on the table is meant only if the name fits it, or nearly so.
-        if re.fullmatch(LEFT_OUT, suggestion) or (
-            name == suggestion and info.code != "ambiguous_object"
-        ):
+        fits = name != cure.text or info.code == "ambiguous_object"
+        if cure.kind == "leave_out" or not fits:
             continue
         name = name.removeprefix("the ")
         with suppress(ControlError):
-            yield suggestion, _corrected(parse, f'no, the "{name}"', frames, info.span)
-
-
-def _first_match(table: Iterable[tuple[str, str]], suggestion: str) -> str | None:
-    for pattern, said in table:
-        if found := re.fullmatch(pattern, suggestion):
-            return found.expand(said)
-    return None
+            yield cure.text, _corrected(parse, f'no, the "{name}"', frames, info.span)
 
 
 def _corrected(parse: Parse, remark: str, frames: Frames, wrong: Span | None = None) -> Frames:
@@ -336,15 +312,15 @@ def _from_words(
     if info.span is None:
         return
     start, end = info.span
-    for suggestion in info.suggestions:
-        left_out = re.fullmatch(LEFT_OUT, suggestion)
+    for cure in _cures_of(info):
+        left_out = cure.kind == "leave_out"
         if is_read and not left_out:
             continue
-        whole = re.fullmatch(WHOLE, suggestion)
-        instead = "" if left_out else _meant_words(suggestion)
+        whole = _WHOLE.fullmatch(cure.text)
+        instead = "" if left_out else _meant_words(cure.text)
         said = whole[1] if whole else f"{text[:start]}{instead}{text[end:]}"
         with suppress(ControlError):
-            yield suggestion, parse(said).frames
+            yield cure.text, parse(said).frames
 
 
 def _meant_words(suggestion: str) -> str:

@@ -212,8 +212,8 @@ class _ForesightedRobot(CancellableRobot):
         work = answer.work + 500 - planner.left
         if refused is None:
             return replace(answer, work=work)
-        message = _refusal_ahead(self._frames, *refused).message
-        return ReachAnswer(False, "approach", message, work=work)
+        words = {"text": _refusal_ahead(self._frames, *refused).message}
+        return ReachAnswer(False, "approach", "told", work=work, words=words)
 
 
 # Plans midway: to the aim of the plan before, or to another one that the sentence allows.

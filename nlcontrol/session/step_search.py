@@ -31,6 +31,7 @@ from planner.clearing import (
     setting_down_frame,
 )
 from planner.problem.predicted_states import state_after
+from planner.types.cure import Cure, CureKind
 from planner.types.defaults import CLEARED
 from planner.types.plan import Plan, PlanningResult, Reached
 from planner.types.refusal import Refusal
@@ -147,8 +148,11 @@ def ways_around(
         return None
     if found is None or not found.aside or controller.defaults.clear == CLEARED.index("yes"):
         return found
-    step = f"{paraphrase(found.aside)} first"
-    return refusal_error(refusal).model_copy(update={"suggestions": (step,)})
+    command = paraphrase(found.aside)
+    kind: CureKind = "move" if found.aside[0].action == "move" else "first"
+    cure = Cure(kind, f"{command} first", command)
+    changes = {"suggestions": (cure.text,), "cures": (cure,)}
+    return refusal_error(refusal).model_copy(update=changes)
 
 
 class StepSearch:

@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import product
+from itertools import chain, product
 from typing import Literal
 
 import numpy as np
@@ -29,8 +29,7 @@ from objectmodels.models.object_parts import LiftOffLid, ScrewCap
 from objectmodels.safety_figure import SafetyFigure
 from planner.problem.footprints import footprint, overlaps
 from planner.problem.planning_problem import GraspProblem
-from planner.refusals.no_plan import length_mark, no_plan
-from planner.types.refusal import NoPlanError
+from planner.refusals.blocked import Blocked, dead_end, length_mark
 from planner.types.robot import Grip, Robot
 from planner.types.world_state import LengthMark, SeenObject, WorldState
 
@@ -135,17 +134,16 @@ class _Sides:
         )
 
 
-def body_candidates(problem: GraspProblem) -> Iterator[list[Candidate]]:
+def body_candidates(problem: GraspProblem) -> Iterator[list[Candidate]] | Blocked:
     """Ways to hold an object by its body, in groups: one is looked at if those before do not do.
 
     First come those where its file prefers it, then those anywhere on its sides; each square, then
     askew; then those by a hand that makes room for something deep, at last those up to a low rim.
-
-    Raises:
-        NoPlanError: there is none.
     """
     target, asked = problem.target, problem.contact
     sides = _sides_within(problem)
+    if isinstance(sides, Blocked):
+        return sides
     stated, tip = target.model.grasp, problem.robot.limits.fingertip_radius
     anywhere = (tip, target.model.top - tip)
     ranges = [anywhere]
@@ -155,56 +153,54 @@ def body_candidates(problem: GraspProblem) -> Iterator[list[Candidate]]:
     ways.append((anywhere, _SQUARE, True))
     if target.model.top < _LOW:
         ways += [((tip, target.model.top - _BORDER), how, False) for how in (_SQUARE, _ASKEW)]
-    none = True
-    for (low, high), pitches, deep in ways:
-        limits = (max(low, asked.low), min(high, asked.high))
-        about = (_candidates_about(problem, pair, limits, pitches, deep=deep) for pair in sides)
-        found = [candidate for each in about for candidate in each]
-        if found:
-            none = False
-            yield found
-    if none:
-        code = "no_room_there" if asked.region else "no_room"
-        numbers = {"lowest": max(anywhere[0], asked.low), "highest": min(anywhere[1], asked.high)}
-        raise no_plan(code, numbers, spans=asked.spans, object=target.name)
+    found = (
+        [
+            candidate
+            for pair in sides
+            for candidate in _candidates_about(
+                problem, pair, (max(low, asked.low), min(high, asked.high)), pitches, deep=deep
+            )
+        ]
+        for (low, high), pitches, deep in ways
+    )
+    groups = filter(None, found)
+    first = next(groups, None)
+    if first is not None:
+        return chain([first], groups)
+    code = "no_room_there" if asked.region else "no_room"
+    numbers = {"lowest": max(anywhere[0], asked.low), "highest": min(anywhere[1], asked.high)}
+    return dead_end(code, numbers, spans=asked.spans, object=target.name)
 
 
-def _sides_within(problem: GraspProblem) -> list[_Sides]:
-    """Pairs of opposite sides about which the hand closes.
-
-    Raises:
-        NoPlanError: there is none.
-    """
+def _sides_within(problem: GraspProblem) -> list[_Sides] | Blocked:
+    """Pairs of opposite sides about which the hand closes."""
     target, robot = problem.target, problem.robot
     sides = list(_opposite_sides(target))
     closing = [pair for pair in sides if _fits(pair.width, robot) and robot.grasp(pair.width)]
     if not closing:
         slimmest = sorted(sides, key=lambda pair: pair.width)[:1]
         marks = tuple(_width_mark(target, pair, robot) for pair in slimmest)
-        raise _not_that_wide(f"the {target.name}", [pair.width for pair in sides], robot, marks)
+        return _not_that_wide(f"the {target.name}", [pair.width for pair in sides], robot, marks)
     return closing
 
 
-def lid_candidates(problem: GraspProblem, lid: LiftOffLid | ScrewCap) -> list[Candidate]:
+def lid_candidates(problem: GraspProblem, lid: LiftOffLid | ScrewCap) -> list[Candidate] | Blocked:
     """All ways to hold a lid by its knob or by its rim, from above.
 
     Args:
         problem: about the object that it is on.
         lid: what is held.
-
-    Raises:
-        NoPlanError: the hand does not close about it, or it is too low for the fingers.
     """
     target, robot = problem.target, problem.robot
     radius, low, high = held_part(target, lid)
     grip = robot.grasp(2.0 * radius, pinch=True) if _fits(2.0 * radius, robot) else None
     if grip is None:
-        raise _not_that_wide(f"the {target.name}'s lid", [2.0 * radius], robot)
+        return _not_that_wide(f"the {target.name}'s lid", [2.0 * radius], robot)
     # The fingertips stay above what a knob stands on, and below its upper end.
     height = max(0.5 * (low + high), low + grip.ahead + _OVER)
     if height > high - _BORDER:
         numbers = {"height": high - low, "needed": grip.ahead + _OVER + _BORDER}
-        raise no_plan("low_lid", numbers, object=target.name)
+        return dead_end("low_lid", numbers, object=target.name)
     middle = np.array([*lid_middle(target), height])
     both = np.concatenate((_HEADINGS, _HEADINGS + np.pi)) - target.pose.yaw
     return [
@@ -240,15 +236,15 @@ def _fits(width: float, robot: Robot) -> bool:
 
 def _not_that_wide(
     part: str, widths: list[float], robot: Robot, marks: tuple[LengthMark, ...] = ()
-) -> NoPlanError:
+) -> Blocked:
     """Dead end since the hand does not close about an object, or about its lid."""
     if not widths:
-        return no_plan("no_two_sides", part=part)
+        return dead_end("no_two_sides", part=part)
     narrowest, widest = _grasp_widths(robot)
     wide = min(widths) > widest
     width = min(widths) if wide else max(widths)
     numbers = {"width": width, "widest": widest, "narrowest": narrowest}
-    return no_plan("too_wide" if wide else "too_narrow", numbers, marks=marks, part=part)
+    return dead_end("too_wide" if wide else "too_narrow", numbers, marks=marks, part=part)
 
 
 def _width_mark(target: SeenObject, pair: _Sides, robot: Robot) -> LengthMark:

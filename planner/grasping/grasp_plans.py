@@ -8,16 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
 from typing import TypeVar
 
 from planner.grasping.grasp_candidates import Candidate
 from planner.grasping.grasp_selection import GraspLoad, StableGrasp
 from planner.problem.planning_problem import GraspProblem
-from planner.refusals.no_plan import no_grasp_reached, no_plan
+from planner.refusals.blocked import Blocked, dead_end, first_made, no_grasp_reached
 from planner.types.actions import Action, Aim, GraspAction, GraspPrediction, Limits
 from planner.types.plan import DefaultUsed, Plan, PlanTask
-from planner.types.refusal import Alternatives
 from planner.types.robot import FailedHold, ReachAnswer
 
 _TRIES = 2  # of the same
@@ -46,33 +46,29 @@ Way = tuple[StableGrasp | None, MotionDraft]
 HoldT = TypeVar("HoldT", Candidate, GraspLoad)
 
 
-def each_with_each(ways: Sequence[StableGrasp], drafts: Sequence[MotionDraft]) -> list[Way]:
-    """All grasps with all that may be done, the best with the best first."""
+def each_with_each(
+    ways: Sequence[StableGrasp] | Blocked, drafts: Sequence[MotionDraft]
+) -> list[Way] | Blocked:
+    """All grasps, if there are any, with all that may be done, the best with the best first."""
+    if isinstance(ways, Blocked):
+        return ways
     places = product(range(len(ways)), range(len(drafts)))
     return [(ways[i], drafts[j]) for i, j in sorted(places, key=sum)]
 
 
 def first_plan_of_groups(
-    groups: Iterable[list[HoldT]], plan_with: Callable[[list[HoldT]], Plan]
-) -> Plan:
-    """The plan with the first group of grasps for which there is one.
-
-    Raises:
-        NoPlanError: why there is none with the first of them.
-    """
-    tried = Alternatives()
-    for group in groups:
-        with tried:
-            return plan_with(group)
-    raise tried.first
+    groups: Iterable[list[HoldT]] | Blocked, plan_with: Callable[[list[HoldT]], Plan | Blocked]
+) -> Plan | Blocked:
+    """The plan with the first group of grasps, if there are any, for which there is one."""
+    return groups if isinstance(groups, Blocked) else first_made(map(plan_with, groups))
 
 
-def first_reachable_plan(problem: GraspProblem, action: PlanTask, ways: Sequence[Way]) -> Plan:
-    """The first plan that hand and arm can carry out, of some ways, the best first; not empty.
-
-    Raises:
-        NoPlanError: there is none.
-    """
+def first_reachable_plan(
+    problem: GraspProblem, action: PlanTask, ways: Sequence[Way] | Blocked
+) -> Plan | Blocked:
+    """The first plan that hand and arm can carry out, of ways, if there are any, the best first."""
+    if isinstance(ways, Blocked):
+        return ways
     answers: list[ReachAnswer] = []
     unlikely: Plan | None = None
     for number, (hold, draft) in enumerate(ways):
@@ -84,23 +80,18 @@ def first_reachable_plan(problem: GraspProblem, action: PlanTask, ways: Sequence
         if len(answers) == problem.defaults.most_grasps:
             break
         problem.budget.require_rest(problem.target.name, len(ways) - number)
+        ask = partial(problem.robot.reach_plan, made, problem.state)
         failed = _failed_twice(problem, made)
-        answers.append(failed or _robots_answer(problem, made))
+        answers.append(failed or problem.budget.answer_to((made.object, made.actions), ask))
         if answers[-1].ok:
             return made
     doing, name = problem.goal.doing, problem.target.name
     if not answers and unlikely is not None:
         asked = problem.effort.probability
         numbers = {"probability": unlikely.probability, "asked_probability": asked}
-        raise no_plan("unlikely_grasp", numbers, doing=doing, object=name)
+        return dead_end("unlikely_grasp", numbers, doing=doing, object=name)
     held = problem.state.held is not None
-    raise no_grasp_reached(doing, name, answers, problem.spared, held=held)
-
-
-def _robots_answer(problem: GraspProblem, made: Plan) -> ReachAnswer:
-    robot, state = problem.robot, problem.state
-    asked = made.object, made.actions
-    return problem.budget.answer_to(asked, lambda: robot.reach_plan(made, state))
+    return no_grasp_reached(doing, name, answers, problem.spared, held=held)
 
 
 def _failed_twice(problem: GraspProblem, made: Plan) -> ReachAnswer | None:
@@ -109,7 +100,7 @@ def _failed_twice(problem: GraspProblem, made: Plan) -> ReachAnswer | None:
     same = [each for each in failed if each.repeats(made)]
     if len(same) < _TRIES:
         return None
-    return ReachAnswer(ok=False, reason="failed", message=f"tried before: {same[-1].detail}")
+    return ReachAnswer(False, "failed", "tried_before", words={"detail": same[-1].detail})
 
 
 def _plan_with_grasp(

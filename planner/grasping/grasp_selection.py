@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -26,9 +25,8 @@ from objectmodels.models.object_model import ObjectModel
 from objectmodels.safety_figure import SafetyFigure
 from planner.grasping.grasp_candidates import Candidate
 from planner.problem.planning_problem import GraspProblem
-from planner.refusals.no_plan import no_plan
+from planner.refusals.blocked import Blocked, dead_end
 from planner.types.actions import Grasp
-from planner.types.refusal import NoPlanError
 from planner.types.world_state import plain_vector
 
 # How far something leans that a hand holds.
@@ -169,12 +167,10 @@ def held_already(problem: GraspProblem) -> list[StableGrasp]:
     return [] if held is None else [StableGrasp(held.grasp, 1.0)]
 
 
-def stable_grasps(problem: GraspProblem, bearings: Sequence[GraspLoad]) -> list[StableGrasp]:
-    """The grasps that hold, those with most squeeze to spare first.
-
-    Raises:
-        NoPlanError: none does.
-    """
+def stable_grasps(
+    problem: GraspProblem, bearings: Sequence[GraspLoad]
+) -> list[StableGrasp] | Blocked:
+    """The grasps that hold, those with most squeeze to spare first."""
     d, known = problem.defaults, _GraspBeliefs(problem.target.model)
     just, worst = known.squeezes_needed(bearings)
     wanted = problem.force.reserve * just
@@ -189,10 +185,10 @@ def stable_grasps(problem: GraspProblem, bearings: Sequence[GraspLoad]) -> list[
                 "friction": friction(problem.target.model),
             }
             doing, name = problem.goal.doing, problem.target.name
-            raise no_plan("no_squeeze_holds", numbers, doing=doing, object=name)
+            return dead_end("no_squeeze_holds", numbers, doing=doing, object=name)
         if known.probability(bearings[best], needed) < d.probability:
             needed = _free_squeeze(problem, bearings) or needed
-        raise _too_heavy(problem, bearings[best].candidate, needed)
+        return _too_heavy(problem, bearings[best].candidate, needed)
     squeeze = np.minimum(np.maximum(wanted, worst), limit)
     probability = np.array(
         [known.probability(*each) for each in zip(bearings, squeeze, strict=True)]
@@ -202,16 +198,18 @@ def stable_grasps(problem: GraspProblem, bearings: Sequence[GraspLoad]) -> list[
     squeeze[unsure] = limit[unsure]
     for i in np.flatnonzero(unsure & (spare >= 1.0)).tolist():
         probability[i] = known.probability(bearings[i], squeeze[i])
-    leans = [_lean(problem, each.candidate) for each in bearings]
+    model, candidates = problem.target.model, [each.candidate for each in bearings]
+    # Lids do not lean.
+    leans = [Lean.of_grasp(model, each) if each.part == "body" else None for each in candidates]
     upright = np.array([1.0 if u is None else u.probability_within(d.upright) for u in leans])
     holds = (spare >= 1.0) & (probability >= d.probability)
     probability = np.maximum(probability + upright - 1.0, 0.0)
     good = holds & (probability >= d.probability)
     if holds.any() and not good.any():
-        raise _hangs_askew(problem, [leans[i] for i in np.flatnonzero(holds)])
+        return _hangs_askew(problem, [leans[i] for i in np.flatnonzero(holds)])
     if not good.any():
         best = int(np.where(spare >= 1.0, probability, -1.0).argmax())
-        raise _may_slip(problem, bearings, best, float(squeeze[best]), float(probability[best]))
+        return _may_slip(problem, bearings, best, float(squeeze[best]), float(probability[best]))
     order = _order(problem, bearings, upright, spare)
     return [
         StableGrasp(
@@ -249,7 +247,7 @@ def _may_slip(
     best: int,
     squeeze: float,
     probability: float,
-) -> NoPlanError:
+) -> Blocked:
     """Dead end since even the best of the grasps is not sure enough."""
     if free := _free_squeeze(problem, bearings):
         return _too_heavy(problem, bearings[best].candidate, free)
@@ -261,15 +259,11 @@ def _may_slip(
         "probability_then": then,
         "asked_probability": problem.effort.probability,
     }
-    return no_plan("may_slip", numbers, object=problem.target.name, learn=learn)
+    name, model = problem.target.name, problem.target.model
+    return dead_end(f"may_slip.{learn}", numbers, object=name, model=model.name)
 
 
-def _lean(problem: GraspProblem, candidate: Candidate) -> Lean | None:
-    """How an object leans in a grasp; None of a lid."""
-    return Lean.of_grasp(problem.target.model, candidate) if candidate.part == "body" else None
-
-
-def _hangs_askew(problem: GraspProblem, leans: Sequence[Lean | None]) -> NoPlanError:
+def _hangs_askew(problem: GraspProblem, leans: Sequence[Lean | None]) -> Blocked:
     """Dead end since the object would lean in every grasp that holds it."""
     most = problem.defaults.upright
     known = [lean for lean in leans if lean is not None]
@@ -280,7 +274,7 @@ def _hangs_askew(problem: GraspProblem, leans: Sequence[Lean | None]) -> NoPlanE
         "upright": most,
         "probability": best.probability_within(most),
     }
-    return no_plan("hangs_askew", numbers, doing=problem.goal.doing, object=problem.target.name)
+    return dead_end("hangs_askew", numbers, doing=problem.goal.doing, object=problem.target.name)
 
 
 def _free_squeeze(problem: GraspProblem, bearings: Sequence[GraspLoad]) -> float | None:
@@ -288,12 +282,11 @@ def _free_squeeze(problem: GraspProblem, bearings: Sequence[GraspLoad]) -> float
     if math.isinf(problem.force.max):
         return None
     free = replace(problem, force=replace(problem.force, max=math.inf))
-    with suppress(NoPlanError):
-        return stable_grasps(free, bearings)[0].grasp.squeeze
-    return None
+    found = stable_grasps(free, bearings)
+    return None if isinstance(found, Blocked) else found[0].grasp.squeeze
 
 
-def _too_heavy(problem: GraspProblem, candidate: Candidate, wanted: float) -> NoPlanError:
+def _too_heavy(problem: GraspProblem, candidate: Candidate, wanted: float) -> Blocked:
     """Dead end since it takes more squeeze than there is."""
     model, has, force = problem.target.model, candidate.grip.strongest, problem.force
     numbers = {"needed_force": wanted, "strongest": has, "friction": friction(model)}
@@ -305,10 +298,10 @@ def _too_heavy(problem: GraspProblem, candidate: Candidate, wanted: float) -> No
     crush = _crush_force(model, candidate)
     if force.max <= min(has, crush) and wanted <= min(has, crush):
         numbers = {"allowed_force": force.max, **numbers}
-        return no_plan("squeeze_not_allowed", numbers, spans=force.spans, **words)
+        return dead_end("squeeze_not_allowed", numbers, spans=force.spans, **words)
     if crush < has:
-        return no_plan("bears_no_squeeze", {"crush": crush, **numbers}, **words)
-    return no_plan("squeeze_not_there", numbers, **words)
+        return dead_end("bears_no_squeeze", {"crush": crush, **numbers}, **words)
+    return dead_end("squeeze_not_there", numbers, **words)
 
 
 def strongest(problem: GraspProblem, candidate: Candidate) -> float:
@@ -397,15 +390,11 @@ def _grasp_value(
 def _best_experiment(
     model: ObjectModel, bearing: GraspLoad, squeeze: float, found_to: float
 ) -> tuple[str, float]:
-    """The most useful thing to find out first, and the probability of the hold then."""
-    sd = {"finger_friction_sd": model.finger_friction, "mass_sd": model.mass}
-    words = {
-        "finger_friction_sd": f"find out how slippery the {model.name} is to the fingers first",
-        "mass_sd": f"find out the weight of the {model.name} first",
-    }
+    """The parameter most useful to be known, and the probability of the hold then."""
     then = {}
-    for name, mean in sd.items():
-        known = model.model_copy(update={name: min(getattr(model, name), found_to * mean)})
+    for name in ("finger_friction", "mass"):
+        least = min(getattr(model, f"{name}_sd"), found_to * getattr(model, name))
+        known = model.model_copy(update={f"{name}_sd": least})
         then[name] = bearing.lifted_object(known).hold_probability(squeeze)
     best = max(then, key=lambda name: then[name])
-    return words[best], then[best]
+    return best, then[best]

@@ -25,7 +25,7 @@ from planner.grasping.grasp_plans import MotionDraft, each_with_each, first_reac
 from planner.grasping.grasp_selection import GraspLoad, Load, StableGrasp, stable_grasps
 from planner.problem.footprints import footprint, gap, room_to_edge
 from planner.problem.planning_problem import GraspProblem
-from planner.refusals.no_plan import no_plan
+from planner.refusals.blocked import Blocked, dead_end
 from planner.types.actions import (
     Action,
     Aim,
@@ -49,12 +49,8 @@ _AROUND = np.arange(12) * math.tau / 12.0
 _ROOM = 0.05  # between a lid and what stands near it, for the fingers that let go of it [m]
 
 
-def open_lid(problem: GraspProblem) -> Plan | Reached:
-    """Flips, lifts or screws the lid open.
-
-    Raises:
-        NoPlanError: it has none, or would come along with it.
-    """
+def open_lid(problem: GraspProblem) -> Plan | Reached | Blocked:
+    """Flips, lifts or screws the lid open."""
     lid, seen = problem.target.model.lid, problem.target.lid or 0.0
     match lid:
         case FlipLid():
@@ -65,26 +61,20 @@ def open_lid(problem: GraspProblem) -> Plan | Reached:
             if is_off(lid, seen):
                 return Reached(lid=seen)
             found = lift_off(problem.target.model, lid, fixed=problem.target.fixed)
-            _require_still(problem, found)
             pull = PullPrediction(lid_force=found.needed, lifting_force=finite_or_none(found.held))
             ways = _lid_holds(problem, lid, Load(found.needed, lid.retention_sd))
-            return _plan_take_off(problem, lid, ways, found.probability, pull=pull)
+            return _plan_take_off(problem, lid, ways, found, pull=pull)
         case ScrewCap():
             if is_off(lid, seen):
                 return Reached(lid=seen)
             found = unscrew(problem.target.model, lid, fixed=problem.target.fixed)
-            _require_still(problem, found)
             turn = _turn_step(problem, lid, math.tau * lid.turns - seen, found)
-            return _plan_take_off(problem, lid, _cap_holds(problem, lid), found.probability, turn)
-    raise no_plan("no_lid", object=problem.target.name)
+            return _plan_take_off(problem, lid, _cap_holds(problem, lid), found, turn)
+    return dead_end("no_lid", object=problem.target.name)
 
 
-def close_lid(problem: GraspProblem) -> Plan | Reached:
-    """Flips the lid back, or puts it on.
-
-    Raises:
-        NoPlanError: it has none, or nobody knows where it lies.
-    """
+def close_lid(problem: GraspProblem) -> Plan | Reached | Blocked:
+    """Flips the lid back, or puts it on."""
     lid, seen = problem.target.model.lid, problem.target.lid or 0.0
     match lid:
         case FlipLid():
@@ -97,14 +87,15 @@ def close_lid(problem: GraspProblem) -> Plan | Reached:
             if seen <= problem.defaults.lid_closed:
                 return Reached(lid=seen)
             if is_off(lid, seen):
-                raise no_plan("cap_off", object=problem.target.name)
+                return dead_end("cap_off", object=problem.target.name)
             found = unscrew(problem.target.model, lid, fixed=problem.target.fixed)
-            _require_still(problem, found)
+            if why := _why_not_still(problem, found):
+                return why
             turn = _turn_step(problem, lid, -seen, found)
             ways = _cap_holds(problem, lid)
             draft = MotionDraft((turn,), found.probability)
             return first_reachable_plan(problem, "close", each_with_each(ways, [draft]))
-    raise no_plan("no_lid", object=problem.target.name)
+    return dead_end("no_lid", object=problem.target.name)
 
 
 def is_open(seen: SeenObject, defaults: Defaults) -> bool:
@@ -118,15 +109,16 @@ def is_open(seen: SeenObject, defaults: Defaults) -> bool:
     return is_off(lid, angle)
 
 
-def _plan_flip(problem: GraspProblem, lid: FlipLid, action: PlanTask, end: float) -> Plan:
+def _plan_flip(problem: GraspProblem, lid: FlipLid, action: PlanTask, end: float) -> Plan | Blocked:
     target = problem.target
     start = target.lid or 0.0
     arc = flip(target.model, lid, start=start, end=end, fixed=target.fixed)
     if arc.largest_force > problem.force.max:
         numbers = {"needed_force": arc.largest_force, "allowed_force": problem.force.max}
         doing, spans = problem.goal.doing, problem.force.spans
-        raise no_plan("flip_not_allowed", numbers, spans=spans, doing=doing, object=target.name)
-    _require_stand(problem, arc)
+        return dead_end("flip_not_allowed", numbers, spans=spans, doing=doing, object=target.name)
+    if why := _why_not_standing(problem, arc):
+        return why
     most = (1.0 + problem.defaults.force_reserve) * arc.largest_force
     bears = np.minimum(arc.slide, arc.topple)
     # A plan states the limit at every fourth angle of the arc.
@@ -155,12 +147,8 @@ def _plan_flip(problem: GraspProblem, lid: FlipLid, action: PlanTask, end: float
     return first_reachable_plan(problem, action, [(None, draft)])
 
 
-def _require_stand(problem: GraspProblem, arc: FlipArc) -> None:
-    """Make sure that the standing object resists until its lid has moved all the way.
-
-    Raises:
-        NoPlanError: it would slide or topple, or may as its parameters are not known well enough.
-    """
+def _why_not_standing(problem: GraspProblem, arc: FlipArc) -> Blocked | None:
+    """The object would slide or topple before its lid has moved all the way, or may."""
     near, target, d = arc.weakest_index, problem.target, problem.defaults
     forces = {
         "lid_force": float(arc.force[near]),
@@ -180,39 +168,42 @@ def _require_stand(problem: GraspProblem, arc: FlipArc) -> None:
     }
     if arc.least_margin < d.lid_reserve:
         numbers["margin"] = arc.least_margin
-        raise no_plan("gives_way", numbers, reserve=d.lid_reserve, **words)
+        return dead_end("gives_way", numbers, reserve=d.lid_reserve, **words)
     if arc.probability < d.probability:
         asked = problem.effort.probability
         sure = {"probability": arc.probability, "asked_probability": asked}
-        raise no_plan("may_give_way", {**numbers, **sure}, **words)
+        return dead_end("may_give_way", {**numbers, **sure}, **words)
+    return None
 
 
 def _plan_take_off(
     problem: GraspProblem,
     lid: LiftOffLid | ScrewCap,
-    ways: list[StableGrasp],
-    probability: float,
+    ways: list[StableGrasp] | Blocked,
+    found: Loosening,
     *before: Action,
     pull: PullPrediction | None = None,
-) -> Plan:
+) -> Plan | Blocked:
     """A lid that is loose, lifted off and put aside."""
+    if why := _why_not_still(problem, found):
+        return why
     drafts = []
     for spot, tallest in _free_lid_places(problem, lid.radius):
         # Its lower side is as high as the object, and passes over what stands on the way.
         up = max(tallest - problem.target.model.top, 0.0) + problem.defaults.carry_clearance
         steps = (*before, LiftUp(height=up, hold=0.0, prediction=pull), Carry(to=spot), SetDown())
-        drafts.append(MotionDraft(steps, probability))
+        drafts.append(MotionDraft(steps, found.probability))
     if not drafts:
-        raise no_plan("no_room_aside", {"width": 2.0 * lid.radius}, object=problem.target.name)
+        return dead_end("no_room_aside", {"width": 2.0 * lid.radius}, object=problem.target.name)
     return first_reachable_plan(problem, "open", each_with_each(ways, drafts))
 
 
-def _plan_put_on(problem: GraspProblem, lid: LiftOffLid) -> Plan:
+def _plan_put_on(problem: GraspProblem, lid: LiftOffLid) -> Plan | Blocked:
     """A lid that lies aside put on its rim."""
     target, d = problem.target, problem.defaults
     x, y, _ = (target.pose.R_WB @ [*lid_middle(target), 0.0] + target.pose.p_WB).tolist()
     if target.lid_at is None:
-        raise no_plan("lid_not_seen", object=problem.target.name)
+        return dead_end("lid_not_seen", object=problem.target.name)
     press = max(lid.retention, d.lid_press)
     # Pressed on, it must not slide through the fingers.
     ways = _lid_holds(problem, lid, Load(max(press, lid.mass * GRAVITY)))
@@ -222,33 +213,35 @@ def _plan_put_on(problem: GraspProblem, lid: LiftOffLid) -> Plan:
     return first_reachable_plan(problem, "close", each_with_each(ways, [draft]))
 
 
-def _require_still(problem: GraspProblem, found: Loosening) -> None:
-    """Make sure that the object stays where it is while its lid comes off.
-
-    Raises:
-        NoPlanError: it would be lifted or turned, or may as what is believed is not sure enough.
-    """
+def _why_not_still(problem: GraspProblem, found: Loosening) -> Blocked | None:
+    """The object would be lifted or turned as its lid comes off, or may."""
     name, asked = problem.target.name, problem.effort.probability
     screwed = isinstance(problem.target.model.lid, ScrewCap)
     numbers = {"needed": found.needed, "held": found.held, "margin": found.margin}
     if found.margin < problem.defaults.lid_reserve:
-        raise no_plan("turned_along" if screwed else "pulled_along", numbers, object=name)
+        return dead_end("turned_along" if screwed else "pulled_along", numbers, object=name)
     if found.probability < asked:
         numbers |= {"probability": found.probability, "asked_probability": asked}
         code = "may_be_turned_along" if screwed else "may_be_pulled_along"
-        raise no_plan(code, numbers, object=name)
+        return dead_end(code, numbers, object=name)
+    return None
 
 
-def _cap_holds(problem: GraspProblem, cap: ScrewCap) -> list[StableGrasp]:
+def _cap_holds(problem: GraspProblem, cap: ScrewCap) -> list[StableGrasp] | Blocked:
     """Grasps of a cap that is turned: friction at its rim bears the torque."""
     radius, *_ = held_part(problem.target, cap)
     torque = cap.friction_torque / radius
     return _lid_holds(problem, cap, Load(torque, cap.friction_torque_sd / radius))
 
 
-def _lid_holds(problem: GraspProblem, lid: LiftOffLid | ScrewCap, load: Load) -> list[StableGrasp]:
+def _lid_holds(
+    problem: GraspProblem, lid: LiftOffLid | ScrewCap, load: Load
+) -> list[StableGrasp] | Blocked:
     """Grasps of a lid at which something pulls."""
-    return stable_grasps(problem, [GraspLoad(each, load) for each in lid_candidates(problem, lid)])
+    found = lid_candidates(problem, lid)
+    if isinstance(found, Blocked):
+        return found
+    return stable_grasps(problem, [GraspLoad(each, load) for each in found])
 
 
 def _turn_step(problem: GraspProblem, cap: ScrewCap, angle: float, found: Loosening) -> TurnCap:

@@ -23,6 +23,7 @@ from objectmodels.models.object_model import Resting
 from planner.grasping.grasp_candidates import Candidate, body_candidates
 from planner.grasping.grasp_plans import (
     MotionDraft,
+    Way,
     each_with_each,
     first_plan_of_groups,
     first_reachable_plan,
@@ -35,7 +36,7 @@ from planner.problem.places import WALL_ROOM, InBox, object_at, region
 from planner.problem.planning_problem import GraspProblem, value_in_bound
 from planner.problem.predicted_states import standing_object
 from planner.problem.stacks import level_top, put_on, stack_with, stacked_bodies
-from planner.refusals.no_plan import Spans, no_plan
+from planner.refusals.blocked import Blocked, Spans, all_made, dead_end
 from planner.types.actions import (
     Action,
     Aim,
@@ -47,7 +48,6 @@ from planner.types.actions import (
     TurnOver,
 )
 from planner.types.plan import DefaultUsed, Plan, Reached
-from planner.types.refusal import Alternatives, NoPlanError
 from planner.types.world_state import SeenObject
 
 # Whether something stands where it is to be put on another object, or into it.
@@ -56,63 +56,53 @@ from planner.types.world_state import SeenObject
 # well as hands put things down. Frame: W.
 
 
-def require_level_top(lower: SeenObject) -> None:
-    """Make sure that something may stand on an object.
-
-    Raises:
-        NoPlanError: its top is not level, or it has a lid.
-    """
-    if level_top(lower) is None:
-        is_open = lower.attitude is None and lower.model.inside is not None
-        instead = (f"put it into the {lower.name}",) if is_open else ()
-        raise no_plan("no_level_top", other=lower.name, instead=instead)
+def why_not_upon(lower: SeenObject) -> Blocked | None:
+    """The top of an object is not level, or it has a lid, so that nothing may stand on it."""
+    if level_top(lower) is not None:
+        return None
+    is_open = lower.attitude is None and lower.model.inside is not None
+    return dead_end("no_level_top.open" if is_open else "no_level_top", other=lower.name)
 
 
-def require_room_inside(problem: GraspProblem, box: SeenObject) -> None:
-    """Make sure that an object finds a place in another one.
-
-    Raises:
-        NoPlanError: that one is no open box, or too small, or full.
-    """
+def why_not_inside(problem: GraspProblem, box: SeenObject) -> Blocked | None:
+    """An object finds no place in another one, that is no open box, or too small, or full."""
     goal, own = problem.frame.goal, problem.target
     assert isinstance(goal, g.Place), "it is put there"
     place = region(goal, problem.state, problem.defaults, own)
     if not isinstance(place, InBox) or box.attitude is not None:
-        raise no_plan("not_open", object=own.name, other=box.name)
+        return dead_end("not_open", object=own.name, other=box.name)
     if (excess := place.excess(own)) > 0.0:
         numbers = {"excess": excess, "room": WALL_ROOM}
-        raise no_plan("too_long_for_box", numbers, object=own.name, other=box.name)
+        return dead_end("too_long_for_box", numbers, object=own.name, other=box.name)
     if not place.spots(own):
         inside = [seen.name for seen in place.contents if seen.name != own.name]
-        raise no_plan("box_is_full", object=own.name, box=box.name, other=inside[0])
+        return dead_end("box_is_full", object=own.name, box=box.name, other=inside[0])
+    return None
 
 
-def step_onto(problem: GraspProblem, there: SeenObject) -> SetOn:
+def step_onto(problem: GraspProblem, there: SeenObject) -> SetOn | Blocked:
     """The step that puts an object on another one, with what is predicted of it.
 
     Args:
         problem: whose object it is.
         there: the object, where it is to stand.
-
-    Raises:
-        NoPlanError: it falls into that one, or the stack does not surely stand.
     """
     assert there.on is not None, "it is put on something"
     lower = problem.state.objects[there.on]
     name = there.name
     if not _covers_opening(there, lower):
-        raise no_plan("falls_in", object=name, other=lower.name)
+        return dead_end("falls_in", object=name, other=lower.name)
     # Standard deviation of where a hand puts something, along each axis [m].
     bodies = stacked_bodies(stack_with(there, problem.state.objects), name, 0.003)
     margin, stands = float(stack_margins(bodies).min()), standing_probability(bodies)
     if margin < 0.0:
-        raise no_plan(
+        return dead_end(
             "overhangs", {"margin": margin, "beyond": -margin}, object=name, other=lower.name
         )
     asked = problem.effort.probability
     if stands < asked:
         numbers = {"margin": margin, "probability": stands, "asked_probability": asked}
-        raise no_plan("may_fall_off", numbers, object=name, other=lower.name)
+        return dead_end("may_fall_off", numbers, object=name, other=lower.name)
     prediction = StandPrediction(margin=margin, stands=stands)
     inside = lower.model.inside is not None
     return SetOn(onto=lower.name, height=there.pose.z, inside=inside, prediction=prediction)
@@ -137,31 +127,24 @@ _SPOTS = 6  # on top of an object that are looked at
 _BESIDE = 1e-6  # what ends no more than so much higher than another begins is below it [m]
 
 
-def lift(problem: GraspProblem, goal: g.Lift) -> Plan | Reached:
-    """Straight up, from the table or from where it is held; down if it is held too high.
-
-    Raises:
-        NoPlanError: it cannot be held, or not be lifted so far.
-    """
-    require_liftable(problem)
+def lift(problem: GraspProblem, goal: g.Lift) -> Plan | Reached | Blocked:
+    """Straight up, from the table or from where it is held; down if it is held too high."""
+    if why := why_not_liftable(problem):
+        return why
     height, used = _lift_height(problem, goal)
     if abs(height) < problem.defaults.aim_position:
         return Reached()
     draft = MotionDraft((LiftUp(height=height),), defaults=used)
 
-    def lift_plan(grasps: list[StableGrasp]) -> Plan:
+    def lift_plan(grasps: list[StableGrasp]) -> Plan | Blocked:
         ways = sorted(grasps, key=partial(_pours_beside, problem))
         return first_reachable_plan(problem, "lift", each_with_each(ways, [draft]))
 
     return _plan_with_grasps(problem, lift_plan)
 
 
-def set_down(problem: GraspProblem) -> Plan | Reached:
-    """Down where it is held; what stands on another object is put on the table beside that.
-
-    Raises:
-        NoPlanError: nothing can stand there.
-    """
+def set_down(problem: GraspProblem) -> Plan | Reached | Blocked:
+    """Down where it is held; what stands on another object is put on the table beside that."""
     lower = problem.target.on
     if problem.state.held is None and lower is not None:
         off = g.Place(relation="off", reference=(g.ObjectRef(text=lower, id=lower),))
@@ -169,42 +152,52 @@ def set_down(problem: GraspProblem) -> Plan | Reached:
         return place(replace(problem, frame=frame))
     if problem.state.held is None:
         return Reached()  # it stands on the table
-    require_room(problem, problem.target, {})
+    if why := why_no_room(problem, problem.target, {}):
+        return why
     draft = MotionDraft((SetDown(),), aim=pose_as_aim(problem.target))
     return first_reachable_plan(problem, "place", each_with_each(held_already(problem), [draft]))
 
 
-def place(problem: GraspProblem) -> Plan:
-    """To a place: up, over and down.
-
-    Raises:
-        NoPlanError: it cannot be held, the place is not free, or the hand does not get there.
-    """
-    require_liftable(problem)
-    lower = _object_below(problem)
+def place(problem: GraspProblem) -> Plan | Blocked:
+    """To a place: up, over and down."""
+    if why := why_not_liftable(problem):
+        return why
+    lower, goal = _object_below(problem), problem.frame.goal
     if lower is not None:
-        goal = problem.frame.goal
-        if isinstance(goal, g.Place) and goal.relation == "in":
-            require_room_inside(problem, lower)
-        else:
-            require_level_top(lower)
+        inside = isinstance(goal, g.Place) and goal.relation == "in"
+        if why := why_not_inside(problem, lower) if inside else why_not_upon(lower):
+            return why
     found = find_goal_poses(problem)
-    drafts, places = [], Alternatives()
-    for aim in found.goal.aims:
-        with places:
-            there = put_on(object_at(problem.target, np.array([aim.x, aim.y])), lower)
-            require_room(problem, there, dict(found.goal.near))
-            last = SetDown() if lower is None else step_onto(problem, there)
-            steps = (*lift_steps(problem, clearance_height(problem, aim)), Carry(to=aim), last)
-            stands = last.prediction.stands if isinstance(last, SetOn) else 1.0
-            drafts.append(MotionDraft(steps, stands, aim=aim, defaults=found.defaults_used))
-    if not drafts:
-        raise places.first
+    if isinstance(found, Blocked):
+        return found
+    near, used = dict(found.goal.near), found.defaults_used
+    drafts = all_made(_draft_to(problem, aim, lower, near, used) for aim in found.goal.aims)
+    if isinstance(drafts, Blocked):
+        return drafts
     drafts = sorted(drafts, key=lambda draft: -round(draft.probability, 3))[:_SPOTS]
     return _plan_with_grasps(
         problem,
         lambda grasps: first_reachable_plan(problem, "place", each_with_each(grasps, drafts)),
     )
+
+
+def _draft_to(
+    problem: GraspProblem,
+    aim: Aim,
+    lower: SeenObject | None,
+    near: dict[str, float],
+    used: tuple[DefaultUsed, ...],
+) -> MotionDraft | Blocked:
+    """The steps to an aim, on the table or on an object below."""
+    there = put_on(object_at(problem.target, np.array([aim.x, aim.y])), lower)
+    if why := why_no_room(problem, there, near):
+        return why
+    last = SetDown() if lower is None else step_onto(problem, there)
+    if isinstance(last, Blocked):
+        return last
+    steps = (*lift_steps(problem, clearance_height(problem, aim)), Carry(to=aim), last)
+    stands = last.prediction.stands if isinstance(last, SetOn) else 1.0
+    return MotionDraft(steps, stands, aim=aim, defaults=used)
 
 
 def _pours_beside(problem: GraspProblem, hold: StableGrasp) -> bool:
@@ -218,34 +211,40 @@ def _pours_beside(problem: GraspProblem, hold: StableGrasp) -> bool:
 
 
 def _plan_with_grasps(
-    problem: GraspProblem, plan_with: Callable[[list[StableGrasp]], Plan]
-) -> Plan:
+    problem: GraspProblem, plan_with: Callable[[list[StableGrasp]], Plan | Blocked]
+) -> Plan | Blocked:
     """The plan with the grasp that holds an object, or with one of those that would."""
     if held := held_already(problem):
         return plan_with(held)
 
-    def with_group(group: list[Candidate]) -> Plan:
-        return plan_with(stable_grasps(problem, [GraspLoad(each) for each in group]))
+    def with_group(group: list[Candidate]) -> Plan | Blocked:
+        found = stable_grasps(problem, [GraspLoad(each) for each in group])
+        return found if isinstance(found, Blocked) else plan_with(found)
 
     return first_plan_of_groups(body_candidates(problem), with_group)
 
 
-def require_liftable(problem: GraspProblem) -> None:
-    """Make sure that the object may leave the table.
-
-    Raises:
-        NoPlanError: a holder or the sentence keeps it there.
-    """
+def why_not_liftable(problem: GraspProblem) -> Blocked | None:
+    """A holder or the sentence keeps the object on the table."""
     if problem.target.fixed:
-        raise no_plan("is_fixed", doing=problem.goal.doing, object=problem.target.name)
+        return dead_end("is_fixed", doing=problem.goal.doing, object=problem.target.name)
     if problem.motion.on_the_table:
-        raise forbidden_meanwhile(problem, problem.motion.on_the_table, "takes it off the table")
+        return _forbidden(problem, problem.motion.on_the_table, "takes it off the table")
+    return None
 
 
-def forbidden_meanwhile(problem: GraspProblem, spans: Spans, what: str) -> NoPlanError:
+def why_not_tiltable(problem: GraspProblem) -> Blocked | None:
+    """A holder or the sentence keeps the object on the table, or upright."""
+    why = why_not_liftable(problem)
+    if why is None and problem.motion.upright:
+        return _forbidden(problem, problem.motion.upright, "tilts it")
+    return why
+
+
+def _forbidden(problem: GraspProblem, spans: Spans, what: str) -> Blocked:
     """Dead end since the sentence asks for something and forbids what that takes."""
     doing, name = problem.goal.doing, problem.target.name
-    return no_plan("forbidden_meanwhile", spans=spans, doing=doing, object=name, forbidden=what)
+    return dead_end("forbidden_meanwhile", spans=spans, doing=doing, object=name, forbidden=what)
 
 
 def clearance_height(problem: GraspProblem, to: Aim) -> float:
@@ -282,12 +281,8 @@ def _object_below(problem: GraspProblem) -> SeenObject | None:
     return problem.state.objects[goal.reference[0].id or ""]
 
 
-def require_room(problem: GraspProblem, there: SeenObject, near: dict[str, float]) -> None:
-    """Make sure that an object, or a lid, can stand `there`, `near` others as close as said [m].
-
-    Raises:
-        NoPlanError: something else stands there, or the table ends.
-    """
+def why_no_room(problem: GraspProblem, there: SeenObject, near: dict[str, float]) -> Blocked | None:
+    """An object, or a lid, cannot stand `there`, `near` others as close as said [m]."""
     own, kept = footprint(there), dict(problem.motion.clear_of)
     for name, seen in problem.others.items():
         if name == there.on or there.pose.z > seen.top_height - _BESIDE:
@@ -295,9 +290,10 @@ def require_room(problem: GraspProblem, there: SeenObject, near: dict[str, float
         # Share of a wanted gap that must be left where something is put.
         apart = min(problem.clearance(seen), 0.5 * near.get(name, np.inf))
         if gap(own, footprint(seen)) < max(apart, kept.get(name, 0.0)):
-            raise no_plan("place_taken", what=f"the {problem.target.name}", other=name)
+            return dead_end("place_taken", what=f"the {problem.target.name}", other=name)
     if room_to_edge(own, problem.state.table, problem.defaults.clearance) < 0.0:
-        raise no_plan("table_ends", what=f"the {problem.target.name}")
+        return dead_end("table_ends", what=f"the {problem.target.name}")
+    return None
 
 
 def _lift_height(problem: GraspProblem, goal: g.Lift) -> tuple[float, tuple[DefaultUsed, ...]]:
@@ -327,33 +323,34 @@ _ASIDE = np.radians([0.0, 40.0, -40.0, 80.0, -80.0])  # of a hand in the end, of
 _SAMPLES = 32  # orientations on the way that are looked at
 
 
-def stand_up(problem: GraspProblem) -> Plan | Reached:
-    """Lifts what lies and sets it down on its own bottom; what is held upright is set down.
-
-    Raises:
-        NoPlanError: it cannot be held, there is no room, or the hand does not get around.
-    """
+def stand_up(problem: GraspProblem) -> Plan | Reached | Blocked:
+    """Lifts what lies and sets it down on its own bottom; what is held upright is set down."""
     rest = problem.target.rest
     if held_already(problem):
         if rest is None:
             return set_down(problem)
-        raise no_plan("hand_not_free", object=problem.target.name)
+        return dead_end("hand_not_free", object=problem.target.name)
     if rest is None:
         return Reached()
-    require_liftable(problem)
-    if problem.motion.upright:
-        raise forbidden_meanwhile(problem, problem.motion.upright, "tilts it")
+    if why := why_not_tiltable(problem):
+        return why
+    groups = body_candidates(problem)
+    if isinstance(groups, Blocked):
+        return groups
 
-    def with_loads(loads: list[GraspLoad]) -> Plan:
-        return _first_way(problem, rest, stable_grasps(problem, loads))
+    def with_loads(loads: list[GraspLoad]) -> Plan | Blocked:
+        found = stable_grasps(problem, loads)
+        if isinstance(found, Blocked):
+            return found
+        turns = all_made(_turning_way(problem, rest, hold) for hold in found)
+        return first_reachable_plan(problem, "stand", turns)
 
     loads = (
-        [load for each in group for load in _turned(each, rest, problem.target)]
-        for group in body_candidates(problem)
+        [load for each in group for load in _turned(each, rest, problem.target)] for group in groups
     )
     some = [group for group in loads if group]
     if not some:
-        raise no_plan("hand_from_below", object=problem.target.name)
+        return dead_end("hand_from_below", object=problem.target.name)
     return first_plan_of_groups(some, with_loads)
 
 
@@ -385,19 +382,8 @@ def _lean_onto(foot: Array) -> Array:
     return axis_rotation(axis / np.linalg.norm(axis), angle)
 
 
-def _first_way(problem: GraspProblem, rest: Resting, ways: list[StableGrasp]) -> Plan:
-    """The first of some turns, the best held first, that hand and arm can make."""
-    drafts, places = [], Alternatives()
-    for hold in ways:
-        with places:
-            drafts.append((hold, _motion_draft(problem, rest, hold)))
-    if not drafts:
-        raise places.first
-    return first_reachable_plan(problem, "stand", drafts)
-
-
-def _motion_draft(problem: GraspProblem, rest: Resting, hold: StableGrasp) -> MotionDraft:
-    """The steps after the grasp."""
+def _turning_way(problem: GraspProblem, rest: Resting, hold: StableGrasp) -> Way | Blocked:
+    """A hold, and the steps after the grasp."""
     assert hold.turned is not None, "it is turned"
     target, middle = problem.target, np.array(hold.grasp.p_BG)
     R_WN, angle = target.pose.R_WB, float(np.linalg.norm(hold.turned))
@@ -405,7 +391,8 @@ def _motion_draft(problem: GraspProblem, rest: Resting, hold: StableGrasp) -> Mo
     R_WE = axis_rotation(axis, angle) @ R_WN
     R_WB, p_WB = rest.body_pose(R_WE, target.pose.p_WB + R_WN @ middle - R_WE @ middle)
     aim = Aim(x=float(p_WB[0]), y=float(p_WB[1]), yaw=heading_of(R_WB[:, 0]))
-    require_room(problem, standing_object(target, aim), {})
+    if why := why_no_room(problem, standing_object(target, aim), {}):
+        return why
     here = Aim(x=target.pose.x, y=target.pose.y)
     # Lifted so, it clears the table while it turns.
     ways = axis_rotation(hold.turned / angle, np.linspace(0.0, angle, _SAMPLES))
@@ -419,4 +406,4 @@ def _motion_draft(problem: GraspProblem, rest: Resting, hold: StableGrasp) -> Mo
         TurnOver(axis_W=(x, y, z), angle=angle),
         SetDown(),
     )
-    return MotionDraft(steps, aim=aim)
+    return hold, MotionDraft(steps, aim=aim)

@@ -28,7 +28,7 @@ from planner.grasping.grasp_selection import GraspLoad, StableGrasp, held_alread
 from planner.grasping.lid_planner import is_open
 from planner.problem.directions import heading_of, unit
 from planner.problem.planning_problem import GraspProblem
-from planner.refusals.no_plan import no_plan
+from planner.refusals.blocked import Blocked, dead_end
 from planner.types.actions import Action, Aim, Carry, PourOut, PourPrediction, SetDown
 from planner.types.defaults import Defaults
 from planner.types.plan import DefaultUsed, Plan, Reached
@@ -56,19 +56,15 @@ class Hollow:
     vessel: Vessel
 
     @classmethod
-    def from_object(cls, seen: SeenObject, defaults: Defaults) -> Hollow:
-        """An object as a container.
-
-        Raises:
-            NoPlanError: it is none, lies, or is closed.
-        """
+    def from_object(cls, seen: SeenObject, defaults: Defaults) -> Hollow | Blocked:
+        """An object as a container, or why it is none, or not open."""
         if seen.lies_on != "bottom":
-            raise no_plan("container_lies", object=seen.name)
+            return dead_end("container_lies", object=seen.name)
         container, vessel = seen.model.container, seen.model.vessel
         if container is None or vessel is None:
-            raise no_plan("no_container", object=seen.name)
+            return dead_end("no_container", object=seen.name)
         if not is_open(seen, defaults):
-            raise no_plan("is_closed", object=seen.name)
+            return dead_end("is_closed", object=seen.name)
         return cls(seen, container, vessel)
 
     @property
@@ -96,27 +92,24 @@ class Amount:
 
 def poured_amount(
     problem: GraspProblem, source: Hollow, into: Hollow, goal: g.Pour
-) -> Amount | None:
-    """Volume that is poured; None if it is filled as far as it should be already.
-
-    Raises:
-        NoPlanError: there is not so much, or it does not fit.
-    """
+) -> Amount | Blocked | None:
+    """Volume that is poured; None if it is filled as far as it should be already."""
     has, room, d = source.container.contents, into.room, problem.defaults
     if has < _DROP:
-        raise no_plan("is_empty", {"contents": 0.0}, object=problem.target.name)
+        return dead_end("is_empty", {"contents": 0.0}, object=problem.target.name)
     wanted, used = _wanted_volume(source, into, goal, d)
     if goal.fill is not None and wanted < _DROP:
         return None
     if wanted > room:
         numbers = {"volume": wanted, "room": max(room, 0.0), "contents": has}
         code = "does_not_fit" if has > room else "all_does_not_fit"
-        words = {"into": into.seen.name, "surely": _surely_poured(source, into, d)}
-        raise no_plan(code if room > 0.0 else "is_full", numbers, spans=goal.spans, **words)
+        code = code if room > 0.0 else "is_full"
+        surely = _surely_poured(source, into, d)
+        return dead_end(code, numbers, spans=goal.spans, into=into.seen.name, surely=surely)
     if wanted > has:
         numbers = {"volume": wanted, "contents": has}
-        words = {"object": problem.target.name, "surely": _surely_poured(source, into, d)}
-        raise no_plan("not_so_much", numbers, spans=goal.spans, **words)
+        name, surely = problem.target.name, _surely_poured(source, into, d)
+        return dead_end("not_so_much", numbers, spans=goal.spans, object=name, surely=surely)
     everything = goal.volume is None and goal.fill is None and wanted > has - _DROP
     return Amount(wanted, room, everything, used)
 
@@ -182,22 +175,23 @@ class Motion:
     probability: float
 
 
-def pour_out(problem: GraspProblem, goal: g.Pour) -> Plan | Reached:
-    """Lifts a container, pours from it and sets it down again.
-
-    Raises:
-        NoPlanError: nothing runs out, it does not fit, or it would be spilled.
-    """
+def pour_out(problem: GraspProblem, goal: g.Pour) -> Plan | Reached | Blocked:
+    """Lifts a container, pours from it and sets it down again."""
     if goal.into is None:
-        raise no_plan("into_nothing", spans=goal.spans, object=problem.target.name)
+        return dead_end("into_nothing", spans=goal.spans, object=problem.target.name)
     if goal.into.id == problem.target.name:
-        raise no_plan("into_itself", spans=goal.spans, object=problem.target.name)
+        return dead_end("into_itself", spans=goal.spans, object=problem.target.name)
     source = Hollow.from_object(problem.target, problem.defaults)
+    if isinstance(source, Blocked):
+        return source
     into = Hollow.from_object(problem.state.objects[goal.into.id or ""], problem.defaults)
-    lift_planner.require_liftable(problem)
-    if problem.motion.upright:
-        raise lift_planner.forbidden_meanwhile(problem, problem.motion.upright, "tilts it")
+    if isinstance(into, Blocked):
+        return into
+    if why := lift_planner.why_not_tiltable(problem):
+        return why
     wanted = poured_amount(problem, source, into, goal)
+    if isinstance(wanted, Blocked):
+        return wanted
     return Reached() if wanted is None else _Pouring(problem, source, into, wanted).best()
 
 
@@ -209,23 +203,31 @@ class _Pouring:
         slower = problem.motion.speed / problem.defaults.carry_speed
         self._rate = problem.defaults.pour_rate * min(slower, 1.0)
 
-    def best(self) -> Plan:
+    def best(self) -> Plan | Blocked:
         """The first way that hand and arm can go."""
         problem, held = self._problem, held_already(self._problem)
         if not held:
             return first_plan_of_groups(body_candidates(problem), self._best_with)
         closing = [np.array(held[0].grasp.closing_W) @ problem.target.pose.R_WB]
         motions = self._likely_motions(closing)
+        if isinstance(motions, Blocked):
+            return motions
         ways = [replace(held[0], lean=motion.lean) for motion in motions.values()]
         return self._first_way(ways, motions)
 
-    def _best_with(self, each: list[Candidate]) -> Plan:
+    def _best_with(self, each: list[Candidate]) -> Plan | Blocked:
         """The first way with one of some grasps."""
         motions = self._likely_motions([candidate.closing for candidate in each])
+        if isinstance(motions, Blocked):
+            return motions
         ways = stable_grasps(self._problem, self._grasp_loads(each, motions))
-        return self._first_way(sorted(ways, key=_comes_from_above), motions)
+        if isinstance(ways, Blocked):
+            return ways
+        # The hand had better be beside what pours, not over it.
+        beside_first = sorted(ways, key=lambda hold: hold.grasp.approach_W[2] < -0.5)
+        return self._first_way(beside_first, motions)
 
-    def _first_way(self, ways: list[StableGrasp], motions: dict[int, Motion]) -> Plan:
+    def _first_way(self, ways: list[StableGrasp], motions: dict[int, Motion]) -> Plan | Blocked:
         """The first of some grasps with some motions that hand and arm can go."""
         drafts = {k: [self._motion_draft(m, turn) for turn in _TURNS] for k, m in motions.items()}
         ranked = [
@@ -257,14 +259,14 @@ class _Pouring:
             if off < 0.001 or side * closing @ opening > lift_planner.TO_THE_SIDE * off
         ]
 
-    def _likely_motions(self, closing: list[Array]) -> dict[int, Motion]:
+    def _likely_motions(self, closing: list[Array]) -> dict[int, Motion] | Blocked:
         """The motion for each direction in which it may lean, if it is likely enough."""
         leans = {_lean_key(lean): lean for each in closing for lean in self._lean_directions(each)}
         if not leans:
             held = self._problem.state.held is not None
             code = "wrong_side_in_hand" if held else "wrong_side"
             holds = "is held" if held else "can be held"
-            raise no_plan(code, object=self._problem.target.name, holds=holds)
+            return dead_end(code, object=self._problem.target.name, holds=holds)
         found = {key: self._pour_motion(lean) for key, lean in leans.items()}
         best = max(found.values(), key=lambda motion: motion.probability)
         if best.probability < self._problem.effort.probability:
@@ -276,7 +278,7 @@ class _Pouring:
                 "asked_probability": self._problem.effort.probability,
             }
             name, into = self._problem.target.name, self._into.seen.name
-            raise no_plan("may_spill", numbers, object=name, into=into)
+            return dead_end("may_spill", numbers, object=name, into=into)
         asked = self._problem.effort.probability
         return {key: motion for key, motion in found.items() if motion.probability >= asked}
 
@@ -357,11 +359,6 @@ def _lean_key(lean: float | None) -> int:
     """A direction in whole degrees."""
     assert lean is not None, "it is tilted"
     return round(math.degrees(lean)) % 360
-
-
-def _comes_from_above(hold: StableGrasp) -> bool:
-    """The hand had better be beside what pours, not over it."""
-    return hold.grasp.approach_W[2] < -0.5
 
 
 def _all_of_it(vessel: Vessel, volume: float, lean: float, rate: float) -> tuple[float, float]:

@@ -30,19 +30,10 @@ from planner.problem.planning_problem import (
     PushProblem,
     value_in_bound,
 )
-from planner.refusals.no_plan import (
-    QUANTITIES,
-    length_mark,
-    no_plan,
-    not_capable,
-    refusal,
-    tilt_mark,
-    unsupported_while,
-)
+from planner.refusals.blocked import QUANTITIES, Blocked, dead_end, length_mark, tilt_mark
 from planner.types.actions import Aim, Limits, Prediction, Push
 from planner.types.defaults import Defaults
 from planner.types.plan import LIFT_SPEED, reached_speed
-from planner.types.refusal import NoPlanError, Refusal
 from planner.types.world_state import SeenObject
 
 Band = tuple[float, float, str]
@@ -84,22 +75,11 @@ def _with_heights(
     return replace(problem, contact=contact)
 
 
-def limit_push_contact(problem: PushProblem, clause: g.ContactRegion) -> PushProblem:
-    """The problem with a push on one face, or between two heights.
-
-    Raises:
-        NoPlanError: the face is the top one, on which a fingertip presses to draw an object along,
-            and something else is asked.
-    """
+def limit_push_contact(problem: PushProblem, clause: g.ContactRegion) -> PushProblem | Blocked:
+    """The problem with a push on one face, or between two heights."""
     goal = problem.goal
     if clause.face == "top" and (not goal.aims or goal.rotates or goal.until is not None):
-        raise not_capable(
-            "pushing on the top face",
-            "a fingertip on the top face draws an object along, over a distance or to a place; it "
-            "does nothing else there",
-            clause.spans,
-            "say “at the top” for the upper third of a side face",
-        )
+        return dead_end("not_capable.top_face", spans=clause.spans)
     if clause.face is not None:
         if goal.outcome == "topple" and goal.heading is None:
             push = next(d for d, face in FACE_OF_PUSH.items() if face == clause.face)
@@ -109,39 +89,23 @@ def limit_push_contact(problem: PushProblem, clause: g.ContactRegion) -> PushPro
     return _with_heights(problem, clause)
 
 
-def limit_grasp_contact(problem: GraspProblem, clause: g.ContactRegion) -> GraspProblem:
-    """The problem with a grasp between two heights.
-
-    Raises:
-        NoPlanError: a face is named.
-    """
+def limit_grasp_contact(problem: GraspProblem, clause: g.ContactRegion) -> GraspProblem | Blocked:
+    """The problem with a grasp between two heights."""
     if clause.face is not None:
-        raise unsupported_while("touching a named face", problem.goal.doing, clause.spans)
+        return _unsupported_while("touching a named face", problem.goal.doing, clause.spans)
     return _with_heights(problem, clause)
 
 
-def limit_fingertips(problem: PushProblem, clause: g.Effector) -> PushProblem:
-    """The problem with the number of fingertips that a sentence asks for.
-
-    Raises:
-        NoPlanError: the robot does not push with what is asked for.
-    """
-    _require_right(clause)
+def limit_fingertips(problem: PushProblem, clause: g.Effector) -> PushProblem | Blocked:
+    """The problem with the number of fingertips that a sentence asks for."""
+    if why := _why_not_right(clause):
+        return why
     if clause.tool == "arm" or (clause.tool == "hand" and clause.side is None):
-        raise not_capable(
-            f"pushing with the {clause.tool}",
-            f"this robot pushes with its fingertips, not with the {clause.tool}",
-            clause.spans,
-            "say “with one finger” or “with two fingers”",
-        )
+        return dead_end("not_capable.tool", spans=clause.spans, tool=clause.tool)
     if clause.tool != "finger" or clause.count is None:
         return problem
     if clause.count > 2:
-        raise not_capable(
-            f"pushing with {clause.count} fingers",
-            "this robot pushes with one or two fingertips",
-            clause.spans,
-        )
+        return dead_end("not_capable.fingers", spans=clause.spans, count=clause.count)
     contact = replace(
         problem.contact,
         fingers=(2,) if clause.count == 2 else (1,),
@@ -150,32 +114,23 @@ def limit_fingertips(problem: PushProblem, clause: g.Effector) -> PushProblem:
     return replace(problem, contact=contact)
 
 
-def require_whole_hand(problem: GraspProblem, clause: g.Effector) -> GraspProblem:
-    """The same problem; a whole hand does it, or one fingertip if it flips a lid.
-
-    Raises:
-        NoPlanError: the sentence asks for something else.
-    """
-    _require_right(clause)
+def require_whole_hand(problem: GraspProblem, clause: g.Effector) -> GraspProblem | Blocked:
+    """The same problem; a whole hand does it, or one fingertip if it flips a lid."""
+    if why := _why_not_right(clause):
+        return why
     doing = problem.goal.doing
     fingertip = isinstance(problem.target.model.lid, FlipLid) and doing in ("opening", "closing")
     if clause.tool == "arm" or (clause.tool == "finger" and not fingertip):
         which = "fingers" if clause.tool == "finger" else "the arm"
-        raise unsupported_while(f"using only {which}", doing, clause.spans)
+        return _unsupported_while(f"using only {which}", doing, clause.spans)
     if clause.tool == "finger" and (clause.count or 1) > 1:
-        raise unsupported_while(f"using {clause.count} fingers", doing, clause.spans)
+        return _unsupported_while(f"using {clause.count} fingers", doing, clause.spans)
     return problem
 
 
-def _require_right(clause: g.Effector) -> None:
+def _why_not_right(clause: g.Effector) -> Blocked | None:
     """The robot has no left hand."""
-    if clause.side == "left":
-        raise not_capable(
-            "a second (left) hand",
-            "this robot has one hand, a right one",
-            clause.spans,
-            "leave out which hand, or say the right one",
-        )
+    return dead_end("not_capable.left", spans=clause.spans) if clause.side == "left" else None
 
 
 # Tilting an object and letting it back onto its base: how far, and whether it surely comes back.
@@ -230,32 +185,29 @@ def spill_tilt(target: SeenObject, sigmas: float) -> float | None:
     return float(vessel.spill_angle(volume, headings).min())
 
 
-def require_free_tilt(
+def why_not_tilted(
     problem: PushProblem, normal: ArrayLike, u: NDArray[np.float64], angle: float
-) -> None:
-    """Make sure that a tilt neither ends in a fall nor hits anything.
+) -> Blocked | None:
+    """A tilt may end in a fall, or something stands where the object leans to.
 
     Args:
         problem: about the object.
         normal: outward normal of the face in B, shape (3,).
         u: unit direction of the push in W, shape (3,).
         angle: by which it is to be tilted [rad].
-
-    Raises:
-        NoPlanError: it may fall, or something stands where it leans to.
     """
     target = problem.target
     most = most_tilt(angle, problem.defaults)
     inward = -np.asarray(normal)
     if return_probability(target.model, inward, most) < problem.effort.probability:
-        raise NoPlanError(_may_fall(problem, inward, angle))
+        return _may_fall(problem, inward, angle)
     leans = target.model.top * math.sin(most)
     here = footprint(target)
     for name, other in problem.others.items():
         free = free_travel(here, footprint(other), u[:2], CLEARANCE)
         if free < leans:
             text = f"{1e3 * free:.0f} mm to the {name}; it leans over by {1e3 * leans:.0f} mm"
-            raise no_plan(
+            return dead_end(
                 "leans_on",
                 {"free": free, "leans_over": leans},
                 marks=(length_mark(leading_point(target, u), u, free, text, leans),),
@@ -264,6 +216,7 @@ def require_free_tilt(
                 tilt=angle,
                 room=max(free, 0.0),
             )
+    return None
 
 
 def push_with_tilt(
@@ -299,29 +252,23 @@ def prediction_with_return(
     return predicted.model_copy(update={"probability": both})
 
 
-def _may_fall(problem: PushProblem, inward: NDArray[np.float64], angle: float) -> Refusal:
+def _may_fall(problem: PushProblem, inward: NDArray[np.float64], angle: float) -> Blocked:
     """It would not surely come back."""
     target, defaults = problem.target, problem.defaults
     no_return = target.model.angle_of_no_return(inward)
     sure = largest_return(target.model, inward, problem.effort.probability)
     possible = max(sure - defaults.tilt_tolerance, 0.0)
-    impossible = angle >= no_return
-    ways = (
-        (f"up to {QUANTITIES['deg_floor'](possible)} would do",)
-        if possible > math.radians(1.0)
-        else ()
-    )
-    learn = () if impossible else ("find out where its centre of mass is first",)
+    key = "no_return" if angle >= no_return else "may_not_return"
     u = target.pose.R_WB @ inward
     text = f"beyond {QUANTITIES['deg_exact'](no_return)} it falls by itself"
     mark = tilt_mark(target.name, leading_point(target, u), u, no_return, text)
-    return refusal(
-        "no_return" if impossible else "may_not_return",
+    return dead_end(
+        f"{key}.less" if possible > math.radians(1.0) else key,
         {"tilt": angle, "stay_on_base_angle": no_return, "sure_return": sure},
-        instead=(*ways, *learn),
         marks=(mark,),
         object=target.name,
         tolerance=defaults.tilt_tolerance,
+        possible=possible,
     )
 
 
@@ -335,45 +282,40 @@ class ConstraintRule:
         unsupported: words for what no hand does, such as `moving fast`.
     """
 
-    push: Callable[[PushProblem, Any], PushProblem] | None = None
-    grasp: Callable[[GraspProblem, Any], GraspProblem] | None = None
+    push: Callable[[PushProblem, Any], PushProblem | Blocked] | None = None
+    grasp: Callable[[GraspProblem, Any], GraspProblem | Blocked] | None = None
     unsupported: str = ""
 
 
-def apply_constraint(problem: PushProblem, clause: g.Constraint) -> PushProblem:
-    """The problem of pushes with one more constraint.
-
-    Raises:
-        NoPlanError: the constraint contradicts the goal, or this version cannot keep it.
-    """
+def apply_constraint(problem: PushProblem, clause: g.Constraint) -> PushProblem | Blocked:
+    """The problem of pushes with one more constraint, or why they cannot keep it."""
     rule = LIMITS[clause.kind]
     if rule.push is None:
-        what = clause.kind.replace("_", " ")
-        raise not_capable(what, f"this version of the robot is not capable of {what}", clause.spans)
+        return dead_end("not_capable", spans=clause.spans, what=clause.kind.replace("_", " "))
     return rule.push(problem, clause)
 
 
-def grasp_limits(problem: GraspProblem) -> GraspProblem:
-    """The problem of a hand with the constraints of its frame.
-
-    Raises:
-        NoPlanError: this version cannot keep one of them.
-    """
+def grasp_limits(problem: GraspProblem) -> GraspProblem | Blocked:
+    """The problem of a hand with the constraints of its frame, or why it cannot keep one."""
     for clause in problem.frame.constraints:
         rule = LIMITS[clause.kind]
         if rule.grasp is None:
-            raise unsupported_while(rule.unsupported, problem.goal.doing, clause.spans)
-        problem = rule.grasp(problem, clause)
+            return _unsupported_while(rule.unsupported, problem.goal.doing, clause.spans)
+        limited = rule.grasp(problem, clause)
+        if isinstance(limited, Blocked):
+            return limited
+        problem = limited
     return problem
+
+
+def _unsupported_while(what: str, doing: str, spans: g.Spans) -> Blocked:
+    """No hand of this version does something meanwhile."""
+    return dead_end("not_while", spans=spans, what=what, doing=doing)
 
 
 def _keep_anyhow(problem: PlanningProblem[GoalT], clause: g.Constraint) -> PlanningProblem[GoalT]:
     """The same problem: pushes on the table, or what is held, keep it anyhow."""
     return problem
-
-
-def _contradiction(message: str, spans: g.Spans, **numbers: float) -> NoPlanError:
-    return no_plan("contradiction", numbers, spans=spans, message=message)
 
 
 def _with_tilt(problem: PushProblem, tilt: float) -> PushProblem:
@@ -382,7 +324,9 @@ def _with_tilt(problem: PushProblem, tilt: float) -> PushProblem:
     return replace(problem, motion=replace(problem.motion, tilt=narrowest))
 
 
-def _stay_on_base(problem: PushProblem, clause: g.NoTopple | g.NoTilt | g.MaxTilt) -> PushProblem:
+def _stay_on_base(
+    problem: PushProblem, clause: g.NoTopple | g.NoTilt | g.MaxTilt
+) -> PushProblem | Blocked:
     """An object that slides stays on its base, one that is tilted comes back."""
     defaults, goal = problem.defaults, problem.goal
     most = {"no_topple": None, "no_tilt": defaults.no_tilt}.get(clause.kind)
@@ -391,21 +335,19 @@ def _stay_on_base(problem: PushProblem, clause: g.NoTopple | g.NoTilt | g.MaxTil
     if goal.outcome == "slide":
         return problem if most is None else _with_tilt(problem, most)
     if goal.tilt is None or clause.kind == "no_tilt":
-        raise _contradiction("it cannot topple and stay on its base", clause.spans)
+        return dead_end("contradiction.base", spans=clause.spans)
     if most is None:
         return problem
     if most < goal.tilt - defaults.tolerance_of(goal.tilt, defaults.tilt_tolerance):
-        asks = f"{math.degrees(goal.tilt):.0f}° are asked"
-        message = f"{asks}, but {math.degrees(most):.0f}° are the most that is allowed"
-        raise _contradiction(message, clause.spans)
+        return dead_end("contradiction.tilt", spans=clause.spans, tilt=goal.tilt, most=most)
     return _with_tilt(problem, most)
 
 
-def _keep_upright(problem: GraspProblem, clause: g.NoTilt | g.MaxTilt) -> GraspProblem:
+def _keep_upright(problem: GraspProblem, clause: g.NoTilt | g.MaxTilt) -> GraspProblem | Blocked:
     if isinstance(clause, g.MaxTilt) and clause.value < problem.defaults.upright:
         least = math.degrees(problem.defaults.upright)
         what = f"keeping it within less than {least:.0f}° of upright"
-        raise unsupported_while(what, problem.goal.doing, clause.spans)
+        return _unsupported_while(what, problem.goal.doing, clause.spans)
     motion = replace(problem.motion, upright=problem.motion.upright + clause.spans)
     return replace(problem, motion=motion)
 
@@ -415,28 +357,21 @@ def _stay_on_table(problem: GraspProblem, clause: g.NoLift) -> GraspProblem:
     return replace(problem, motion=motion)
 
 
-def _stay_in_place(problem: PushProblem, clause: g.NoSlide) -> PushProblem:
-    if problem.goal.aims:
-        raise _contradiction("it cannot move over the table and not slide", clause.spans)
-    return problem
-
-
-def _keep_heading(problem: PushProblem, clause: g.NoTurn | g.MaxTurn) -> PushProblem:
+def _keep_heading(problem: PushProblem, clause: g.NoTurn | g.MaxTurn) -> PushProblem | Blocked:
     most = problem.defaults.no_turn if isinstance(clause, g.NoTurn) else clause.value
     goal, yaw = problem.goal, problem.target.pose.yaw
     turned = [abs(yaw if aim.yaw is None else aim.yaw - yaw) for aim in goal.aims]
     if goal.rotates and min(turned) > most:
-        raise _contradiction("it cannot turn and keep its heading", clause.spans)
+        return dead_end("contradiction.heading", spans=clause.spans)
     narrowest = min(most, problem.motion.turn or math.inf)
     return replace(problem, motion=replace(problem.motion, turn=narrowest))
 
 
-def _push_until(problem: PushProblem, clause: g.Until) -> PushProblem:
+def _push_until(problem: PushProblem, clause: g.Until) -> PushProblem | Blocked:
     """A push that ends with the object's fall, or with a tilt well before it."""
     if clause.event not in ("tips", "about_to_tip"):
         if not problem.goal.aims:
-            what = f"toppling until '{clause.event}'"
-            raise not_capable(what, f"this version is not capable of {what}", clause.spans)
+            return dead_end("not_capable.fall", spans=clause.spans, event=clause.event)
         return problem  # the aim is where it happens
     tilt = problem.goal.tilt
     if clause.event == "about_to_tip":
@@ -445,7 +380,7 @@ def _push_until(problem: PushProblem, clause: g.Until) -> PushProblem:
     return replace(problem.without_default("distance"), goal=goal)
 
 
-def _keep_contents(problem: PushProblem, clause: g.NoSpill) -> PushProblem:
+def _keep_contents(problem: PushProblem, clause: g.NoSpill) -> PushProblem | Blocked:
     """It leans less than what makes its contents run out; what slides upright keeps them."""
     defaults, goal = problem.defaults, problem.goal
     spills = spill_tilt(problem.target, defaults.sigmas)
@@ -456,12 +391,10 @@ def _keep_contents(problem: PushProblem, clause: g.NoSpill) -> PushProblem:
         return _with_tilt(problem, most)
     if goal.tilt is not None and most_tilt(goal.tilt, defaults) <= spills:
         return _with_tilt(problem, most)
-    does, numbers = "toppling tilts it further", {"spill_angle": spills}
+    key, numbers = "contradiction.fall_spills", {"spill_angle": spills}
     if goal.tilt is not None:
-        does = f"{math.degrees(goal.tilt):.0f}° are asked"
-        numbers["tilt"] = goal.tilt
-    begins = f"the {problem.target.name} begins to spill at {math.degrees(spills):.0f}°"
-    raise _contradiction(f"{begins}; {does}", clause.spans, **numbers)
+        key, numbers["tilt"] = "contradiction.tilt_spills", goal.tilt
+    return dead_end(key, numbers, spans=clause.spans, object=problem.target.name)
 
 
 def _keep_clear(problem: PlanningProblem[GoalT], clause: g.NoTouch) -> PlanningProblem[GoalT]:
@@ -477,41 +410,36 @@ def _keep_clear(problem: PlanningProblem[GoalT], clause: g.NoTouch) -> PlanningP
     return replace(problem, motion=replace(problem.motion, clear_of=kept))
 
 
-def _push_clear(problem: PushProblem, clause: g.NoTouch) -> PushProblem:
+def _push_clear(problem: PushProblem, clause: g.NoTouch) -> PushProblem | Blocked:
     limited, meets = _keep_clear(problem, clause), problem.goal.meets
     others = problem.others if clause.object is None else (clause.object.id,)
     if meets in others:
-        raise _contradiction(f"it cannot touch the {meets} and not touch it", clause.spans)
+        return dead_end("contradiction.touch", spans=clause.spans, other=meets)
     return limited
 
 
 def _push_at_most(problem: PushProblem, clause: g.MaxForce | g.Force) -> PushProblem:
-    largest = min(problem.force.max, clause.value)
-    return replace(problem, force=replace(problem.force, max=largest, spans=clause.spans))
+    return _with_force(problem, max=min(problem.force.max, clause.value), spans=clause.spans)
 
 
 def _squeeze_at_most(problem: GraspProblem, clause: g.MaxForce | g.Force) -> GraspProblem:
-    largest, spans = min(problem.force.max, clause.value), problem.force.spans + clause.spans
-    return replace(problem, force=replace(problem.force, max=largest, spans=spans))
+    spans = problem.force.spans + clause.spans
+    return _with_force(problem, max=min(problem.force.max, clause.value), spans=spans)
 
 
-def _push_at_least(problem: PushProblem, clause: g.MinForce) -> PushProblem:
-    return replace(problem, force=replace(problem.force, min=clause.value, spans=clause.spans))
-
-
-def _push_hard(problem: PushProblem, clause: g.Hard) -> PushProblem:
-    return replace(problem, force=replace(problem.force, least_limit=problem.defaults.force_hard))
+def _with_force(problem: PlanningProblem[GoalT], **limits: Any) -> PlanningProblem[GoalT]:
+    """The problem with other limits of the force."""
+    return replace(problem, force=replace(problem.force, **limits))
 
 
 def _push_gently(problem: PushProblem, clause: g.Gentle) -> PushProblem:
-    force = replace(problem.force, reserve=problem.defaults.force_reserve_gentle)
-    return _limit_speed(replace(problem, force=force), problem.defaults.speed_gentle)
+    gentle = _with_force(problem, reserve=problem.defaults.force_reserve_gentle)
+    return _limit_speed(gentle, problem.defaults.speed_gentle)
 
 
 def _grasp_gently(problem: GraspProblem, clause: g.Gentle) -> GraspProblem:
     reserve = min(problem.force.reserve, problem.defaults.grasp_reserve_gentle)
-    force = replace(problem.force, reserve=reserve)
-    return _limit_speed(replace(problem, force=force), problem.defaults.carry_speed_gentle)
+    return _limit_speed(_with_force(problem, reserve=reserve), problem.defaults.carry_speed_gentle)
 
 
 def _limit_speed(problem: PlanningProblem[GoalT], speed: float) -> PlanningProblem[GoalT]:
@@ -521,29 +449,28 @@ def _limit_speed(problem: PlanningProblem[GoalT], speed: float) -> PlanningProbl
     return replace(problem.without_default("speed").without_default("carry_speed"), motion=motion)
 
 
-def _push_at_speed(problem: PushProblem, clause: g.Fast | g.Speed | g.MinSpeed) -> PushProblem:
+def _push_at_speed(
+    problem: PushProblem, clause: g.Fast | g.Speed | g.MinSpeed
+) -> PushProblem | Blocked:
     speed = problem.defaults.speed_fast if isinstance(clause, g.Fast) else clause.value
     most = problem.defaults.speed_most
     if speed > most:
-        what, goal = "objects keep to the fingertips up to", problem.goal
+        key, goal = "too_fast", problem.goal
         if goal.aims and not goal.rotates and reached_speed(most, goal.distance) < most:
-            what = f"over {1e3 * goal.distance:.0f} mm the fingertips come to"
-            most = reached_speed(most, goal.distance)
-        raise _too_fast(speed, most, what, clause.spans)
+            key, most = "too_fast.short", reached_speed(most, goal.distance)
+        numbers = {"speed": speed, "most": most}
+        return dead_end(key, numbers, spans=clause.spans, length=goal.distance)
     motion = replace(problem.motion, speed=speed)
     return replace(problem.without_default("speed"), motion=motion)
 
 
-def _too_fast(speed: float, most: float, what: str, spans: g.Spans) -> NoPlanError:
-    return no_plan("too_fast", {"speed": speed, "most": most}, spans=spans, what=what)
-
-
-def _carry_at_speed(problem: GraspProblem, clause: g.Speed | g.MinSpeed) -> GraspProblem:
-    most, doing = problem.defaults.carry_speed, "moved"
+def _carry_at_speed(problem: GraspProblem, clause: g.Speed | g.MinSpeed) -> GraspProblem | Blocked:
+    most, moved = problem.defaults.carry_speed, "moved"
     if problem.frame.goal.kind not in ("place", "pour"):
-        most, doing = min(most, LIFT_SPEED), "lifted"
+        most, moved = min(most, LIFT_SPEED), "lifted"
     if clause.value > most:
-        raise _too_fast(clause.value, most, f"what is held is {doing} at up to", clause.spans)
+        numbers = {"speed": clause.value, "most": most}
+        return dead_end("too_fast.held", numbers, spans=clause.spans, moved=moved)
     return problem if isinstance(clause, g.MinSpeed) else _limit_speed(problem, clause.value)
 
 
@@ -553,20 +480,11 @@ def _push_within(problem: PushProblem, clause: g.MaxDuration) -> PushProblem:
     return replace(problem, motion=motion)
 
 
-def _push_exactly(problem: PushProblem, clause: g.Duration) -> PushProblem:
-    what = "pushing for an exact time"
-    raise not_capable(what, f"this version of the robot is not capable of {what}", clause.spans)
-
-
-def _push_near(problem: PushProblem, clause: g.MaxDistance) -> PushProblem:
+def _push_near(problem: PushProblem, clause: g.MaxDistance) -> PushProblem | Blocked:
     """The limit is kept with the tolerance to spare, if that is still far enough."""
     goal, tolerance = problem.goal, problem.defaults.distance_tolerance
     if not goal.aims:
-        raise not_capable(
-            "limiting how far a toppling object moves",
-            "this version does not limit how far an object moves while it topples",
-            clause.spans,
-        )
+        return dead_end("not_capable.way_of_fall", spans=clause.spans)
     most = clause.value - min(tolerance, 0.5 * clause.value)
     start = problem.target.pose.x, problem.target.pose.y
     lengths = {aim: math.dist((aim.x, aim.y), start) for aim in goal.aims}
@@ -576,13 +494,8 @@ def _push_near(problem: PushProblem, clause: g.MaxDistance) -> PushProblem:
         if lengths[aim] - tolerance <= most
     )
     if not aims:
-        nearest = min(lengths.values())
-        message = (
-            f"{1e3 * nearest:.0f} mm are to be moved, but {1e3 * clause.value:.0f} mm "
-            "are the most that is allowed"
-        )
-        numbers = {"distance": nearest, "max_distance": clause.value}
-        raise _contradiction(message, clause.spans, **numbers)
+        numbers = {"distance": min(lengths.values()), "max_distance": clause.value}
+        return dead_end("contradiction.distance", numbers, spans=clause.spans)
     return replace(problem, goal=replace(goal, aims=aims, distance=min(goal.distance, most)))
 
 
@@ -596,7 +509,12 @@ LIMITS: dict[str, ConstraintRule] = {
     "no_topple": ConstraintRule(_stay_on_base, _keep_anyhow),
     "no_tilt": ConstraintRule(_stay_on_base, _keep_upright),
     "max_tilt": ConstraintRule(_stay_on_base, _keep_upright),
-    "no_slide": ConstraintRule(_stay_in_place, _keep_anyhow),
+    "no_slide": ConstraintRule(
+        lambda problem, clause: (
+            dead_end("contradiction.slide", spans=clause.spans) if problem.goal.aims else problem
+        ),
+        _keep_anyhow,
+    ),
     "no_turn": ConstraintRule(_keep_heading, _keep_anyhow),
     "max_turn": ConstraintRule(_keep_heading, _keep_anyhow),
     "no_spill": ConstraintRule(_keep_contents, _keep_anyhow),
@@ -604,8 +522,14 @@ LIMITS: dict[str, ConstraintRule] = {
     "no_touch": ConstraintRule(_push_clear, _keep_clear),
     "max_force": ConstraintRule(_push_at_most, _squeeze_at_most),
     "force": ConstraintRule(_push_at_most, _squeeze_at_most),
-    "min_force": ConstraintRule(_push_at_least, unsupported="pressing with a least force"),
-    "hard": ConstraintRule(_push_hard, unsupported="using much force"),
+    "min_force": ConstraintRule(
+        lambda problem, clause: _with_force(problem, min=clause.value, spans=clause.spans),
+        unsupported="pressing with a least force",
+    ),
+    "hard": ConstraintRule(
+        lambda problem, _: _with_force(problem, least_limit=problem.defaults.force_hard),
+        unsupported="using much force",
+    ),
     "gentle": ConstraintRule(_push_gently, _grasp_gently),
     "slow": ConstraintRule(
         lambda problem, _: _limit_speed(problem, problem.defaults.speed_gentle),
@@ -619,7 +543,12 @@ LIMITS: dict[str, ConstraintRule] = {
         lambda problem, clause: _limit_speed(problem, clause.value),
     ),
     "max_duration": ConstraintRule(_push_within, unsupported="keeping to a time"),
-    "duration": ConstraintRule(_push_exactly, unsupported="keeping to a time"),
+    "duration": ConstraintRule(
+        lambda _, clause: dead_end(
+            "not_capable", spans=clause.spans, what="pushing for an exact time"
+        ),
+        unsupported="keeping to a time",
+    ),
     "max_distance": ConstraintRule(_push_near, unsupported="limiting a distance"),
     "contact": ConstraintRule(limit_push_contact, limit_grasp_contact),
     "effector": ConstraintRule(limit_fingertips, require_whole_hand),

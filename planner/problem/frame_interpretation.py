@@ -17,7 +17,7 @@ from planner.problem import planning_problem
 from planner.problem.constraint_limits import apply_constraint, grasp_limits, tilt_goal
 from planner.problem.directions import HEADINGS, heading_of
 from planner.problem.goal_poses import find_goal_poses
-from planner.refusals.no_plan import no_plan, not_capable
+from planner.refusals.blocked import Blocked, dead_end
 from planner.types.defaults import Defaults
 from planner.types.plan import DefaultUsed, Plan
 from planner.types.robot import Failed, NoRobot, Robot
@@ -42,8 +42,8 @@ def interpret_frame(
     *,
     previous: Plan | None = None,
     failed: Sequence[Failed] = (),
-) -> planning_problem.PushProblem:
-    """The planning problem of a frame.
+) -> planning_problem.PushProblem | Blocked:
+    """The planning problem of a frame, or why this version cannot do what it asks for.
 
     Args:
         frame: what is asked, its objects resolved to names in `state`.
@@ -52,14 +52,9 @@ def interpret_frame(
         robot: that is to do it; None if only the meaning of the frame is wanted.
         previous: the plan whose first push was made last.
         failed: pushes and holds of this frame that went wrong.
-
-    Raises:
-        NoPlanError: the frame asks for something that this version cannot do.
     """
     if frame.query or frame.dialogue or frame.object is None or frame.object.id is None:
-        raise not_capable(
-            "planning what is no command", "only a command about an object is planned", frame.spans
-        )
+        return dead_end("not_capable.command", spans=frame.spans)
     target = state.objects[frame.object.id]
     speed = DefaultUsed(name="speed", value=defaults.speed, unit="m/s", reason="no speed said")
     problem = _with_goal(
@@ -81,11 +76,15 @@ def interpret_frame(
     )
     # How far it will tilt is known when all others are read.
     for clause in sorted(frame.constraints, key=lambda c: c.kind == "no_spill"):
+        if isinstance(problem, Blocked):
+            return problem
         problem = apply_constraint(problem, clause)
     return problem
 
 
-def _with_goal(problem: planning_problem.PushProblem) -> planning_problem.PushProblem:
+def _with_goal(
+    problem: planning_problem.PushProblem,
+) -> planning_problem.PushProblem | Blocked:
     """The problem with the goal of its frame."""
     goal, used = problem.frame.goal, problem.defaults_used
     if isinstance(goal, g.Topple):
@@ -105,14 +104,14 @@ def _with_goal(problem: planning_problem.PushProblem) -> planning_problem.PushPr
         # The fall over the edge between the face below and the bottom.
         foot = -problem.target.body_pose[0][:, 2]
         if math.hypot(foot[0], foot[1]) < math.cos(LEVEL):
-            raise no_plan("no_edge", object=problem.target.name, side=problem.target.side_below)
+            return dead_end("no_edge", object=problem.target.name, side=problem.target.side_below)
         return replace(problem, goal=planning_problem.PushGoal("topple", heading_of(foot)))
     if not isinstance(goal, g.Displace | g.Place | g.Rotate | g.NoGoal):
-        what = _NO_CONTROLLER.get(goal.kind, goal.kind)
-        message = f"this version of the robot has no controller for {what}"
-        spans = goal.spans or problem.frame.spans
-        raise not_capable(what, message, spans, "push, turn, tilt or topple it")
+        what, spans = _NO_CONTROLLER.get(goal.kind, goal.kind), goal.spans or problem.frame.spans
+        return dead_end("not_capable.controller", spans=spans, what=what)
     found = find_goal_poses(problem)
+    if isinstance(found, Blocked):
+        return found
     return replace(problem, goal=found.goal, defaults_used=found.defaults_used + used)
 
 
@@ -122,34 +121,30 @@ def grasp_problem(
     robot: Robot,
     defaults: Defaults,
     failed: Sequence[Failed] = (),
-) -> planning_problem.GraspProblem:
-    """The planning problem of a frame that takes a whole hand; see `interpret_frame`.
-
-    Raises:
-        NoPlanError: the hand is not free, nothing is held, or the object lies in a way that does
-            not do.
-    """
+) -> planning_problem.GraspProblem | Blocked:
+    """The planning problem of a frame that takes a whole hand; see `interpret_frame`."""
     d = defaults
     used = DefaultUsed(name="carry_speed", value=d.carry_speed, unit="m/s", reason="no speed said")
     held = state.held
     name = frame.object.id if frame.object is not None else None
     if name is None and isinstance(frame.goal, g.SetDown):
         if held is None:
-            raise no_plan("holds_nothing")
+            return dead_end("holds_nothing")
         name = held.name
     assert name is not None, "objects are resolved by now"
     # A hand that holds an object has none left for its lid.
     by_lid = isinstance(frame.goal, g.Open | g.Close)
     if held is not None and (held.name != name or by_lid):
-        raise no_plan("hand_not_free", object=held.name)
+        return dead_end("hand_not_free", object=held.name)
     target = state.objects[name]
-    require_resting(target)
-    require_no_load(target, state)
+    if why := why_not_resting(target) or why_not_bare(target, state):
+        return why
     if frame.goal.kind in ("open", "close", "pour") and target.rest is not None:
         doing = planning_problem.HAND_GOALS[frame.goal.kind]
-        raise no_plan("lies", object=name, side=target.side_below, doing=doing)
-    if not isinstance(frame.goal, g.Lift | g.Place | g.SetDown):
-        require_on_table(target, state)
+        return dead_end("lies", object=name, side=target.side_below, doing=doing)
+    by_itself = isinstance(frame.goal, g.Lift | g.Place | g.SetDown)
+    if not by_itself and (why := why_not_on_table(target, state)):
+        return why
     return grasp_limits(
         planning_problem.PlanningProblem(
             frame,
@@ -168,63 +163,48 @@ def grasp_problem(
     )
 
 
-def require_resting(target: SeenObject) -> None:
-    """Make sure that an object rests on one of its faces.
-
-    Raises:
-        NoPlanError: it lies on its round side, or leans on something.
-    """
+def why_not_resting(target: SeenObject) -> Blocked | None:
+    """It lies on its round side, or leans on something."""
     if target.attitude is None:
-        return
+        return None
     level = abs(target.attitude[-1]) < math.sin(LEVEL)
     rolls = level and isinstance(target.model.footprint, Disc)
-    raise no_plan("rolls" if rolls else "leans", object=target.name)
+    return dead_end("rolls" if rolls else "leans", object=target.name)
 
 
-def require_loose(frame: g.Frame, target: SeenObject) -> None:
-    """Make sure that nothing keeps an object where it stands, if a push is to move it.
-
-    Raises:
-        NoPlanError: a holder does.
-    """
+def why_not_loose(frame: g.Frame, target: SeenObject) -> Blocked | None:
+    """A holder keeps an object where it stands, if a push is to move it."""
     if target.fixed and frame.goal.kind != "none":
-        raise no_plan("is_fixed", doing=_DOING.get(frame.goal.kind, "moving"), object=target.name)
+        return dead_end("is_fixed", doing=_DOING.get(frame.goal.kind, "moving"), object=target.name)
+    return None
 
 
-def require_no_load(target: SeenObject, state: WorldState) -> None:
-    """Make sure that nothing stands on an object.
-
-    Raises:
-        NoPlanError: something does.
-    """
+def why_not_bare(target: SeenObject, state: WorldState) -> Blocked | None:
+    """Something stands on an object, or in it."""
     for seen in state.carried_by(target.name):
         code = "contains" if state.stands_inside(seen) else "carries"
-        raise no_plan(code, object=target.name, other=seen.name)
+        return dead_end(code, object=target.name, other=seen.name)
+    return None
 
 
-def require_on_table(target: SeenObject, state: WorldState) -> None:
-    """Make sure that an object stands on the table, with nothing on it.
-
-    Raises:
-        NoPlanError: it does not.
-    """
-    require_no_load(target, state)
+def why_not_on_table(target: SeenObject, state: WorldState) -> Blocked | None:
+    """Something stands on an object, or it stands on something."""
+    if why := why_not_bare(target, state):
+        return why
     if target.on is not None:
         code = "stands_in" if state.stands_inside(target) else "stands_on"
-        raise no_plan(code, object=target.name, other=target.on)
+        return dead_end(code, object=target.name, other=target.on)
+    return None
 
 
-def require_other_objects(frame: g.Frame) -> None:
-    """Make sure that a place is told by other objects than the one that goes there.
-
-    Raises:
-        NoPlanError: the place is at the object itself, or between one object.
-    """
+def why_no_place(frame: g.Frame) -> Blocked | None:
+    """A place is told by the object that goes there, or as between one object."""
     goal, own = frame.goal, frame.object
     if not isinstance(goal, g.Place) or isinstance(goal.reference, str | g.Point) or own is None:
-        return
+        return None
     names = [other.id for other in goal.reference]
     if own.id in names:
-        raise no_plan("place_at_itself", spans=goal.spans, object=own.id)
+        return dead_end("place_at_itself", spans=goal.spans, object=own.id)
     if len(names) > len(set(names)):
-        raise no_plan("between_one", spans=goal.spans, object=own.id, other=names[0])
+        return dead_end("between_one", spans=goal.spans, object=own.id, other=names[0])
+    return None

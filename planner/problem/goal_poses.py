@@ -26,7 +26,7 @@ from planner.problem.directions import (
 from planner.problem.footprints import footprint, free_travel, gap, travel_to_edge
 from planner.problem.places import Beside, Between, region, share_of_way, table_region
 from planner.problem.planning_problem import GoalT, PlanningProblem, PushGoal, value_in_bound
-from planner.refusals.no_plan import no_plan, not_capable
+from planner.refusals.blocked import Blocked, dead_end
 from planner.types.actions import Aim
 from planner.types.defaults import Defaults
 from planner.types.plan import DefaultUsed
@@ -61,8 +61,7 @@ def is_orientation(goal: g.Rotate) -> bool:
 def turns_to_orientation(goal: g.Rotate, own: SeenObject, state: WorldState) -> tuple[float, ...]:
     """Turns after which an object looks as asked, counter-clockwise, the smallest first [rad].
 
-    Raises:
-        NoPlanError: it is to lie along what has no sides.
+    There are none along what has no sides.
     """
     looks = _headings_of_sides(own)
     if not looks:
@@ -81,14 +80,9 @@ def _asked_headings(goal: g.Rotate, own: SeenObject, state: WorldState) -> tuple
     if facing is not None:
         return (heading_of(state.objects[facing.id or ""].pose.p_WB - own.pose.p_WB),)
     if isinstance(along, g.ObjectRef):
-        other = state.objects[along.id or ""]
-        looks = _headings_of_sides(other)
-        if not looks:
-            raise no_plan("no_sides", spans=along.spans, other=other.name)
+        looks = _headings_of_sides(state.objects[along.id or ""])
         return tuple(look + turn for look in looks for turn in (0.0, math.pi))
-    if along not in _ACROSS_EDGES:
-        raise no_plan("no_sides", spans=goal.spans, other=str(along))
-    return _ACROSS_EDGES[along]
+    return _ACROSS_EDGES.get(along, ()) if along is not None else ()
 
 
 def _headings_of_sides(seen: SeenObject) -> tuple[float, ...]:
@@ -127,12 +121,8 @@ class GoalPoses:
     defaults_used: tuple[DefaultUsed, ...] = ()
 
 
-def find_goal_poses(problem: PlanningProblem[GoalT]) -> GoalPoses:
-    """The poses that a frame which moves, turns or taps its object aims at.
-
-    Raises:
-        NoPlanError: there is no such place, or the object cannot be moved to it.
-    """
+def find_goal_poses(problem: PlanningProblem[GoalT]) -> GoalPoses | Blocked:
+    """The poses that a frame which moves, turns or taps its object aims at."""
     goal = problem.frame.goal
     until = next((c for c in problem.frame.constraints if isinstance(c, g.Until)), None)
     match goal:
@@ -165,8 +155,10 @@ def pose_as_aim(target: SeenObject, x: float | None = None, y: float | None = No
     return Aim(x=pose.x if x is None else x, y=pose.y if y is None else y, yaw=yaw)
 
 
-def _displacement_poses(problem: PlanningProblem[GoalT], goal: g.Displace) -> GoalPoses:
+def _displacement_poses(problem: PlanningProblem[GoalT], goal: g.Displace) -> GoalPoses | Blocked:
     defaults, constraints = problem.defaults, problem.frame.constraints
+    if why := _why_no_heading(problem, goal):
+        return why
     heading, used = _motion_heading(problem, goal)
     distance, reason = goal_distance(goal, problem.target, problem.state, defaults, constraints)
     if reason:
@@ -184,14 +176,19 @@ def _pose_along(
     return GoalPoses(PushGoal(heading=heading, distance=distance, aims=aims), used)
 
 
+def _why_no_heading(problem: PlanningProblem[GoalT], goal: g.Displace) -> Blocked | None:
+    """An object cannot move towards itself."""
+    name = problem.target.name
+    for other, way in ((goal.toward, "towards"), (goal.away_from, "away from")):
+        if isinstance(other, g.ObjectRef) and other.id == name:
+            return dead_end("moves_itself", spans=other.spans, object=name, way=way)
+    return None
+
+
 def _motion_heading(
     problem: PlanningProblem[GoalT], goal: g.Displace
 ) -> tuple[float, tuple[DefaultUsed, ...]]:
     """Direction of a displacement in W [rad], and that it was not said."""
-    name = problem.target.name
-    for other, way in ((goal.toward, "towards"), (goal.away_from, "away from")):
-        if isinstance(other, g.ObjectRef) and other.id == name:
-            raise no_plan("moves_itself", spans=other.spans, object=name, way=way)
     heading = goal_heading(goal, problem.target, problem.state, problem.defaults)
     if heading is not None:
         return heading, ()
@@ -202,18 +199,22 @@ def _motion_heading(
     return used.value, (used,)
 
 
-def _tap_poses(problem: PlanningProblem[GoalT]) -> GoalPoses:
+def _tap_poses(problem: PlanningProblem[GoalT]) -> GoalPoses | Blocked:
     """A touch that ends as soon as the object gives way; on the side that is said, or the front."""
     faces = [c.face for c in problem.frame.constraints if isinstance(c, g.ContactRegion)]
     push = next((way for way, face in FACE_OF_PUSH.items() if face in faces), "away")
     return _until_it_moves(_pose_along(problem.target, HEADINGS[push], problem.defaults.tap))
 
 
-def _until_it_moves(found: GoalPoses) -> GoalPoses:
+def _until_it_moves(found: GoalPoses | Blocked) -> GoalPoses | Blocked:
+    if isinstance(found, Blocked):
+        return found
     return replace(found, goal=replace(found.goal, until="moves"))
 
 
-def _event_poses(problem: PlanningProblem[GoalT], goal: g.Displace, until: g.Until) -> GoalPoses:
+def _event_poses(
+    problem: PlanningProblem[GoalT], goal: g.Displace, until: g.Until
+) -> GoalPoses | Blocked:
     """As far as it takes until an event."""
     if until.event == "moves":
         return _until_it_moves(_displacement_poses(problem, goal))
@@ -221,21 +222,19 @@ def _event_poses(problem: PlanningProblem[GoalT], goal: g.Displace, until: g.Unt
     other = None if until.object is None else state.objects.get(until.object.id or "")
     if goal.direction is None and goal.heading is None and other is not None:
         goal = goal.model_copy(update={"toward": until.object})
+    if why := _why_no_heading(problem, goal):
+        return why
     heading, used = _motion_heading(problem, goal)
     u, own = unit(heading), footprint(target)
     if until.event == "edge":
         room = travel_to_edge(own, state.table, u[:2], defaults.edge_gap)
         return _pose_along(target, heading, max(room, 0.0), used)
     if other is None:
-        raise not_capable(
-            f"stopping at the event '{until.event}'",
-            "the event needs an object that the way leads to",
-            until.spans,
-        )
+        return dead_end("not_capable.event", spans=until.spans, event=until.event)
     way = free_travel(own, footprint(other), u[:2], 0.0)
     if until.event == "touching":
         if math.isinf(way):
-            raise no_plan("never_met", spans=until.spans, object=target.name, other=other.name)
+            return dead_end("never_met", spans=until.spans, object=target.name, other=other.name)
         met = _pose_along(target, heading, way + _BEYOND, used)
         return replace(met, goal=replace(met.goal, until="touching", meets=other.name))
     # In line with it, or beside it: as far along the way as the other one stands.
@@ -243,22 +242,22 @@ def _event_poses(problem: PlanningProblem[GoalT], goal: g.Displace, until: g.Unt
     if until.event == "next_to" and math.isfinite(way):
         along = min(along, way - defaults.place_gap)
     if along <= 0.0:
-        raise no_plan("never_met", spans=until.spans, object=target.name, other=other.name)
+        return dead_end("never_met", spans=until.spans, object=target.name, other=other.name)
     return _pose_along(target, heading, along, used)
 
 
-def _place_poses(problem: PlanningProblem[GoalT], goal: g.Place) -> GoalPoses:
+def _place_poses(problem: PlanningProblem[GoalT], goal: g.Place) -> GoalPoses | Blocked:
     target, defaults = problem.target, problem.defaults
     place = region(goal, problem.state, defaults, target)
     by_pushes = isinstance(problem.goal, PushGoal)
     if place is None or (by_pushes and goal.relation in _CAPABILITIES):
-        over = "pushes move objects over the table only"
-        raise not_capable(_CAPABILITIES.get(goal.relation, "going there"), over, goal.spans)
+        what = _CAPABILITIES.get(goal.relation, "going there")
+        return dead_end("not_capable.place", spans=goal.spans, what=what)
     if goal.fraction is not None:
         place = share_of_way(place, goal.fraction, target, defaults)
     spots = place.spots(target)
     if not spots:
-        raise no_plan("no_room_at_goal", spans=goal.spans, object=target.name)
+        return dead_end("no_room_at_goal", spans=goal.spans, object=target.name)
     used: tuple[DefaultUsed, ...] = ()
     if isinstance(place, Beside) and goal.distance is None and place.gap > 0.0:
         reason = "no distance said"
@@ -288,10 +287,16 @@ def _aim_beyond(aim: Aim, target: SeenObject, by: float) -> Aim:
     return aim.model_copy(update={"x": x + share * (aim.x - x), "y": y + share * (aim.y - y)})
 
 
-def _rotation_poses(problem: PlanningProblem[GoalT], goal: g.Rotate) -> GoalPoses:
+def _rotation_poses(problem: PlanningProblem[GoalT], goal: g.Rotate) -> GoalPoses | Blocked:
     angle, used, defaults = goal.angle, [], problem.defaults
     if is_orientation(goal):
         pose, turns = problem.target.pose, turns_to_orientation(goal, problem.target, problem.state)
+        if not turns:
+            along = goal.parallel_to
+            spans, other = goal.spans, str(along)
+            if isinstance(along, g.ObjectRef):
+                spans, other = along.spans, along.id or ""
+            return dead_end("no_sides", spans=spans, other=other)
         aims = tuple(Aim(x=pose.x, y=pose.y, yaw=pose.yaw + turn) for turn in turns)
         return GoalPoses(PushGoal(aims=aims, rotates=True))
     if angle is None:

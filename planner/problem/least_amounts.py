@@ -15,28 +15,29 @@ from planner.problem.constraint_limits import tilt_goal
 from planner.problem.goal_poses import goal_distance, is_orientation
 from planner.problem.places import region
 from planner.problem.planning_problem import value_in_bound
-from planner.refusals.no_plan import no_plan
+from planner.refusals.blocked import Blocked, dead_end
 from planner.types.defaults import Defaults
 from planner.types.world_state import WorldState
 
 _ROUNDING = 1e-9  # share by which an amount may seem smaller than it is said
 
 
-def require_tellable(frame: g.Frame, state: WorldState, defaults: Defaults) -> None:
-    """Make sure that what a frame asks for is more than can come of nothing.
-
-    Raises:
-        NoPlanError: `too_small`, with the least amount that can be told.
-    """
+def why_not_tellable(frame: g.Frame, state: WorldState, defaults: Defaults) -> Blocked | None:
+    """What a frame asks for is no more than can come of nothing: the least amount that is."""
     found = _change(frame, state, defaults)
     if found is None:
-        return
+        return None
     amount, aim, unit = found
     least = defaults.least_amount(aim, getattr(frame.goal, "bound", "exact"))
     if amount < (1.0 - _ROUNDING) * least:
-        said = {"amount": _text(amount, unit), "least": _text(least, unit)}
-        numbers = {"asked_amount": amount, "least_amount": least}
-        raise no_plan("too_small", numbers, spans=frame.goal.spans, **said)
+        return dead_end(
+            "too_small",
+            {"asked_amount": amount, "least_amount": least},
+            spans=frame.goal.spans,
+            amount=_text(amount, unit),
+            least=_text(least, unit),
+        )
+    return None
 
 
 def _change(frame: g.Frame, state: WorldState, d: Defaults) -> tuple[float, float, str] | None:

@@ -18,13 +18,12 @@ import numpy as np
 
 from grammar.frames import command as g
 from objectmodels.geometry.side_faces import Face
-from planner.refusals.no_plan import no_plan
+from planner.refusals.blocked import SearchEndedError, dead_end
 from planner.types.actions import Aim, FaceName, Limits, StopEvent
 from planner.types.defaults import DEFAULTS, Defaults, kinds
 from planner.types.plan import DefaultUsed, Plan
-from planner.types.refusal import NoPlanError
 from planner.types.robot import Failed, ReachAnswer, Robot
-from planner.types.world_state import SeenObject, WorldState, obstacle_mark
+from planner.types.world_state import SeenObject, WorldState
 
 # The budget of one plan, counted in work instead of time: a loaded machine gives the same answer.
 #
@@ -67,16 +66,16 @@ class SearchBudget:
         """Make sure that there is work left for contacts or grasps of an object.
 
         Raises:
-            NoPlanError: it is used up.
+            SearchEndedError: it is used up.
         """
         if self.is_used_up:
             self.untried = untried
-            raise self.dead_end(name, 0)
+            raise self.end(name, 0)
 
-    def dead_end(self, name: str, strategies: int) -> NoPlanError:
-        """Dead end since it is used up, with some other strategies untried.
+    def end(self, name: str, strategies: int) -> SearchEndedError:
+        """The end of a search that has used it up, with some other strategies untried.
 
-        Its marks name what stopped the hand most often so far.
+        Its obstacles are those that stopped the hand most often so far.
         """
         numbers = {
             "work": float(self.done),
@@ -86,10 +85,9 @@ class SearchBudget:
         }
         more = min(2.0 * self.most, kinds()["most_work"].most)
         stopped = Counter(each.blocker for each in self.answers.values() if each.blocker)
-        # Obstacles that the dead end names.
-        marks = tuple(obstacle_mark(each) for each, _ in stopped.most_common(2))
-        made = no_plan("work_used_up", numbers, marks=marks, object=name, more=more)
-        return NoPlanError(made.refusal, ends_search=True)
+        obstacles = tuple(other for other, _ in stopped.most_common(2))
+        used_up = dead_end("work_used_up", numbers, obstacles=obstacles, object=name, more=more)
+        return SearchEndedError(used_up)
 
 
 @dataclass(frozen=True)

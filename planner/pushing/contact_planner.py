@@ -30,7 +30,7 @@ from objectmodels.models.predictor import own_predictions
 from planner.problem.constraint_limits import prediction_with_return, push_with_tilt
 from planner.problem.directions import face_name
 from planner.problem.planning_problem import PushProblem, PushStep, Side
-from planner.pushing.contact_refusals import contact_refusal, no_place
+from planner.pushing.contact_refusals import no_place, unsuited_contacts
 from planner.pushing.contact_sampling import (
     Contact,
     Contacts,
@@ -38,11 +38,11 @@ from planner.pushing.contact_sampling import (
     model_limited_by_hand,
     push_direction,
     rate_contacts,
-    require_room,
     touchable_sides,
+    why_no_room,
 )
 from planner.pushing.reach_search import ContactQueries, ReachSearch
-from planner.refusals.no_plan import no_plan, no_push_reached
+from planner.refusals.blocked import Blocked, dead_end, no_push_reached
 from planner.types.actions import (
     FALLING,
     Margins,
@@ -52,7 +52,7 @@ from planner.types.actions import (
     Vector3,
     finite_or_none,
 )
-from planner.types.refusal import Alternatives, NoPlanError, probability_text
+from planner.types.refusal import probability_text
 from planner.types.world_state import plain_vector
 
 SURE = 0.999
@@ -294,45 +294,43 @@ class PushCandidate:
     notes: tuple[str, ...]
 
 
-def best_push(problem: PushProblem, step: PushStep, search: ReachSearch) -> PushCandidate:
-    """The push with the largest margin that the hand can make, from where the object stands then.
-
-    Raises:
-        NoPlanError: there is none.
-    """
+def best_push(problem: PushProblem, step: PushStep, search: ReachSearch) -> PushCandidate | Blocked:
+    """The push with the largest margin that the hand can make from where the object stands then."""
     sides = touchable_sides(problem, step)
+    if isinstance(sides, Blocked):
+        return sides
     if step.outcome == "slide":
         return _best_candidate(problem, step, sides, search)
-    free, crowded, no_room = [], [], Alternatives()
+    free, crowded = [], []
     for side in sides:
-        with no_room:
-            require_room(problem, step, side)
+        if why := why_no_room(problem, step, side):
+            crowded.append((side, why))
+        else:
             free.append(side)
-            continue
-        crowded.append((side, no_room.last))
     if not free:
-        raise no_room.first
-    attempt = Alternatives()
-    with attempt:
-        return _best_candidate(problem, step, free, search)
-    if attempt.first.refusal.reason in ("impossible", "too_uncertain"):
-        for side, dead_end in crowded:
+        return crowded[0][1]
+    made = _best_candidate(problem, step, free, search)
+    if isinstance(made, Blocked) and made.reason in ("impossible", "too_uncertain"):
+        fingers = problem.contact.fingers
+        for side, why in crowded:
+            if why.reason != "blocked":
+                continue
             # From there it would fall, if there were room.
-            blocked = dead_end.refusal.reason == "blocked"
-            fingers = problem.contact.fingers
-            if blocked and any(any(rate_contacts(problem, step, [side], n)) for n in fingers):
-                raise dead_end
-    raise attempt.first
+            if any(any(rate_contacts(problem, step, [side], n)) for n in fingers):
+                return why
+    return made
 
 
 def _best_candidate(
     problem: PushProblem, step: PushStep, sides: list[Side], search: ReachSearch
-) -> PushCandidate:
+) -> PushCandidate | Blocked:
     """The contact with the largest margin that the hand reaches."""
     if not has_place(problem, step, sides):
-        raise NoPlanError(no_place(problem, sides))
-    problem = _in_time(problem, step)
-    queries = ContactQueries(search, problem)
+        return no_place(problem, sides)
+    timely = _in_time(problem, step)
+    if isinstance(timely, Blocked):
+        return timely
+    problem, queries = timely, ContactQueries(search, timely)
     least, doubted, asked = math.inf, False, problem.effort.probability
     for rated in _rated_cases(problem, step, sides, queries):
         strong, needed = _strong_enough(problem, step, rated)
@@ -362,21 +360,21 @@ def _best_candidate(
                 )
     target, force = problem.target, problem.force
     if queries.denied:
-        raise no_push_reached(target.name, queries.denied, problem.spared)
+        return no_push_reached(target.name, queries.denied, problem.spared)
     if least < force.min:
         numbers = {"needed_force": least, "min_force": force.min}
-        raise no_plan("too_light", numbers, spans=force.spans, object=target.name)
+        return dead_end("too_light", numbers, spans=force.spans, object=target.name)
     if math.isfinite(least) and not doubted:
         allowed = _largest_force(problem, max(problem.contact.fingers))
         said = force.max <= allowed
-        raise no_plan(
+        return dead_end(
             "force_not_allowed" if said else "force_not_there",
             {"needed_force": least, "allowed_force": allowed},
             spans=force.spans if said else (),
             object=problem.target.name,
             doing="sliding" if step.outcome == "slide" else "toppling",
         )
-    raise NoPlanError(contact_refusal(problem, step, sides))
+    return unsuited_contacts(problem, step, sides)
 
 
 def _rated_cases(
@@ -393,7 +391,7 @@ def _rated_cases(
                 break
 
 
-def _in_time(problem: PushProblem, step: PushStep) -> PushProblem:
+def _in_time(problem: PushProblem, step: PushStep) -> PushProblem | Blocked:
     """The problem with a speed that is high enough for the time that the push may take."""
     motion, defaults = problem.motion, problem.defaults
     if motion.duration is None or step.outcome != "slide" or step.swing:
@@ -403,7 +401,9 @@ def _in_time(problem: PushProblem, step: PushStep) -> PushProblem:
     least = defaults.push_overhead + step.distance / fastest
     if least > motion.duration:
         numbers, name = {"least_time": least, "max_time": motion.duration}, problem.target.name
-        raise no_plan("too_slow", numbers, spans=motion.spans, object=name, distance=step.distance)
+        return dead_end(
+            "too_slow", numbers, spans=motion.spans, object=name, distance=step.distance
+        )
     needed = step.distance / (motion.duration - defaults.push_overhead)
     return replace(problem, motion=replace(motion, speed=max(motion.speed, needed)))
 

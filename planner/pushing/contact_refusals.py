@@ -9,7 +9,7 @@ one to be found out.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -19,24 +19,18 @@ from objectmodels import ObjectModel
 from objectmodels.geometry.base_shapes import Disc
 from planner.problem.planning_problem import PushProblem, PushStep, Side
 from planner.pushing.contact_sampling import EDGE, model_limited_by_hand
-from planner.refusals.no_plan import refusal
+from planner.refusals.blocked import Blocked, dead_end
 from planner.types.defaults import Defaults
-from planner.types.refusal import Refusal, RefusalReason, probability_text
-from planner.types.world_state import HeightMark, SeenObject
-
-_ASKED_FOR = {
-    "friction": "find out how slippery the {name} is first",
-    "com": "find out the centre of mass of the {name} first",
-}
-"""What to say to the robot, by the parameter."""
+from planner.types.refusal import RefusalReason, probability_text
+from planner.types.world_state import HeightMark
 
 
 def _mm(length: float) -> str:
     return f"{1e3 * length:.0f} mm"
 
 
-def no_place(problem: PushProblem, sides: list[Side]) -> Refusal:
-    """Refusal of a push because no side has room for fingers where they may touch it."""
+def no_place(problem: PushProblem, sides: list[Side]) -> Blocked:
+    """Dead end since no side has room for fingers where they may touch it."""
     target, asked, limits = problem.target, problem.contact, problem.robot.limits
     size, lowest = target.model.top, limits.lowest_height
     highest = size - limits.fingertip_radius
@@ -45,7 +39,7 @@ def no_place(problem: PushProblem, sides: list[Side]) -> Refusal:
         needed = 2 * EDGE + (limits.finger_spreads[-1] if two else 0.0)
         code = "too_narrow_for_two" if two else "too_narrow_for_one"
         numbers = {"width": max(side.face.width for side in sides), "needed_width": needed}
-        return refusal(code, numbers, spans=asked.spans, object=target.name)
+        return dead_end(code, numbers, spans=asked.spans, object=target.name)
     numbers = {"lowest_height": lowest, "highest_height": highest}
     if asked.region is None:
         code = "out_of_fingers_reach"
@@ -55,7 +49,7 @@ def no_place(problem: PushProblem, sides: list[Side]) -> Refusal:
         code, numbers = "no_such_contact", {"lowest_asked": asked.low, "highest_asked": asked.high}
     else:
         code = "region_too_low"
-    return refusal(
+    return dead_end(
         code,
         numbers,
         spans=asked.spans,
@@ -67,8 +61,8 @@ def no_place(problem: PushProblem, sides: list[Side]) -> Refusal:
     )
 
 
-def contact_refusal(problem: PushProblem, step: PushStep, sides: list[Side]) -> Refusal:
-    """Refusal of a push because no contact that is allowed has the wanted outcome for sure."""
+def unsuited_contacts(problem: PushProblem, step: PushStep, sides: list[Side]) -> Blocked:
+    """Dead end since no contact that is allowed has the wanted outcome for sure."""
     model, limits, asked = problem.target.model, problem.robot.limits, problem.contact
     points = np.array([[*side.face.centre[:2], 0.5 * model.top] for side in sides])
     normals = np.array([side.face.normal for side in sides])
@@ -94,15 +88,15 @@ def contact_refusal(problem: PushProblem, step: PushStep, sides: list[Side]) -> 
         # As sure that it does not as a plan must be that it does.
         if outcome_probability(model, touch) < 1.0 - problem.effort.probability:
             return refused
-        refused = refused.model_copy(update={"reason": "too_uncertain"})
+        refused = replace(refused, reason="too_uncertain")
     # The last case that candidates are looked at for is that of the hand's stiffness.
     return _with_doubt(problem, refused, model_limited_by_hand(model, limits), touch)
 
 
 def _with_doubt(
-    problem: PushProblem, refused: Refusal, model: ObjectModel, touch: Touch
-) -> Refusal:
-    """The refusal with how likely it is, and with what would settle it."""
+    problem: PushProblem, refused: Blocked, model: ObjectModel, touch: Touch
+) -> Blocked:
+    """The dead end with how likely it is, and with what would settle it."""
     probability, asked = outcome_probability(model, touch), problem.effort.probability
     learn, then = best_experiment(model, touch, problem.defaults)
     verb, height = "slides" if touch.outcome == "slide" else "topples", float(touch.point[2])
@@ -113,24 +107,11 @@ def _with_doubt(
         text=f"pushed at {_mm(height)} it {verb} with probability {probability_text(probability)}",
     )
     doubt = {"probability": probability, "probability_then": then, "asked_probability": asked}
-    with_doubt = refusal(
-        "not_sure",
-        {**refused.numbers, **doubt},
-        message=refused.message,
-        at=height,
-        verb=verb,
-    )
-    return refused.model_copy(
-        update={
-            "message": with_doubt.message,
-            "numbers": with_doubt.numbers,
-            "suggestions": (learn, *refused.suggestions),
-            "marks": (mark, *refused.marks),
-        }
-    )
+    words = {"at": height, "does": verb, "model": model.name}
+    return replace(refused.with_fact(f"doubt.{learn}", doubt, **words), marks=(mark,))
 
 
-def _cannot_slide(problem: PushProblem, critical: float, sure: float) -> Refusal:
+def _cannot_slide(problem: PushProblem, critical: float, sure: float) -> Blocked:
     """It would topple, or might, at every height that is allowed and reached."""
     asked, target = problem.contact, problem.target
     reached_from = problem.robot.limits.lowest_height
@@ -146,7 +127,7 @@ def _cannot_slide(problem: PushProblem, critical: float, sure: float) -> Refusal
         reason = "out_of_reach"
     if asked.region is None:
         name = target.name
-        return refusal("may_not_slide", numbers, reason=reason, object=name, certain=certain)
+        return dead_end("may_not_slide", numbers, reason=reason, object=name, certain=certain)
     numbers["lowest_asked"] = asked.low
     if asked.region == "at the top":
         numbers["lowest_top"] = asked.low
@@ -155,7 +136,7 @@ def _cannot_slide(problem: PushProblem, critical: float, sure: float) -> Refusal
     reached = f", reached from {_mm(lowest)} up" if lowest > asked.low else ""
     verb = "tips" if lowest >= critical else "may tip"
     lower = asked.low >= sure > reached_from
-    return refusal(
+    return dead_end(
         "may_not_slide_up_there" if lower else "may_not_slide_there",
         numbers,
         spans=asked.spans,
@@ -177,26 +158,20 @@ def _slides_where(critical: float, sure: float) -> str:
     return f"above {_mm(critical)} it topples before it slides (for sure it slides {surely})"
 
 
-def _other_side(target: SeenObject) -> tuple[str, ...]:
-    """Suggestion of another side; none for a round object, which falls alike to all."""
-    return () if isinstance(target.model.base, Disc) else ("topple it to another side",)
-
-
-def _cannot_topple(problem: PushProblem, critical: float) -> Refusal:
+def _cannot_topple(problem: PushProblem, critical: float) -> Blocked:
     """It would slide, or might, at every height that is allowed; `critical` as for sliding."""
     asked, target = problem.contact, problem.target
     highest = min(asked.high, target.model.top - problem.robot.limits.fingertip_radius)
     numbers = {"highest_height": highest}
     spans, name = asked.spans, target.name
+    # What is round falls alike to all sides.
+    other = "" if isinstance(target.model.base, Disc) else ".side"
     if math.isinf(critical):
-        other = _other_side(target)
-        return refusal("never_topples", numbers, spans=spans, instead=other, object=name)
+        return dead_end(f"never_topples{other}", numbers, spans=spans, object=name)
     numbers["critical_height"] = critical
-    higher = ("push it at the top",) if asked.high < target.model.top else ()
-    if critical > highest:
-        other = higher or _other_side(target)
-        return refusal("slides_below", numbers, spans=spans, instead=other, object=name)
-    return refusal("may_not_topple", numbers, spans=spans, instead=higher, object=name)
+    higher = ".higher" if asked.high < target.model.top else ""
+    key = f"slides_below{higher or other}" if critical > highest else f"may_not_topple{higher}"
+    return dead_end(key, numbers, spans=spans, object=name)
 
 
 @dataclass(frozen=True)
@@ -232,7 +207,7 @@ def outcome_probability(model: ObjectModel, touch: Touch) -> float:
 
 
 def best_experiment(model: ObjectModel, touch: Touch, defaults: Defaults) -> tuple[str, float]:
-    """The most useful thing to find out first, and the probability of the outcome then."""
+    """The parameter most useful to be known, and the probability of the outcome then."""
     found_to = defaults.found_to
     known: dict[str, dict[str, object]] = {
         "friction": {"friction_sd": min(model.friction_sd, found_to * model.friction)},
@@ -244,4 +219,4 @@ def best_experiment(model: ObjectModel, touch: Touch, defaults: Defaults) -> tup
         for name, better in known.items()
     }
     best = max(then, key=lambda name: abs(then[name] - 0.5))
-    return _ASKED_FOR[best].format(name=model.name), then[best]
+    return best, then[best]

@@ -25,7 +25,7 @@ from objectmodels import ConeThresholds, Face, ObjectModel
 from objectmodels.geometry.base_shapes import Array, Disc
 from objectmodels.mechanics.friction_cone import worst_probability
 from objectmodels.safety_figure import SafetyFigure
-from planner.problem.constraint_limits import require_free_tilt
+from planner.problem.constraint_limits import why_not_tilted
 from planner.problem.directions import HEADINGS, angle_between, face_name, heading_of, phrase, unit
 from planner.problem.footprints import (
     footprint,
@@ -36,7 +36,7 @@ from planner.problem.footprints import (
 )
 from planner.problem.planning_problem import PushProblem, PushStep, Side
 from planner.pushing.push_paths import largest_obliqueness
-from planner.refusals.no_plan import no_plan, tilt_mark
+from planner.refusals.blocked import Blocked, dead_end, tilt_mark
 from planner.types.actions import PushAction
 from planner.types.plan import FORCE_BAND, reached_speed
 from planner.types.robot import ReachEffort, RobotLimits
@@ -289,23 +289,16 @@ def _rate_face(
     margin = cone.slide_margin if outcome == "slide" else cone.topple_margin
     # Off the best place the object turns, or one finger carries more.
     order = np.argsort(-np.where(holds, margin, -np.inf) + 1e-3 * aside)
-    chosen = _spread_out(order[: np.count_nonzero(holds)])
-    probability = np.empty(0)
+    chosen, probability = order[: np.count_nonzero(holds)], np.empty(0)
     if len(chosen):
+        # The best, and some that are less good, but reached otherwise.
+        chosen = chosen[sorted({int(share * len(chosen)) for share in _SHARES})]
         probability = worst_probability(model, points[chosen], normals[chosen], turning, outcome)
         likely = probability >= least
         chosen, probability = chosen[likely], probability[likely]
     return _Rating(
         points=points, lateral=lateral, cone=cone, chosen=chosen, probability=probability
     )
-
-
-def _spread_out(order: NDArray[np.intp]) -> NDArray[np.intp]:
-    """The best of an order of contacts and some that are less good, but reached otherwise."""
-    if not len(order):
-        return order
-    at = sorted({int(share * len(order)) for share in _SHARES})
-    return np.asarray(order[at], dtype=np.intp)
 
 
 # Speeds that strokes come to, and sentences that ask for more than that.
@@ -322,31 +315,29 @@ _ASKING = ("speed", "min_speed", "fast")
 _SURELY = 0.5  # share of the tolerance of a speed: pushes in the simulator are off by 0.4 at most
 
 
-def require_speed(problem: PushProblem, pushes: Sequence[PushAction]) -> None:
-    """Make sure that one of some pushes comes to the speed that the sentence asks for.
+def why_not_so_fast(problem: PushProblem, pushes: Sequence[PushAction]) -> Blocked | None:
+    """All strokes are too short for the speed that is asked for, or the force limit is too near.
 
     Only strokes count: how fast the finger becomes while something falls or turns is not foreseen.
     The force limits the first push alone: in which posture later ones are made is not known yet.
-
-    Raises:
-        NoPlanError: all strokes are too short, or the force limit is too near.
     """
     asking = [clause for clause in problem.frame.constraints if clause.kind in _ASKING]
     strokes = [push for push in pushes if push.ends_on == "stroke"]
     if not asking or not strokes or problem.previous is not None:
-        return
+        return None
     asked = problem.motion.speed
     longest = max(strokes, key=lambda push: push.stroke)
     reached = {push: reached_speed(push.speed, push.stroke) for push in strokes}
-    what = f"over {1e3 * longest.stroke:.0f} mm the fingertips come to"
-    first = pushes[0]
+    key, first = "too_fast.short", pushes[0]
     if first in reached and (kept := kept_speed(problem, first)) < reached[first]:
         reached[first] = kept
-        what = f"with at most {first.force_limit:.2f} N the fingertips keep"
+        key = "too_fast.weak"
     best = max(reached.values())
     if best < asked - _SURELY * problem.defaults.speed_tolerance:
         numbers = {"speed": asked, "most": best, "stroke": longest.stroke}
-        raise no_plan("too_fast", numbers, spans=asking[0].spans, what=what)
+        length, limit = longest.stroke, first.force_limit
+        return dead_end(key, numbers, spans=asking[0].spans, length=length, force_limit=limit)
+    return None
 
 
 def kept_speed(problem: PushProblem, push: PushAction) -> float:
@@ -362,12 +353,8 @@ def kept_speed(problem: PushProblem, push: PushAction) -> float:
     return max(spare, 0.0) / (0.1 * math.sqrt(stiffness * problem.target.model.mass))
 
 
-def touchable_sides(problem: PushProblem, step: PushStep) -> list[Side]:
-    """Sides that a push may touch: the straightest, or all if no direction is said.
-
-    Raises:
-        NoPlanError: there is none, or it is not square enough to the direction.
-    """
+def touchable_sides(problem: PushProblem, step: PushStep) -> list[Side] | Blocked:
+    """Sides that a push may touch: the straightest, or all if no direction is said."""
     if step.side is not None:
         return [step.side]
     target, face_said, spans = problem.target, problem.contact.face, problem.contact.spans
@@ -387,10 +374,10 @@ def touchable_sides(problem: PushProblem, step: PushStep) -> list[Side]:
         sides.append(Side(face, heading_of(-outward)))
     if not sides and unclear is not None:
         turned = {"turned": unclear}
-        raise no_plan("face_not_clear", turned, spans=spans, object=target.name, face=face_said)
+        return dead_end("face_not_clear", turned, spans=spans, object=target.name, face=face_said)
     if not sides:
         where = "side" if face_said is None else f"{face_said} face"
-        raise no_plan("no_side", spans=spans, object=target.name, where=where)
+        return dead_end("no_side", spans=spans, object=target.name, where=where)
     if step.heading is None:
         return sides
     contact = problem.contact
@@ -402,7 +389,7 @@ def touchable_sides(problem: PushProblem, step: PushStep) -> list[Side]:
     if step.outcome == "topple":
         largest = 0.5 * problem.defaults.side_tolerance
     if abs(oblique) > largest:
-        raise no_plan(
+        return dead_end(
             "oblique_face" if contact.face else "oblique",
             {"obliqueness": abs(oblique), "largest_obliqueness": largest},
             spans=contact.spans,
@@ -432,27 +419,20 @@ def push_direction(step: PushStep, side: Side) -> np.ndarray:
     return unit(side.heading)
 
 
-def require_room(problem: PushProblem, step: PushStep, side: Side) -> None:
-    """Make sure that the object hits nothing when it falls, or leans over, from a side.
-
-    Raises:
-        NoPlanError: there is no room, or a tilt may end in a fall.
-    """
+def why_no_room(problem: PushProblem, step: PushStep, side: Side) -> Blocked | None:
+    """What the object hits when it falls, or leans over, from a side; or a tilt may be a fall."""
     u = push_direction(step, side)
-    if step.tilt is None:
-        target = problem.target
-        there, height = landing_area(target, u), {"height": target.model.top}
-        edge = leading_point(target, u)
-        if travel_to_edge(there, problem.state.table, u[:2], 0.0) < problem.defaults.clearance:
-            marks = (tilt_mark(target.name, edge, u, math.pi / 2.0, "over the edge of the table"),)
-            raise no_plan("falls_off", height, marks=marks, object=target.name)
-        for other in problem.others.values():
-            if overlaps(there, footprint(other), problem.clearance(other)):
-                mark = tilt_mark(
-                    target.name, edge, u, math.pi / 2.0, f"it would fall on the {other.name}"
-                )
-                raise no_plan(
-                    "falls_on", height, marks=(mark,), object=target.name, other=other.name
-                )
-    else:
-        require_free_tilt(problem, side.face.normal, u, step.tilt)
+    if step.tilt is not None:
+        return why_not_tilted(problem, side.face.normal, u, step.tilt)
+    target = problem.target
+    there, height = landing_area(target, u), {"height": target.model.top}
+    edge = leading_point(target, u)
+    if travel_to_edge(there, problem.state.table, u[:2], 0.0) < problem.defaults.clearance:
+        marks = (tilt_mark(target.name, edge, u, math.pi / 2.0, "over the edge of the table"),)
+        return dead_end("falls_off", height, marks=marks, object=target.name)
+    for other in problem.others.values():
+        if overlaps(there, footprint(other), problem.clearance(other)):
+            text = f"it would fall on the {other.name}"
+            marks = (tilt_mark(target.name, edge, u, math.pi / 2.0, text),)
+            return dead_end("falls_on", height, marks=marks, object=target.name, other=other.name)
+    return None

@@ -29,9 +29,8 @@ from planner.problem.footprints import (
 )
 from planner.problem.places import object_at
 from planner.pushing.turn_planner import TurnStroke
-from planner.refusals.no_plan import length_mark
+from planner.refusals.blocked import Blocked, length_mark
 from planner.types.actions import Aim
-from planner.types.refusal import Refusal
 from planner.types.world_state import LengthMark, SeenObject, WorldState
 
 ANOTHER_PUSH = 0.15
@@ -243,9 +242,9 @@ _SAME_WAY = math.radians(6.0)  # pushes whose headings differ by less go alike
 _SAME_SPOT, _SAME_HEADING = 1e-4, 1e-3  # objects that stand so near stand alike [m], [rad]
 
 
-def is_denied(refusal: Refusal) -> bool:
-    """Return True if a push was refused since the hand does not get there."""
-    return refusal.reason in ("out_of_reach", "blocked")
+def is_denied(why: Blocked) -> bool:
+    """Return True if a push is not made since the hand does not get there."""
+    return why.reason in ("out_of_reach", "blocked")
 
 
 class DeniedPushes:

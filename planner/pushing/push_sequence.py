@@ -35,10 +35,9 @@ from planner.pushing.push_paths import (
     is_denied,
 )
 from planner.pushing.reach_search import ReachSearch
-from planner.refusals.no_plan import no_plan
+from planner.refusals.blocked import Blocked, dead_end
 from planner.types.actions import Aim, Push
 from planner.types.plan import Reached
-from planner.types.refusal import Alternatives, NoPlanError
 from planner.types.world_state import SeenObject
 
 FirstStop = Callable[[tuple[PathSegment, ...]], SegmentEnd | None]
@@ -84,12 +83,8 @@ class PushSequencePlanner:
         # What is turned may be displaced a little more than what is brought somewhere.
         self._within = defaults.aim_drift if goal.rotates else defaults.aim_position
 
-    def pushes(self) -> list[PushCandidate] | Reached:
-        """The pushes, or the finding that the object is there already.
-
-        Raises:
-            NoPlanError: it does not get there.
-        """
+    def pushes(self) -> list[PushCandidate] | Reached | Blocked:
+        """The pushes, or the finding that the object is there already."""
         target, problem = self._problem.target, self._problem
         off, turn = self._distance_to_aim(target), self._turn_to_aim(target)
         reached = Reached(aim=self._aim, off=off, turned_off=abs(turn))
@@ -98,34 +93,25 @@ class PushSequencePlanner:
             looks_there = abs(turn) <= _SQUARED_UP  # one finger alone turns
         if off <= self._within and looks_there:
             return reached
-        attempts = Alternatives()
         if abs(turn) <= _SQUARED_UP and off > self._within:
-            with attempts:
-                return self._straight_pushes(target)
-            if off <= _CLOSE and looks_there:
-                return reached
-            raise attempts.first
+            straight = self._straight_pushes(target)
+            is_there = off <= _CLOSE and looks_there
+            return reached if is_there and isinstance(straight, Blocked) else straight
         at_aim = [np.array([self._aim.x, self._aim.y])]
-        turning = Alternatives()
-        with turning:
-            found, there = self._turn_pushes(target, turn)
-        if turning:
-            elsewhere = self._turn_elsewhere(target, turn, at_aim + self._roomy_places(target))
-            if elsewhere is None:
-                raise turning.first
-            return elsewhere
+        turned = self._turn_pushes(target, turn)
+        if isinstance(turned, Blocked):
+            places = at_aim + self._roomy_places(target)
+            return self._turn_elsewhere(target, turn, places) or turned
+        found, there = turned
         if self._distance_to_aim(there) <= self._within:
             return found
-        going = Alternatives()
-        with going:
-            return found + self._straight_pushes(there)
+        going = self._straight_pushes(there)
+        if isinstance(going, list):
+            return found + going
         # After turns nothing is as foreseen to the millimetre; what follows is planned anew.
         if self._distance_to_aim(there) <= self._problem.defaults.turn_drift:
             return found
-        gone_first = self._turn_elsewhere(target, turn, at_aim)
-        if gone_first is None:
-            raise going.first
-        return gone_first
+        return self._turn_elsewhere(target, turn, at_aim) or going
 
     def _distance_to_aim(self, target: SeenObject) -> float:
         """Distance of an object from the aim [m]."""
@@ -137,30 +123,32 @@ class PushSequencePlanner:
 
     def _turn_pushes(
         self, target: SeenObject, turn: float
-    ) -> tuple[list[PushCandidate], SeenObject]:
+    ) -> tuple[list[PushCandidate], SeenObject] | Blocked:
         """The pushes that turn an object, and the object after them."""
         problem = self._problem
         if 1 not in problem.contact.fingers:
-            raise no_plan("turned_by_one", spans=problem.contact.spans, object=target.name)
-        blocked: NoPlanError | None = None
-        strokes = Alternatives()
+            return dead_end("turned_by_one", spans=problem.contact.spans, object=target.name)
+        obstructed: Blocked | None = None
+        denied: list[Blocked] = []
         for steps in self._turn_sequences(target, turn):
             met = turn_planner.turn_obstacle(
                 target, steps, problem.state, self._apart, problem.defaults.clearance
             )
             if met is not None:
                 where = "over the table's edge" if met == "table" else f"into the {met}"
-                blocked = blocked or no_plan("turn_blocked", object=target.name, where=where)
+                obstructed = obstructed or dead_end("turn_blocked", object=target.name, where=where)
                 continue
-            if strokes and self._denied.cover_turn(target, steps):
+            if denied and self._denied.cover_turn(target, steps):
                 continue
-            with strokes:
-                return self._stroke_pushes(target, steps)
-            if len(strokes) == _TURNS:
+            made = self._stroke_pushes(target, steps)
+            if not isinstance(made, Blocked):
+                return made
+            denied.append(made)
+            if len(denied) == _TURNS:
                 break
-        if strokes:
-            raise strokes.last
-        raise blocked or no_plan("cannot_turn", object=target.name)
+        if denied:
+            return denied[-1]
+        return obstructed or dead_end("cannot_turn", object=target.name)
 
     def _turn_sequences(
         self, target: SeenObject, turn: float
@@ -180,16 +168,16 @@ class PushSequencePlanner:
         What is there by now is not turned there: that was looked at.
         """
         going = replace(self._problem, goal=replace(self._problem.goal, rotates=False))
-        ways = Alternatives()
         for place in places:
             if math.dist(place, target.pose.p_WB[:2]) <= self._within:
                 continue
-            with ways:
-                turned, _ = self._turn_pushes(object_at(target, place), turn)
-                aim = Aim(x=float(place[0]), y=float(place[1]), yaw=target.pose.yaw)
-                way = PushSequencePlanner(going, aim, self._search).pushes()
-                if isinstance(way, list):
-                    return way + turned
+            turned = self._turn_pushes(object_at(target, place), turn)
+            if isinstance(turned, Blocked):
+                continue
+            aim = Aim(x=float(place[0]), y=float(place[1]), yaw=target.pose.yaw)
+            way = PushSequencePlanner(going, aim, self._search).pushes()
+            if isinstance(way, list):
+                return way + turned[0]
         return None
 
     def _roomy_places(self, target: SeenObject) -> list[np.ndarray]:
@@ -208,7 +196,7 @@ class PushSequencePlanner:
 
     def _stroke_pushes(
         self, target: SeenObject, steps: tuple[turn_planner.TurnStroke, ...]
-    ) -> tuple[list[PushCandidate], SeenObject]:
+    ) -> tuple[list[PushCandidate], SeenObject] | Blocked:
         """A push for each part of a turn, and the object after them."""
         contact = replace(self._problem.contact, fingers=(1,))
         found = []
@@ -224,19 +212,18 @@ class PushSequencePlanner:
                 side=replace(stroke.side, heading=heading_of(-normal)),
             )
             here = replace(self._problem.with_target(target), contact=contact)
-            attempt = Alternatives()
-            with attempt:
-                found.append(best_push(here, step, self._search))
-            if attempt:
-                if is_denied(attempt.last.refusal):
+            push = best_push(here, step, self._search)
+            if isinstance(push, Blocked):
+                if is_denied(push):
                     self._denied.note_stroke(target, stroke)
-                raise attempt.last
+                return push
+            found.append(push)
             target = stroke.target_after(target)
         return found, target
 
-    def _straight_pushes(self, target: SeenObject) -> list[PushCandidate]:
+    def _straight_pushes(self, target: SeenObject) -> list[PushCandidate] | Blocked:
         """The pushes of the first path that the hand can make."""
-        attempts = Alternatives()
+        first: Blocked | None = None
         self._denied.forget_segments()
         first_stop = self._first_stops(target)
         free = (
@@ -245,12 +232,12 @@ class PushSequencePlanner:
             if not self._denied.cover_path(target, path) and first_stop(path) is None
         )
         for path in islice(free, 5):  # free ways for which the hand's reach is asked
-            with attempts:
-                return self._path_pushes(target, path)
+            made = self._path_pushes(target, path)
             # Paths that come later are longer.
-            if attempts.last.refusal.reason == "out_of_time":
-                raise attempts.last
-        raise attempts.first if attempts else self._dead_end(target, first_stop)
+            if isinstance(made, list) or made.reason == "out_of_time":
+                return made
+            first = first or made
+        return first or self._dead_end(target, first_stop)
 
     def _paths_to_aim(self, target: SeenObject) -> Iterator[tuple[PathSegment, ...]]:
         """Paths to the aim: straight to it, around what stands there, and with a side step."""
@@ -267,7 +254,11 @@ class PushSequencePlanner:
         if problem.effort.direct or self._distance_to_aim(target) <= _CLOSE:
             return
         aside = push_paths.sidestep_paths(target, self._aim, self._within, self._largest)
-        yield from sorted([*self._detour_paths(target), *aside], key=_path_cost)
+        yield from sorted(
+            [*self._detour_paths(target), *aside],
+            # Length of a path, and what its pushes cost [m].
+            key=lambda path: sum(s.distance for s in path) + push_paths.ANOTHER_PUSH * len(path),
+        )
 
     def _ordered_paths(self, target: SeenObject) -> Iterator[tuple[PathSegment, ...]]:
         """Paths to the aim; first those on which what is met is met in the asked direction."""
@@ -306,11 +297,11 @@ class PushSequencePlanner:
         before = Obstructions(target, problem.state, self._apart, margin)
         return lambda path: before.first_stop(path[:-1]) or way.first_stop(path)
 
-    def _dead_end(self, target: SeenObject, first_stop: FirstStop) -> NoPlanError:
+    def _dead_end(self, target: SeenObject, first_stop: FirstStop) -> Blocked:
         """Dead end since something stands in all paths: that of the first, the shortest."""
         path = next(self._paths_to_aim(target), None)
         if path is None:
-            return no_plan("no_way", object=target.name)
+            return dead_end("no_way", object=target.name)
         met = first_stop(path)
         assert met is not None, "a free path would have been taken"
         distance = sum(segment.distance for segment in path)
@@ -320,41 +311,39 @@ class PushSequencePlanner:
         if met.other is None:
             numbers = {"room": max(met.free, 0.0), "distance": distance}
             code = "off_the_table_so_far" if so_far else "off_the_table"
-            return no_plan(code, numbers, marks=marks, object=target.name)
+            return dead_end(code, numbers, marks=marks, object=target.name)
         numbers = {"free": met.free, "distance": distance}
         code = "in_the_way_so_far" if so_far else "in_the_way"
-        return no_plan(code, numbers, marks=marks, object=target.name, other=met.other)
+        return dead_end(code, numbers, marks=marks, object=target.name, other=met.other)
 
     def _path_pushes(
         self, target: SeenObject, path: tuple[PathSegment, ...]
-    ) -> list[PushCandidate]:
+    ) -> list[PushCandidate] | Blocked:
         """A push for each segment, or for parts of it where the hand cannot make it at one go."""
         problem = self._problem
-        require_one_push(problem, len(path))
+        if why := why_not_in_time(problem, len(path)):
+            return why
         segment, rest = path[0], path[1:]
-        attempt = Alternatives()
-        with attempt:
-            best = self._segment_push(target, segment, last=not rest)
-        if attempt:
-            denied = is_denied(attempt.first.refusal)
+        best = self._segment_push(target, segment, last=not rest)
+        if isinstance(best, Blocked):
+            denied = is_denied(best)
             if denied:
                 self._denied.note_segment(target, segment)
             # A leg longer than this may be made by several pushes [m].
             far = denied and segment.distance > 0.12
             whole = problem.motion.duration is not None or problem.goal.until == "moves"
             if whole or not far:
-                raise attempt.first
+                return best
             half = replace(segment, distance=0.5 * segment.distance)
             return self._path_pushes(target, (half, half, *rest))
-        return (
-            [best, *self._path_pushes(push_paths.moved_along(target, segment), rest)]
-            if rest
-            else [best]
-        )
+        if not rest:
+            return [best]
+        others = self._path_pushes(push_paths.moved_along(target, segment), rest)
+        return others if isinstance(others, Blocked) else [best, *others]
 
     def _segment_push(
         self, target: SeenObject, segment: PathSegment, *, last: bool
-    ) -> PushCandidate:
+    ) -> PushCandidate | Blocked:
         goal = self._problem.goal
         turn = self._turn_to_aim(target) if target is self._problem.target else 0.0
         step = PushStep(
@@ -368,21 +357,14 @@ class PushSequencePlanner:
         return best_push(self._problem.with_target(target), step, self._search)
 
 
-def _path_cost(path: tuple[PathSegment, ...]) -> float:
-    """Length of a path, and what its pushes cost [m]."""
-    return sum(segment.distance for segment in path) + push_paths.ANOTHER_PUSH * len(path)
-
-
-def require_one_push(problem: PushProblem, pushes: int) -> None:
-    """Make sure that there is time: the hand goes around the object between two pushes.
-
-    Raises:
-        NoPlanError: several pushes are needed, and the sentence limits their time.
-    """
+def why_not_in_time(problem: PushProblem, pushes: int) -> Blocked | None:
+    """Several pushes take longer than allowed: the hand goes around the object between two."""
     motion = problem.motion
     if motion.duration is not None and pushes > 1:
         numbers = {"pushes": float(pushes), "max_time": motion.duration}
-        raise no_plan("several_pushes", numbers, spans=motion.spans, object=problem.target.name)
+        return dead_end("several_pushes", numbers, spans=motion.spans, object=problem.target.name)
+    return None
+    return None
 
 
 def path_clearances(problem: PushProblem) -> dict[str, float]:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 
 from planner.problem.planning_problem import PushProblem
-from planner.refusals.no_plan import search_given_up
+from planner.refusals.blocked import search_given_up
 from planner.types.actions import Push, Vector3
 from planner.types.robot import FailedPush, ReachAnswer, ReachEffort
 from planner.types.world_state import WorldState
@@ -33,7 +33,7 @@ class ReachSearch:
         """Ask for one push.
 
         Raises:
-            NoPlanError: the budget is used up.
+            SearchEndedError: the budget is used up.
         """
         if len(self._answers) == self._problem.effort.questions:
             raise search_given_up(self._problem.target.name, self._answers, self._problem.spared)
@@ -49,8 +49,7 @@ class ReachSearch:
             # Contacts nearer than this count as the same [m].
             near = math.dist(other.p_BC, push.p_BC) < 0.02
             if near and (other.fingers, other.ends_on) == (push.fingers, push.ends_on):
-                message = f"tried before: {failed.detail}"
-                return ReachAnswer(ok=False, reason="failed", message=message)
+                return ReachAnswer(False, "failed", "tried_before", words={"detail": failed.detail})
         return None
 
     def _robots_answer(self, push: Push, state: WorldState) -> ReachAnswer:
@@ -92,7 +91,7 @@ class ContactQueries:
         """Ask for a push, if it is worth asking for; True if the hand gets there.
 
         Raises:
-            NoPlanError: the budget is used up.
+            SearchEndedError: the budget is used up.
         """
         asked = self._asked[push.fingers]
         if not self.is_open(push):

@@ -20,15 +20,14 @@ from planner.problem.directions import unit
 from planner.problem.goal_poses import pose_as_aim, wanted_aims
 from planner.problem.planning_problem import PushProblem
 from planner.pushing.contact_planner import PushCandidate
-from planner.pushing.contact_sampling import require_speed
+from planner.pushing.contact_sampling import why_not_so_fast
 from planner.pushing.drag_planner import FORCES, drag_to
-from planner.pushing.push_sequence import PushSequencePlanner, require_one_push
+from planner.pushing.push_sequence import PushSequencePlanner, why_not_in_time
 from planner.pushing.reach_search import ReachSearch
 from planner.pushing.topple_planner import TopplePlanner
-from planner.refusals.no_plan import no_plan
-from planner.types.actions import Aim, Limits, Push
+from planner.refusals.blocked import Blocked, SearchEndedError, dead_end, first_made
+from planner.types.actions import Aim, Limits
 from planner.types.plan import Plan, PlanTask, Reached
-from planner.types.refusal import Alternatives, NoPlanError, Refusal
 
 _TASKS: dict[str, PlanTask] = {"toppled": "topple", "tilted": "tilt"}  # by the last push's end
 _SHORT = (0.0, 0.5, 1.0)  # of the room that the tolerance of the distance leaves
@@ -42,19 +41,19 @@ class FailedStrategy:
     """A strategy that found no plan.
 
     Attributes:
-        refusal: why.
+        why: it found none.
         denied: whether the hand did not get to something.
-        decides: whether the refusal stands in place of those before.
+        decides: whether that stands in place of the reasons before.
     """
 
-    refusal: Refusal
+    why: Blocked
     denied: bool
     decides: bool
 
 
-def deciding_refusal(so_far: Sequence[FailedStrategy]) -> Refusal:
-    """The refusal of the last dead end that decides."""
-    return [end.refusal for end in so_far if end.decides][-1]
+def deciding_reason(so_far: Sequence[FailedStrategy]) -> Blocked:
+    """The reason of the last strategy that decides."""
+    return [end.why for end in so_far if end.decides][-1]
 
 
 def _was_denied(so_far: Sequence[FailedStrategy]) -> bool:
@@ -79,31 +78,23 @@ class PlanningStrategy(ABC):
         """The problem that it solves in place of the one that is posed."""
         return problem
 
-    def plan(self, problem: PushProblem, search: ReachSearch) -> Plan | Reached:
-        """The plan for the problem that it solves.
-
-        Raises:
-            NoPlanError: there is none.
-        """
-        if problem.goal.aims:
-            attempts = Alternatives()
-            for aim in wanted_aims(problem):
-                with attempts:
-                    found = PushSequencePlanner(
-                        problem, aim, search, _foreseen_pushes(problem)
-                    ).pushes()
-                    return found if isinstance(found, Reached) else _joint_plan(problem, found, aim)
-            raise attempts.first
-        return _joint_plan(
-            problem, TopplePlanner(problem, search, _foreseen_pushes(problem)).pushes()
+    def plan(self, problem: PushProblem, search: ReachSearch) -> Plan | Reached | Blocked:
+        """The plan for the problem that it solves."""
+        # What is left of the plan before is tried first.
+        foreseen = () if problem.previous is None else problem.previous.pushes[1:]
+        if not problem.goal.aims:
+            return _joint_plan(problem, TopplePlanner(problem, search, foreseen).pushes())
+        return first_made(
+            _joint_plan(problem, PushSequencePlanner(problem, aim, search, foreseen).pushes(), aim)
+            for aim in wanted_aims(problem)
         )
 
     def notes(self, problem: PushProblem, aim: Aim | None) -> tuple[str, ...]:
         """Sentences on what a plan of less precision does, beside why it was needed."""
         return ()
 
-    def decides(self, refusal: Refusal) -> bool:
-        """Return True if its refusal stands in place of those before."""
+    def decides(self, why: Blocked) -> bool:
+        """Return True if its reason stands in place of those before."""
         return self.is_precise
 
 
@@ -133,9 +124,9 @@ class ExhaustiveReach(PlanningStrategy):
         )
         return replace(problem, effort=effort)
 
-    def decides(self, refusal: Refusal) -> bool:
+    def decides(self, why: Blocked) -> bool:
         """Return False of a search that was given up: it says less than one that ended."""
-        return refusal.reason != "out_of_time"
+        return why.reason != "out_of_time"
 
 
 class RelaxedProbability(PlanningStrategy):
@@ -144,7 +135,7 @@ class RelaxedProbability(PlanningStrategy):
     def applies(self, problem: PushProblem, so_far: Sequence[FailedStrategy]) -> bool:
         """Return True if a plan was begun, and its rest is not sure enough."""
         begun = problem.previous is not None
-        return begun and deciding_refusal(so_far).reason == "too_uncertain"
+        return begun and deciding_reason(so_far).reason == "too_uncertain"
 
     def relax(self, problem: PushProblem, so_far: Sequence[FailedStrategy]) -> PushProblem:
         """The problem with less probability, and with the effort of the strategy before."""
@@ -179,7 +170,7 @@ class DragFromAbove(PlanningStrategy):
 
     def applies(self, problem: PushProblem, so_far: Sequence[FailedStrategy]) -> bool:
         """Return True if no fingertip gets to its sides, and nothing is said that takes them."""
-        goal, contact, why = problem.goal, problem.contact, deciding_refusal(so_far)
+        goal, contact, why = problem.goal, problem.contact, deciding_reason(so_far)
         said = contact.face or contact.region or problem.motion.duration or problem.force.min
         moved = goal.aims and not goal.rotates and goal.until is None and 1 in contact.fingers
         no_side = why.reason == "out_of_reach" or why.code == "pushes_blocked"
@@ -190,18 +181,15 @@ class DragFromAbove(PlanningStrategy):
         least = min(problem.effort.probability, problem.defaults.drag_probability)
         return replace(problem, effort=replace(problem.effort, probability=least))
 
-    def plan(self, problem: PushProblem, search: ReachSearch) -> Plan | Reached:
+    def plan(self, problem: PushProblem, search: ReachSearch) -> Plan | Reached | Blocked:
         """The drag to the first aim to which there is one."""
-        attempts = Alternatives()
-        for aim in wanted_aims(problem):
-            with attempts:
-                found = drag_to(problem, aim, search)
-                return found if isinstance(found, Reached) else _joint_plan(problem, [found], aim)
-        raise attempts.first
+        return first_made(
+            _joint_plan(problem, drag_to(problem, aim, search), aim) for aim in wanted_aims(problem)
+        )
 
-    def decides(self, refusal: Refusal) -> bool:
+    def decides(self, why: Blocked) -> bool:
         """Return True if it is asked for, or says with what force it would have to press."""
-        return self.is_precise or refusal.code in FORCES
+        return self.is_precise or why.code in FORCES
 
 
 class SaidDrag(DragFromAbove):
@@ -222,7 +210,7 @@ class RelaxedGoal(PlanningStrategy):
     def applies(self, problem: PushProblem, so_far: Sequence[FailedStrategy]) -> bool:
         """Return True if something stands in the way of what is to be begun."""
         free_hand = not _was_denied(so_far) and problem.motion.duration is None
-        obstructed = deciding_refusal(so_far).reason in _IN_THE_WAY
+        obstructed = deciding_reason(so_far).reason in _IN_THE_WAY
         new = problem.previous is None and bool(problem.goal.aims)
         return new and free_hand and obstructed and any(True for _ in nearly_goal_poses(problem))
 
@@ -249,7 +237,7 @@ class OtherFall(PlanningStrategy):
         """The problem for which the robot looks longer."""
         return replace(problem, effort=replace(problem.effort, thorough=True))
 
-    def plan(self, problem: PushProblem, search: ReachSearch) -> Plan | Reached:
+    def plan(self, problem: PushProblem, search: ReachSearch) -> Plan | Reached | Blocked:
         """The plan of a fall askew, or of a push and a fall elsewhere."""
         return _joint_plan(problem, TopplePlanner(problem, search).other_pushes())
 
@@ -268,18 +256,18 @@ STRATEGIES: tuple[PlanningStrategy, ...] = (
 
 def plan_pushes(
     problem: PushProblem, notify: Callable[[str], None] = lambda _: None
-) -> Plan | Reached:
+) -> Plan | Reached | Blocked:
     """The plan of the first strategy that finds one.
 
     `notify` is called with a sentence before a search that takes long.
 
     Raises:
-        NoPlanError: none finds one.
+        SearchEndedError: the budget of the plan is used up.
     """
     so_far: list[FailedStrategy] = []
     budget, untried = problem.budget, 0
     if budget.is_used_up:
-        raise budget.dead_end(problem.target.name, len(STRATEGIES))
+        raise budget.end(problem.target.name, len(STRATEGIES))
     for strategy in (SaidDrag(),) if SaidDrag().applies(problem, ()) else STRATEGIES:
         if not strategy.applies(problem, so_far):
             continue
@@ -292,30 +280,31 @@ def plan_pushes(
         search = ReachSearch(relaxed)
         try:
             made = strategy.plan(relaxed, search)
-        except NoPlanError as error:
-            decides = strategy.decides(error.refusal)
-            so_far.append(FailedStrategy(error.refusal, search.was_denied, decides))
+        except SearchEndedError as ended:
+            made = ended.blocked
+        if isinstance(made, Blocked):
+            so_far.append(FailedStrategy(made, search.was_denied, strategy.decides(made)))
             continue
         if strategy.is_precise or made.status == "reached":
             return made
-        why = f"another way, since {deciding_refusal(so_far).message}"
+        why = f"another way, since {deciding_reason(so_far).sentence}"
         notes = (why, *strategy.notes(relaxed, made.aim), *made.notes)
         return made.model_copy(update={"notes": notes})
-    if untried or so_far[-1].refusal.code == "work_used_up":
-        raise budget.dead_end(problem.target.name, untried)
-    raise NoPlanError(deciding_refusal(so_far))
+    if untried or so_far[-1].why.code == "work_used_up":
+        raise budget.end(problem.target.name, untried)
+    return deciding_reason(so_far)
 
 
-def _foreseen_pushes(problem: PushProblem) -> tuple[Push, ...]:
-    """Remaining pushes of the previous plan, tried first."""
-    return () if problem.previous is None else problem.previous.pushes[1:]
-
-
-def _joint_plan(problem: PushProblem, found: list[PushCandidate], aim: Aim | None = None) -> Plan:
-    """Pushes one after another as a plan."""
+def _joint_plan(
+    problem: PushProblem, found: list[PushCandidate] | Reached | Blocked, aim: Aim | None = None
+) -> Plan | Reached | Blocked:
+    """Pushes one after another as a plan; where there are none, what was found instead."""
+    if not isinstance(found, list):
+        return found
     target, motion = problem.target, problem.motion
-    require_one_push(problem, len(found))
-    require_speed(problem, [each.push for each in found])
+    pushes = [each.push for each in found]
+    if why := why_not_in_time(problem, len(found)) or why_not_so_fast(problem, pushes):
+        return why
     # At least so likely, however the outcomes hang together; those of equal pushes are equal.
     doubts: dict[tuple[object, ...], float] = {}
     for each in found:
@@ -324,8 +313,8 @@ def _joint_plan(problem: PushProblem, found: list[PushCandidate], aim: Aim | Non
     probability = max(1.0 - sum(doubts.values()), 0.0)
     if probability < problem.effort.probability:
         numbers = {"probability": probability, "asked_probability": problem.effort.probability}
-        raise no_plan("unlikely_pushes", numbers, object=target.name, pushes=len(found))
-    first, *later = pushes = [each.push for each in found]
+        return dead_end("unlikely_pushes", numbers, object=target.name, pushes=len(found))
+    first, *later = pushes
     # What must be done in time is pushed faster than by default.
     if any(push.speed != motion.speed for push in pushes):
         problem = problem.without_default("speed")

@@ -23,9 +23,8 @@ from planner.pushing.push_paths import (
 )
 from planner.pushing.push_sequence import PushSequencePlanner, path_clearances
 from planner.pushing.reach_search import ReachSearch
-from planner.refusals.no_plan import no_plan
+from planner.refusals.blocked import Blocked, dead_end, first_made
 from planner.types.actions import Aim, Push
-from planner.types.refusal import Alternatives
 from planner.types.world_state import SeenObject
 
 _ASKEW = math.radians(5.0)  # a fall less askew than this is not made straighter
@@ -50,48 +49,40 @@ class TopplePlanner:
         self._problem, self._search, self._foreseen = problem, search, foreseen
         self._step = PushStep.from_goal(problem.goal)
 
-    def pushes(self) -> list[PushCandidate]:
-        """The pushes that make it fall where it stands, square to the side that is asked.
-
-        Raises:
-            NoPlanError: there are none.
-        """
+    def pushes(self) -> list[PushCandidate] | Blocked:
+        """The pushes that make it fall where it stands, square to the side that is asked."""
         problem, contact, heading = self._problem, self._problem.contact, self._step.heading
         askew = 0.0 if heading is None else obliqueness(problem.target, heading)
         if abs(askew) <= 0.5 * problem.defaults.side_tolerance or contact.face is not None:
-            direct = Alternatives()
-            with direct:
-                return [best_push(problem, self._step, self._search)]
+            direct = best_push(problem, self._step, self._search)
+            if not isinstance(direct, Blocked):
+                return [direct]
             # Square to the direction it may still find room.
             if abs(askew) < _ASKEW or contact.face is not None or contact.region is not None:
-                raise direct.first
+                return direct
         if contact.region is not None:
             numbers, name = {"obliqueness": abs(askew)}, problem.target.name
             where = contact.region
-            raise no_plan("turn_first", numbers, spans=contact.spans, object=name, region=where)
+            return dead_end("turn_first", numbers, spans=contact.spans, object=name, region=where)
         target, goal = self._problem.target, self._problem.goal
         square = target.pose.yaw + askew
         aim = Aim(x=target.pose.x, y=target.pose.y, yaw=square)
         on_its_base = replace(goal, outcome="slide", rotates=True, aims=(aim,), tilt=None)
         turning = replace(self._problem, goal=on_its_base)
         pushes = PushSequencePlanner(turning, aim, self._search, self._foreseen).pushes()
+        if isinstance(pushes, Blocked):
+            return pushes
         assert isinstance(pushes, list), "it stands askew"
-        there = replace(target, pose=replace(target.pose, yaw=square))
-        return [*pushes, self._fall_from(self._problem, there)]
+        fall = self._fall_from(
+            self._problem, replace(target, pose=replace(target.pose, yaw=square))
+        )
+        return fall if isinstance(fall, Blocked) else [*pushes, fall]
 
-    def other_pushes(self) -> list[PushCandidate]:
-        """The pushes that make it fall askew or elsewhere.
+    def other_pushes(self) -> list[PushCandidate] | Blocked:
+        """The pushes that make it fall askew or elsewhere."""
+        return first_made(way() for way in (self._push_askew, self._pushes_elsewhere))
 
-        Raises:
-            NoPlanError: there are none.
-        """
-        falls = Alternatives()
-        for pushes in (self._push_askew, self._pushes_elsewhere):
-            with falls:
-                return pushes()
-        raise falls.first
-
-    def _fall_from(self, problem: PushProblem, there: SeenObject) -> PushCandidate:
+    def _fall_from(self, problem: PushProblem, there: SeenObject) -> PushCandidate | Blocked:
         """The last push from where others leave the object, which will not be there exactly."""
         defaults = problem.defaults
         careful = replace(
@@ -102,7 +93,7 @@ class TopplePlanner:
         then = replace(problem.with_target(there), defaults=careful)
         return best_push(then, self._step, self._search)
 
-    def _push_askew(self) -> list[PushCandidate]:
+    def _push_askew(self) -> list[PushCandidate] | Blocked:
         """The push over the face that is most square to the side, if it still falls there."""
         problem, heading = self._problem, self._step.heading
         largest = problem.defaults.side_tolerance - _SURELY
@@ -111,33 +102,41 @@ class TopplePlanner:
             or problem.contact.face is not None
             or abs(obliqueness(problem.target, heading)) > largest
         ):
-            raise no_plan("no_way", object=problem.target.name)
+            return dead_end("no_way", object=problem.target.name)
         step = replace(self._step, side=straightest_side(problem.target, heading))
-        return [best_push(problem, step, self._search)]
+        push = best_push(problem, step, self._search)
+        return push if isinstance(push, Blocked) else [push]
 
-    def _pushes_elsewhere(self) -> list[PushCandidate]:
+    def _pushes_elsewhere(self) -> list[PushCandidate] | Blocked:
         """A push to a place near by, the nearest first, and the fall there."""
         # What is said about the contact holds for every push, and a tilt is about the place where
         # the object stands: neither is brought elsewhere.
         problem, contact = self._problem, self._problem.contact
         bound = contact.face or contact.region or self._step.tilt is not None
         if bound or problem.motion.duration:
-            raise no_plan("no_way", object=problem.target.name)
+            return dead_end("no_way", object=problem.target.name)
         few = replace(problem, effort=replace(problem.effort, contacts=_CONTACTS))
         margin = problem.defaults.clearance + _FORESIGHT
         way = Obstructions(problem.target, problem.state, path_clearances(problem), margin)
-        places = Alternatives()
         # Pushes square to its faces, the shortest first.
         target = problem.target
         ahead = Aim(x=target.pose.x + 1.0, y=target.pose.y, yaw=target.pose.yaw)
-        for distance, heading in itertools.product(_ASIDE, push_headings(target, ahead)):
-            segment = PathSegment(heading, distance)
-            if way.first_stop((segment,)) is not None:
-                continue
-            with places:
-                then = self._fall_from(few, moved_along(problem.target, segment))
-                aside = replace(
-                    self._step, outcome="slide", heading=segment.heading, distance=segment.distance
-                )
-                return [best_push(few, aside, self._search), then]
-        raise places.first if places else no_plan("no_way", object=problem.target.name)
+        ways = itertools.product(_ASIDE, push_headings(target, ahead))
+        segments = (PathSegment(heading, distance) for distance, heading in ways)
+        falls = (
+            self._push_and_fall(few, each) for each in segments if way.first_stop((each,)) is None
+        )
+        return first_made(itertools.chain(falls, [dead_end("no_way", object=target.name)]))
+
+    def _push_and_fall(
+        self, problem: PushProblem, segment: PathSegment
+    ) -> list[PushCandidate] | Blocked:
+        """A push along a segment, and the fall at its end, which is planned first."""
+        fall = self._fall_from(problem, moved_along(problem.target, segment))
+        if isinstance(fall, Blocked):
+            return fall
+        aside = replace(
+            self._step, outcome="slide", heading=segment.heading, distance=segment.distance
+        )
+        push = best_push(problem, aside, self._search)
+        return push if isinstance(push, Blocked) else [push, fall]

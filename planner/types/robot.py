@@ -7,6 +7,7 @@ its own. The planner only asks.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal, Protocol
 
@@ -32,10 +33,12 @@ class ReachAnswer:
         reason: if not ok, what stops it: `kinematics`, `table`, `object` (the pushed one),
             `obstacle` (another one), `approach`, `torque` (it gets there, but is too weak there),
             `failed` (a push there went wrong before).
-        message: the same in words.
+        code: of its sentence in `planner.refusals.sentences.REACH`; `told`, with the word `text`,
+            for a robot that has a sentence of its own.
         blocker: name of the obstacle, if one is in the way.
         margin: if ok, smallest distance to a joint limit on the way [rad].
         numbers: figures behind the answer [SI].
+        words: names, and other numbers of the sentence.
         stiffness: if ok, force per displacement of the fingertips along the push, all together
             [N/m]; 0 of a robot that does not know it.
         work: units of work behind it, whatever was known before; see `Defaults.most_work`.
@@ -49,10 +52,11 @@ class ReachAnswer:
 
     ok: bool
     reason: str | None = None
-    message: str = ""
+    code: str = ""
     blocker: str | None = None
     margin: float = 0.0
     numbers: dict[str, float] = field(default_factory=dict)
+    words: Mapping[str, object] = field(default_factory=dict)
     stiffness: float = 0.0
     work: int = 1
     postures: int = 0
@@ -197,7 +201,7 @@ class NoRobot:
 
     def reach(self, push: Push, state: WorldState, effort: ReachEffort = "usual") -> ReachAnswer:
         """No."""
-        return ReachAnswer(ok=False, reason="kinematics", message="there is no robot")
+        return ReachAnswer(ok=False, reason="kinematics", code="no_robot")
 
     def estimate_reach(self, push: Push, state: WorldState) -> float:
         """No room [rad]."""
@@ -209,4 +213,4 @@ class NoRobot:
 
     def reach_plan(self, plan: Plan, state: WorldState) -> ReachAnswer:
         """No."""
-        return ReachAnswer(ok=False, reason="kinematics", message="there is no robot")
+        return ReachAnswer(ok=False, reason="kinematics", code="no_robot")

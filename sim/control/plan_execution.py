@@ -21,6 +21,7 @@ from objectmodels.geometry.rotations import Array, rot_z
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.models.object_parts import LiftOffLid
 from objectmodels.safety_figure import SafetyFigure
+from planner.refusals.blocked import reach_sentence
 from planner.types.actions import (
     Action,
     FlipOver,
@@ -490,7 +491,7 @@ def flip_over(
             step = step.model_copy(update={"start": target.lid})
         found = setup.reach.flip_configuration(step, plan.object, state)
         if isinstance(found, ReachAnswer):
-            end, detail = "unreachable", found.message
+            end, detail = "unreachable", reach_sentence(found)
         else:
             end, detail = _flip_lid(step, recorder, found[0], target)
     except EarlyEndError as early:
@@ -576,7 +577,7 @@ class PushExecution:
                 answer = reach.push_configuration(self._push, state, spare)
                 if not isinstance(answer, ReachAnswer):
                     return answer[0], reach.fingertip_path(self._push, state)
-                why = answer.message
+                why = reach_sentence(answer)
         raise EarlyEndError("unreachable", why)
 
     def approach(self, stance: ArmConfiguration, way: FingertipPath) -> None:
@@ -712,7 +713,7 @@ def _handle(
     state = look_around(recorder, models, setup.held)
     way = setup.reach.grasp_motion(plan, state, SPARE)
     if isinstance(way, ReachAnswer):
-        return "unreachable", way.message
+        return "unreachable", reach_sentence(way)
     handled = HeldObject.from_plan(plan, state)
     make = GraspExecution if handled.owner is None else LidExecution
     execution = make(handled, recorder, way, setup.holding)

@@ -250,11 +250,11 @@ class HoldClearance:
         blocked = self._hand_meets(hand) or self._closed_hand_blocked
         if blocked is not None:
             return blocked
+        own = {"object": self._plan.object}
         for last, one in zip(free.last, hand, strict=True):
             stands = stood if last else self.about
             if (stands.distance_to(one) < _OPEN_CLEARANCE).any():
-                what = f"the open hand does not get around the {self._plan.object}"
-                return ReachAnswer(False, "object", what)
+                return ReachAnswer(False, "object", "open_hand_hits", words=own)
         return self.blocked_hold
 
     @cached_property
@@ -266,10 +266,10 @@ class HoldClearance:
     def blocked_hold(self) -> ReachAnswer | None:
         """The answer if this hold does not do, however the open hand gets on and off."""
         inside = self._hand.spheres(self._closed)
-        own = place_spheres(inside, self.R_BP, self.p_BP)
-        if (in_itself(self.about).distance_to(own) < 0.0).any():
-            what = f"the hand would hit the {self._plan.object} with more than its fingertips"
-            return ReachAnswer(False, "object", what)
+        about = place_spheres(inside, self.R_BP, self.p_BP)
+        if (in_itself(self.about).distance_to(about) < 0.0).any():
+            own = {"object": self._plan.object}
+            return ReachAnswer(False, "object", "hand_hits_object", words=own)
         return self._closed_hand_blocked or self._held_blocked()
 
     def left_standing(self, R_WB: Array, p_WB: Array) -> Obstacle:
@@ -297,10 +297,9 @@ class HoldClearance:
         low = height_above_table(hand).min(initial=np.inf)
         # A lid is put aside flat.
         if low < (TABLE_CLEARANCE if self._owner is None else _LID_CLEARANCE):
-            up = 1e3 * float(low)
-            return ReachAnswer(False, "table", f"the hand would come to {up:.0f} mm over the table")
+            return ReachAnswer(False, "table", "low_hand", words={"height": float(low)})
         name = self.scenery.hit_by(hand)
-        return None if name is None else _blocked_answer(name, "the hand")
+        return None if name is None else ReachAnswer(False, "obstacle", "hand_hits_other", name)
 
     def hand_spheres(self, *, is_open: bool) -> Array:
         """Spheres of the hand in P, with its fingertips."""
@@ -312,13 +311,13 @@ class HoldClearance:
         """The answer if something is in the way of the held object; else None."""
         way, pushed = self._holding, self.scenery.pushed
         body = place_spheres(surface_spheres(pushed.outline, pushed.height), way.R_WB, way.p_WB)
-        what = f"the {self._plan.object}"
+        own = {"object": self._plan.object}
         # What is set down in the end comes down to the table, on whatever face that may be.
         level = np.maximum(way.R_WB[:, 2, 2], way.R_WB[:, 2] @ way.R_WB[-1, 2])
         tilted = level < 1.0 - 1e-9
         low = height_above_table(body[tilted]).min(initial=np.inf)
         if low < _TILTED_CLEARANCE:
-            return ReachAnswer(False, "table", f"{what} would hit the table while it is tilted")
+            return ReachAnswer(False, "table", "low_tilt", words=own)
         kept = dict(self._plan.limits.clear_of)
         into = {step.into for step in self._plan.steps if isinstance(step, PourOut)}
         for each in self.scenery.others:
@@ -332,17 +331,13 @@ class HoldClearance:
             # What stands close already is not hit by being lifted.
             near = each.distance_to(body[:1]).min(initial=np.inf)
             if not each.is_clear(body, min(clearance, max(0.0, 0.9 * near))).all():
-                return _blocked_answer(each.name, what)
+                return ReachAnswer(False, "obstacle", "object_hits_other", each.name, words=own)
         return None
 
 
 def in_itself(held: Obstacle) -> Obstacle:
     """The held object in its own frame."""
     return replace(held, R_WB=np.eye(3), p_WB=np.zeros(3))
-
-
-def _blocked_answer(name: str, what: str) -> ReachAnswer:
-    return ReachAnswer(False, "obstacle", f"{what} would hit the {name}", name)
 
 
 class Sweep(NamedTuple):

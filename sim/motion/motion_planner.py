@@ -59,9 +59,7 @@ _BODY_CLEARANCE: SafetyFigure = 0.002  # of the hand from the object and its lid
 _LARGEST_STEP = 0.6  # more change of a joint between poses of a held object is a jump [rad]
 _AT_ONCE = 48  # hands that are looked at for one unit of work
 _LOOKED = 2  # units of work: to look at so many
-_OUT_OF_REACH = ReachAnswer(
-    False, "kinematics", "the arm does not reach along the whole way of the hand"
-)
+_OUT_OF_REACH = ReachAnswer(False, "kinematics", "hand_out_of_reach")
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,15 +121,10 @@ class FlipMotionSearch:
     def best_configuration(self) -> tuple[FlipConfiguration, ReachAnswer] | ReachAnswer:
         """The best stance, or why there is none."""
         if not len(self._hands):
-            return ReachAnswer(
-                False, "object", f"the hand would hit the {self._name} with more than a fingertip"
-            )
+            return ReachAnswer(False, "object", "hand_hits_lid", words={"object": self._name})
         hands = self._clear_hands()
         if not len(hands):
-            other = min(self._stopped)
-            return ReachAnswer(
-                False, "obstacle", f"the hand would hit the {other} beside the lid", other
-            )
+            return ReachAnswer(False, "obstacle", "hand_hits_beside_lid", min(self._stopped))
         met: list[Array] = []
         ways = 3  # stances for which a way from home is looked for
         found = itertools.islice(self._configurations(hands), ways)
@@ -141,14 +134,12 @@ class FlipMotionSearch:
                 whole = replace(stance, stance=replace(stance.stance, via=via))
                 return whole, ReachAnswer(ok=True, margin=room)
             met.append(stance.stance.robot_spheres(interpolate_joints(self._mount.home, above)))
+        own = {"object": self._name}
+        if met and (hit := self._scenery.hit_by(met[0])):
+            return ReachAnswer(False, "obstacle", "no_way_to_lid_past", hit)
         if met:
-            hit = self._scenery.hit_by(met[0])
-            what = hit or f"{self._name} or the table"
-            message = f"the arm has no free way to the lid: it would hit the {what}"
-            return ReachAnswer(False, "obstacle" if hit else "approach", message, hit)
-        return ReachAnswer(
-            False, "kinematics", f"the arm does not reach along the lid of the {self._name}"
-        )
+            return ReachAnswer(False, "approach", "no_way_to_lid", words=own)
+        return ReachAnswer(False, "kinematics", "lid_out_of_reach", words=own)
 
     def _clear_hands(self) -> FlipPostureSet:
         """Hands that hit nothing else on their way."""
@@ -383,8 +374,7 @@ class GraspMotionSearch:
         )
         if lacks > 0.0:
             self.work += 4
-            message = f"{_OUT_OF_REACH.message}: it lacks {1e3 * lacks:.0f} mm"
-            return replace(_OUT_OF_REACH, message=message, numbers={"lacks": lacks})
+            return replace(_OUT_OF_REACH, code="hand_lacks", numbers={"lacks": lacks})
         first: ReachAnswer | None = None
         for off in withdrawal_vectors(self._handled.grasp, self._handled.held):
             self.work += 4
@@ -451,13 +441,9 @@ class GraspMotionSearch:
             tried += 1
             if tried >= 4:  # ways from home that are looked for, at most
                 break
-        own = hindered in {self._plan.object, "table"}
-        return ReachAnswer(
-            False,
-            "approach" if own else "obstacle",
-            f"the arm has no free way to the hand's places: it would hit the {hindered}",
-            None if own else hindered,
-        )
+        if hindered in {self._plan.object, "table"}:
+            return ReachAnswer(False, "approach", "no_way_to_hold", words={"met": hindered})
+        return ReachAnswer(False, "obstacle", "no_way_to_hold_past", hindered)
 
     def _arm_solutions(self) -> tuple[Array, Array, NDArray[np.intp], Array]:
         """Arm angles along the whole way, elbow angles, branches and room; the best first."""
@@ -677,7 +663,7 @@ class PushMotionSearch:
         self._arms.too_weak = False
         high = self._points[:, 2].min() + hands.lowest_points > TABLE_CLEARANCE
         if not high.any():
-            return ReachAnswer(False, "table", "the hand would hit the table")
+            return ReachAnswer(False, "table", "hand_hits_table")
         hands = hands[high]
         best: _Found | None = None
         blocked: list[_Found] = []
@@ -727,30 +713,25 @@ class PushMotionSearch:
 
     def _failure_answer(self, asked: int, blocked: list[_Found]) -> ReachAnswer:
         """Why no stance was found."""
+        own = {"object": self._push.object}
         if not asked and self._stopped:
             others = sorted(self._stopped - {self._push.object})
             if others:
-                message = f"the hand would hit the {others[0]}"
-                return ReachAnswer(False, "obstacle", message, others[0], crowded=True)
-            message = f"the hand would hit the {self._push.object} with more than its fingertips"
-            return ReachAnswer(False, "object", message)
+                return ReachAnswer(False, "obstacle", "hand_hits_other", others[0], crowded=True)
+            return ReachAnswer(False, "object", "hand_hits_object", words=own)
         hindered = [
             f.stance.robot_spheres(interpolate_joints(self._mount.home, f.above))
             for f in blocked[:1]
         ]
         hindered = hindered or self._hindered[:1]
+        if hindered and (hit := self._scenery.hit_by(hindered[0])):
+            return ReachAnswer(False, "obstacle", "no_way_to_contact_past", hit)
         if hindered:
-            name = self._scenery.hit_by(hindered[0])
-            what = name or f"{self._push.object} or the table"
-            message = f"the arm has no free way to the contact: it would hit the {what}"
-            return ReachAnswer(False, "obstacle" if name else "approach", message, name)
+            return ReachAnswer(False, "approach", "no_way_to_contact", words=own)
         if self._arms.too_weak:
-            force = self._push.force_limit
-            message = f"the arm's joints do not bear {force:.0f} N there"
-            return ReachAnswer(False, "torque", message, numbers={"force": force})
-        return ReachAnswer(
-            False, "kinematics", "the arm does not reach along the whole way of the push"
-        )
+            numbers = {"force": self._push.force_limit}
+            return ReachAnswer(False, "torque", "weak_arm", numbers=numbers)
+        return ReachAnswer(False, "kinematics", "push_out_of_reach")
 
     def _clear_hands(self, hands: PostureSet) -> Iterator[PostureSet]:
         """The hands that stay clear of everything during the push, a few at a time."""

@@ -207,25 +207,16 @@ class ArmHandReach:
         Each of the others may be away by so much less than its clearance as is to spare [m].
         """
         if plan.grasp is None:
-            return ReachAnswer(False, "kinematics", "nothing is held")
+            return ReachAnswer(False, "kinematics", "no_hold")
         hand, grasp = self.mount.hand, plan.grasp
         grip = hand.grasp_posture(grasp.width, pinch=grasp.part != "body", depth=grasp.depth)
         if grip is None:
             least, most = hand.grasp_widths
-            return ReachAnswer(
-                False,
-                "width",
-                f"the hand holds what is {1e3 * least:.0f} to {1e3 * most:.0f} mm wide",
-                numbers={"width": grasp.width, "narrowest": least, "widest": most},
-            )
+            numbers = {"width": grasp.width, "narrowest": least, "widest": most}
+            return ReachAnswer(False, "width", "hold_width", numbers=numbers)
         if grasp.squeeze > grip.grip.strongest:
-            return ReachAnswer(
-                False,
-                "torque",
-                f"the hand squeezes with {grip.grip.strongest:.1f} N there, and "
-                f"{grasp.squeeze:.1f} N are needed",
-                numbers={"strength": grip.grip.strongest, "force": grasp.squeeze},
-            )
+            numbers = {"strength": grip.grip.strongest, "force": grasp.squeeze}
+            return ReachAnswer(False, "torque", "weak_hold", numbers=numbers)
         handled = HeldObject.from_plan(plan, state)
         search = GraspMotionSearch(self.mount, handled, grip, spare)
         return replace(search.best_motion(), work=search.work)
@@ -235,10 +226,7 @@ class ArmHandReach:
     ) -> tuple[ArmConfiguration, ReachAnswer] | ReachAnswer:
         """The best stance for a push, or why there is none; `spare` as of `grasp_motion`."""
         if not push.press and push.p_BC[2] < self.limits.lowest_height - 1e-9:
-            height = 1e3 * push.p_BC[2]
-            return ReachAnswer(
-                False, "table", f"the finger would touch the table {height:.0f} mm up"
-            )
+            return ReachAnswer(False, "table", "low_finger", words={"height": push.p_BC[2]})
         asked = ([getattr(push, name) for name in Push.model_fields], state, spare)
         for known, answered in self._answers:
             if known == asked:
@@ -287,12 +275,7 @@ class ArmHandReach:
             every[weak[np.argsort(-every.strength[weak], kind="stable")]]
         )
         if not isinstance(weaker, ReachAnswer):
-            strength = weaker[1].numbers["strength"]
-            return ReachAnswer(
-                False,
-                "torque",
-                f"the hands that get there bear {strength:.1f} N, and the push may need "
-                f"{push.press or push.force_limit:.1f} N",
-                numbers={"strength": strength, "force": push.press or push.force_limit},
-            )
+            force = push.press or push.force_limit
+            numbers = {"strength": weaker[1].numbers["strength"], "force": force}
+            return ReachAnswer(False, "torque", "weak_hands", numbers=numbers)
         return replace(found, crowded=found.crowded and weaker.crowded) if strong.any() else weaker

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import pytest
 from pydantic import BaseModel
@@ -13,10 +13,14 @@ import grammar
 from grammar.frames.command import Frame, ObjectRef
 from objectmodels import Registry
 from planner import plan
+from planner.problem.frame_interpretation import interpret_frame
+from planner.problem.planning_problem import PushProblem
+from planner.refusals.blocked import Blocked
 from planner.types.actions import Push
+from planner.types.defaults import DEFAULTS, Defaults
 from planner.types.plan import Plan
 from planner.types.refusal import Refusal
-from planner.types.robot import Grip, ReachAnswer, ReachEffort, RobotLimits
+from planner.types.robot import Grip, ReachAnswer, ReachEffort, Robot, RobotLimits
 from planner.types.world_state import PlanarPose, SeenObject, TableState, WorldState
 
 Part = TypeVar("Part", bound=BaseModel)
@@ -50,7 +54,7 @@ class RuledReach:
         rule = self.rule if self.last is None or effort == "usual" else self.last
         if rule(push):
             return ReachAnswer(ok=True, margin=0.5, stiffness=self.stiffness)
-        return ReachAnswer(ok=False, reason="kinematics", message="too far")
+        return ReachAnswer(False, "kinematics", "told", words={"text": "too far"})
 
     def estimate_reach(self, push: Push, state: WorldState) -> float:
         return 0.5
@@ -59,7 +63,19 @@ class RuledReach:
         return None
 
     def reach_plan(self, plan: Plan, state: WorldState) -> ReachAnswer:
-        return ReachAnswer(ok=False, reason="width", message="it only pushes")
+        return ReachAnswer(False, "width", "told", words={"text": "it only pushes"})
+
+
+@pytest.fixture(autouse=True)
+def _every_dead_end_can_be_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Words all dead ends of a search, of which but one is told: none lacks a word or a number."""
+    init = Blocked.__init__
+
+    def told(self: Blocked, *args: Any, **fields: Any) -> None:
+        init(self, *args, **fields)
+        assert self.refusal.message
+
+    monkeypatch.setattr(Blocked, "__init__", told)
 
 
 def world(**poses: PlanarPose) -> WorldState:
@@ -76,6 +92,15 @@ def frame_of(text: str) -> Frame:
     """The frame of a sentence, its objects named as in the scene."""
     (frame,) = grammar.parse(text).frames
     return _bound(frame)
+
+
+def problem_of(
+    frame: Frame, state: WorldState, defaults: Defaults = DEFAULTS, robot: Robot | None = None
+) -> PushProblem:
+    """The problem of pushes that a frame poses."""
+    problem = interpret_frame(frame, state, defaults, robot)
+    assert not isinstance(problem, Blocked), problem.sentence
+    return problem
 
 
 def _bound(part: Part) -> Part:

@@ -30,7 +30,9 @@ class Hindered(RuledHand):
             return ReachAnswer(ok=True, margin=0.5)
         met = next((each for each in self.meets if each in state.objects), None)
         reason = "kinematics" if met is None else "obstacle"
-        return ReachAnswer(ok=False, reason=reason, message=self.otherwise, blocker=met)
+        return ReachAnswer(
+            ok=False, reason=reason, code="told", words={"text": self.otherwise}, blocker=met
+        )
 
 
 @pytest.fixture

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+import string
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -12,11 +13,11 @@ from grammar import parse
 from grammar.frames import command as g
 from nlcontrol.session.controller import Controller
 from nlcontrol.session.conversation import Conversation
-from nlcontrol.session.corrected_sentences import BEFORE, LEFT_OUT, REMARKS
 from nlcontrol.session.remarks.follow_up_frames import meant_command
 from planner import plan
-from planner.refusals.no_plan import no_plan
-from planner.refusals.sentences import SENTENCES
+from planner.refusals.blocked import dead_end, filled_in
+from planner.refusals.sentences import FACTS, SENTENCES
+from planner.types.cure import Cure
 from planner.types.defaults import DEFAULTS, with_settings
 from planner.types.plan import PlanningResult
 from planner.types.robot import Robot
@@ -146,21 +147,37 @@ def test_nothing_is_offered_where_nothing_is_meant_more_than_the_rest(
     assert error.say == ()
 
 
-def suggested_phrases() -> Iterator[str]:
-    """Every suggestion of the planner's table, with a number or a name in its place."""
-    for sentence in SENTENCES.values():
-        for phrase in sentence.instead:
-            number = re.sub(r"\{\w+:([\w/]+?)(_\w+)?\}", r"7 \1", phrase)
-            yield re.sub(r"\{\w+\}", "mug", number)
+CURES = {cure for row in (*SENTENCES.values(), *FACTS.values()) for cure in row.cures}
+WORDS = {"least": "9 mm", "square": "to the left"}
+"""Words of cures that are no names."""
 
 
-def test_every_suggestion_with_a_number_becomes_a_sentence() -> None:
-    patterns = [*(pattern for pattern, _ in REMARKS), *BEFORE, LEFT_OUT]
-    told = {phrase for phrase in suggested_phrases() if re.search(r"\d", phrase)}
-    assert len(told) >= 7
-    # An option of the command line is no sentence.
-    told = {phrase for phrase in told if not phrase.startswith("--set")}
-    assert {p for p in told if not any(re.fullmatch(each, p) for each in patterns)} == set()
+def command_of(cure: Cure) -> str:
+    """The command of a cure, with a number or a name wherever one stands."""
+    values: dict[str, object] = {}
+    for _, name, unit, _ in string.Formatter().parse(cure.command):
+        if name:
+            number = 2e-4 if (unit or "").startswith("ml") else 0.5
+            values[name] = number if unit else WORDS.get(name, "mug")
+    return filled_in(cure.command, values)
+
+
+@pytest.mark.parametrize("cure", sorted(CURES, key=str), ids=lambda cure: cure.text)
+def test_what_would_do_can_be_said(cure: Cure) -> None:
+    frames = parse(command_of(cure)).frames if cure.command else ()
+    assert bool(frames) == (cure.kind in ("change", "first", "move"))
+    remarks = [frame for frame in frames if frame.dialogue == "correct"]
+    assert bool(remarks) == (cure.kind == "change")
+
+
+def test_what_would_do_by_a_number_is_no_mere_advice() -> None:
+    measured = {cure for cure in CURES if ":" in cure.text}
+    # An option of the command line is no sentence, nor is what a person does by hand.
+    measured = {
+        cure for cure in measured if not cure.text.startswith(("--set", "put it there by hand:"))
+    }
+    assert {cure for cure in measured if cure.kind == "advice"} == set()
+    assert len(measured) >= 7
 
 
 # -- where no change of the sentence does -------------------------------------------------------
@@ -176,7 +193,7 @@ def refusing(rule: Callable[[g.Frame, WorldState], bool], clear: str = "no") -> 
                 "last": "it would hit the mug",
                 "blocker": "mug",
             }
-            return no_plan("pushes_blocked", {"ways": 2.0}, **words).refusal
+            return dead_end("pushes_blocked", {"ways": 2.0}, **words).refusal
         return plan(frame, state, robot, **others)
 
     defaults = with_settings(DEFAULTS, {"clear": clear})

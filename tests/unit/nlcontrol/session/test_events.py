@@ -136,7 +136,9 @@ def test_planning_stops_at_the_next_question_to_the_robot(controller: Controller
         ) -> ReachAnswer:
             asked.append(push)
             stop.request()
-            return ReachAnswer(ok=False, reason="kinematics", message="it does not get there")
+            return ReachAnswer(
+                ok=False, reason="kinematics", code="told", words={"text": "it does not get there"}
+            )
 
     played(controller).robot = Impatient()
     frame = controller.resolve(controller.parse(SENTENCE)).frames[0]

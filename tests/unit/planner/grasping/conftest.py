@@ -43,7 +43,9 @@ class RuledHand(RuledReach):
         if self.holds(plan):
             return ReachAnswer(ok=True, margin=0.5)
         reason = "kinematics" if self.blocker is None else "obstacle"
-        return ReachAnswer(ok=False, reason=reason, message="too far", blocker=self.blocker)
+        return ReachAnswer(
+            ok=False, reason=reason, code="told", words={"text": "too far"}, blocker=self.blocker
+        )
 
 
 def planned(text: str, state: WorldState, hand: RuledHand) -> Plan:

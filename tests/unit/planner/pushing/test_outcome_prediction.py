@@ -13,7 +13,6 @@ from objectmodels import BoxModel, CylinderModel, HullModel, ObjectModel, Regist
 from objectmodels.exact.exact_probability import least_probability
 from objectmodels.mechanics.friction_cone import worst_probability
 from planner.planning import plan
-from planner.problem.frame_interpretation import interpret_frame
 from planner.problem.planning_problem import PushStep, Side
 from planner.pushing import contact_planner
 from planner.pushing.contact_planner import SURE, confirm_with_exact_tier
@@ -22,7 +21,7 @@ from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan
 from planner.types.refusal import Refusal
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
-from tests.unit.planner.conftest import RuledReach, frame_of
+from tests.unit.planner.conftest import RuledReach, frame_of, problem_of
 
 # Its mass lies to one side, so that one finger in the middle turns it: the ellipsoid believes that
 # it tips first, but the corners under the load's far side let it turn before.
@@ -41,7 +40,7 @@ def verdicts(model: ObjectModel, sentence: str) -> list[tuple[float, bool]]:
     state = state_of(model)
     frame = frame_of(sentence)
     # In the middle of the face, as a push that turns it is placed where it is said.
-    problem = interpret_frame(frame, state, DEFAULTS, RuledReach())
+    problem = problem_of(frame, state, DEFAULTS, RuledReach())
     problem = replace(problem, contact=replace(problem.contact, fingers=(1,)))
     step = replace(PushStep.from_goal(problem.goal), swing=0.1, lateral=0.0)
     face = model.faces(np.array([0.0]))[2 if isinstance(model, BoxModel) else 0]

@@ -116,7 +116,9 @@ class CrowdedBehind(RuledReach):
         pose = state.objects[push.object].pose
         if push.face == "left" and pose.x < 0.5:
             self.denied.add((pose.x, pose.y))
-            return ReachAnswer(ok=False, reason="obstacle", message="a jar", blocker="jar")
+            return ReachAnswer(
+                ok=False, reason="obstacle", code="told", words={"text": "a jar"}, blocker="jar"
+            )
         return super().reach(push, state, effort)
 
 

@@ -8,18 +8,17 @@ from typing import Any
 
 import pytest
 
-from planner.problem.frame_interpretation import interpret_frame
 from planner.problem.planning_problem import PushProblem, PushStep
 from planner.pushing import contact_planner
 from planner.pushing.contact_planner import best_push
 from planner.pushing.contact_sampling import Contacts, rate_contacts
 from planner.pushing.reach_search import ContactQueries, ReachSearch
+from planner.refusals.blocked import Blocked, SearchEndedError
 from planner.types.actions import Push
 from planner.types.defaults import DEFAULTS
-from planner.types.refusal import NoPlanError
 from planner.types.robot import FailedPush, ReachAnswer
 from planner.types.world_state import PlanarPose, WorldState
-from tests.unit.planner.conftest import RuledReach, frame_of, planned
+from tests.unit.planner.conftest import RuledReach, frame_of, planned, problem_of
 
 SENTENCE = "push the ice tea box away"
 
@@ -28,7 +27,7 @@ SENTENCE = "push the ice tea box away"
 def test_a_contact_that_has_failed_is_not_tried_again(kitchen: WorldState, thorough: bool) -> None:
     robot = RuledReach()
     push = planned(SENTENCE, kitchen, robot).push
-    problem = interpret_frame(frame_of(SENTENCE), kitchen, DEFAULTS, robot)
+    problem = problem_of(frame_of(SENTENCE), kitchen, DEFAULTS, robot)
     problem = replace(problem, effort=replace(problem.effort, thorough=thorough))
     assert ReachSearch(problem).reach(push, kitchen).ok
     search = ReachSearch(replace(problem, failed=(FailedPush(push, "it slipped off"),)))
@@ -44,21 +43,20 @@ def test_a_contact_that_has_failed_is_not_tried_again(kitchen: WorldState, thoro
 def test_a_budget_that_is_used_up_ends_the_search(kitchen: WorldState) -> None:
     robot = RuledReach(lambda _: False)
     push = planned(SENTENCE, kitchen).push
-    problem = interpret_frame(frame_of(SENTENCE), kitchen, DEFAULTS, robot)
+    problem = problem_of(frame_of(SENTENCE), kitchen, DEFAULTS, robot)
     search = ReachSearch(replace(problem, effort=replace(problem.effort, questions=2)))
     search.reach(push, kitchen)
     search.reach(push, kitchen)
-    with pytest.raises(NoPlanError) as ended:
+    with pytest.raises(SearchEndedError) as ended:
         search.reach(push, kitchen)
-    assert ended.value.ends_search
-    assert ended.value.refusal.reason == "out_of_time"
-    assert ended.value.refusal.numbers["looks"] == 2.0
+    assert ended.value.blocked.reason == "out_of_time"
+    assert ended.value.blocked.numbers["looks"] == 2.0
 
 
 def test_only_what_stands_as_now_is_looked_at_thoroughly(kitchen: WorldState) -> None:
     robot = RuledReach(lambda _: False, last=lambda _: True)
     push = planned(SENTENCE, kitchen).push
-    problem = interpret_frame(frame_of(SENTENCE), kitchen, DEFAULTS, robot)
+    problem = problem_of(frame_of(SENTENCE), kitchen, DEFAULTS, robot)
     search = ReachSearch(replace(problem, effort=replace(problem.effort, thorough=True)))
     assert search.reach(push, kitchen).ok
     later = problem.with_target(replace(problem.target, pose=PlanarPose(0.5, 0.0)))
@@ -68,7 +66,7 @@ def test_only_what_stands_as_now_is_looked_at_thoroughly(kitchen: WorldState) ->
 def test_what_goes_as_usual_is_not_looked_at_thoroughly(kitchen: WorldState) -> None:
     robot = RuledReach()
     push = planned(SENTENCE, kitchen).push
-    problem = interpret_frame(frame_of(SENTENCE), kitchen, DEFAULTS, robot)
+    problem = problem_of(frame_of(SENTENCE), kitchen, DEFAULTS, robot)
     usual = ReachSearch(problem).reach(push, kitchen)
     thorough = replace(problem, effort=replace(problem.effort, thorough=True))
     assert ReachSearch(thorough).reach(push, kitchen) == usual
@@ -96,7 +94,7 @@ def test_where_no_hand_has_room_nothing_is_asked_below(kitchen: WorldState) -> N
     low, middle, high = (
         push.model_copy(update={"p_BC": (x, y, z + up)}) for up in (0.0, 0.01, 0.02)
     )
-    problem = interpret_frame(frame_of(SENTENCE), kitchen, DEFAULTS, robot)
+    problem = problem_of(frame_of(SENTENCE), kitchen, DEFAULTS, robot)
     for crowded in (True, False):
         search = _Crowded(problem, crowded=crowded)
         queries = ContactQueries(search, problem)
@@ -110,7 +108,7 @@ def test_where_no_hand_has_room_nothing_is_asked_below(kitchen: WorldState) -> N
 def test_no_contact_is_asked_for_twice(kitchen: WorldState) -> None:
     robot = RuledReach(lambda _: False)
     push = planned(SENTENCE, kitchen).push
-    problem = interpret_frame(frame_of(SENTENCE), kitchen, DEFAULTS, robot)
+    problem = problem_of(frame_of(SENTENCE), kitchen, DEFAULTS, robot)
     queries = ContactQueries(ReachSearch(problem), problem)
     assert not queries.is_reached(push)
     assert not queries.is_reached(push)
@@ -129,11 +127,11 @@ def test_contacts_are_rated_as_long_as_more_are_asked_for(
 
     monkeypatch.setattr(contact_planner, "rate_contacts", counted)
     robot = RuledReach(lambda _: False)
-    problem = interpret_frame(frame_of(SENTENCE), kitchen, DEFAULTS, robot)
+    problem = problem_of(frame_of(SENTENCE), kitchen, DEFAULTS, robot)
     few = replace(problem, effort=replace(problem.effort, contacts=1))
     step = PushStep.from_goal(problem.goal)
-    with pytest.raises(NoPlanError) as refused:
-        best_push(few, step, ReachSearch(few))
-    assert refused.value.refusal.reason == "out_of_reach"
+    why = best_push(few, step, ReachSearch(few))
+    assert isinstance(why, Blocked)
+    assert why.reason == "out_of_reach"
     # The surest case of two fingers, and of one, has a contact; there are six of each.
     assert rated == [2, 1]

@@ -13,12 +13,11 @@ from hypothesis import strategies as st
 from planner import plan
 from planner.problem.directions import angle_between, heading_of
 from planner.problem.footprints import footprint, free_travel, gap
-from planner.problem.frame_interpretation import interpret_frame
 from planner.pushing.strategies import nearly_goal_poses
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan
 from planner.types.world_state import PlanarPose, WorldState
-from tests.unit.planner.conftest import RuledReach, frame_of, planned, refused, world
+from tests.unit.planner.conftest import RuledReach, frame_of, planned, problem_of, refused, world
 
 EXACT = 1e-9  # sums of a few floats of order one
 
@@ -100,7 +99,7 @@ def test_only_a_displacement_has_places_near_by(text: str) -> None:
         ice_tea_box=PlanarPose(0.5, 0.3),
     )
     frame = frame_of(text)
-    assert not list(nearly_goal_poses(interpret_frame(frame, state, DEFAULTS)))
+    assert not list(nearly_goal_poses(problem_of(frame, state, DEFAULTS)))
 
 
 @pytest.mark.parametrize(("millimetres", "places"), [(29, 0), (31, 14)])
@@ -108,7 +107,7 @@ def test_a_way_of_less_than_three_tolerances_has_no_places_near_by(
     millimetres: int, places: int
 ) -> None:
     frame = frame_of(f"push the ice tea box away by {millimetres} mm")
-    problem = interpret_frame(frame, world(ice_tea_box=PlanarPose(0.45, 0.0)), DEFAULTS)
+    problem = problem_of(frame, world(ice_tea_box=PlanarPose(0.45, 0.0)), DEFAULTS)
     assert len(list(nearly_goal_poses(problem))) == places
 
 
@@ -125,7 +124,7 @@ def test_places_near_by_are_within_the_tolerances(
     state = world(ice_tea_box=PlanarPose(0.45, 0.0, yaw))
     target, d = state.objects["ice tea box"], DEFAULTS
     frame = frame_of(f"push the ice tea box {words} by {bound}{centimetres} cm")
-    problem = interpret_frame(frame, state, d)
+    problem = problem_of(frame, state, d)
     assert problem.goal.heading is not None
     found = list(nearly_goal_poses(problem))
     assert len(found) == 14

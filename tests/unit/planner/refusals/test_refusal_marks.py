@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from nlcontrol import Session
-from planner.refusals.no_plan import refusal
+from planner.refusals.blocked import dead_end
 from planner.types.world_state import HeightMark, LengthMark, Mark, ObstacleMark, TiltMark
 
 BOX = "ice tea box"
@@ -29,14 +29,14 @@ def marks_of(session: Session, said: str) -> tuple[tuple[Mark, ...], dict[str, f
 
 def test_heights_of_the_numbers_are_marked_once_each() -> None:
     numbers = {"critical_height": 0.12, "lowest_asked": 0.15, "lowest_height": 0.15, "ways": 3.0}
-    found = refusal("fell", numbers, object=BOX, side="its back").marks
+    found = dead_end("fell", numbers, object=BOX, side="its back").refusal.marks
     assert [mark.height for mark in found if isinstance(mark, HeightMark)] == [0.12, 0.15]
 
 
 def test_what_blocks_is_marked_and_what_is_never_met_is_not() -> None:
-    taken = refusal("place_taken", what="the mug", other=BOX)
+    taken = dead_end("place_taken", what="the mug", other=BOX).refusal
     assert taken.marks == (ObstacleMark(object=BOX, text=f"the {BOX} stands in the way"),)
-    assert refusal("never_met", object="mug", other=BOX).marks == ()
+    assert dead_end("never_met", object="mug", other=BOX).refusal.marks == ()
 
 
 def test_a_height_that_topples_is_marked_on_the_object(kitchen: Session) -> None:

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from grammar import parse
-from planner.refusals.no_plan import QUANTITIES, no_plan, refusal
-from planner.refusals.sentences import SENTENCES
+from planner.refusals.blocked import QUANTITIES, dead_end
+from planner.refusals.sentences import FACTS, SENTENCES
 
 ROOT = Path(__file__).parents[4]
 GOLDEN = json.loads((ROOT / "tests/data/refusals.json").read_text(encoding="utf-8"))
@@ -29,8 +29,8 @@ def _values(*texts: str) -> dict[str, object]:
 
 def _said(code: str) -> dict[str, object]:
     one = SENTENCES[code]
-    values = _values(one.text, *one.instead, one.capability or "")
-    found = refusal(code, **values)  # type: ignore[arg-type]
+    values = _values(one.text, *(cure.text for cure in one.cures), one.capability or "")
+    found = dead_end(code, **values).refusal  # type: ignore[arg-type]
     return {
         "reason": found.reason,
         "message": found.message,
@@ -52,10 +52,11 @@ def test_each_sentence_is_in_its_words(code: str) -> None:
 @pytest.mark.parametrize("code", SENTENCES)
 def test_what_is_no_finite_number_is_in_no_refusal(code: str, number: float) -> None:
     one = SENTENCES[code]
-    values = _values(one.text, *one.instead, one.capability or "")
+    values = _values(one.text, *(cure.text for cure in one.cures), one.capability or "")
     odd = {name: number for name, value in values.items() if value == NUMBER}
     heights = {"critical_height": number, "lowest_height": 0.1}
-    found = refusal(code, {**odd, **heights}, **{**values, **odd})  # type: ignore[arg-type]
+    words = {**values, **odd}
+    found = dead_end(code, {**odd, **heights}, **words).refusal  # type: ignore[arg-type]
     assert found.numbers == {"lowest_height": 0.1}
     told = " ".join((found.message, *found.suggestions))
     assert not re.search(r"\b(inf|nan)\b", told)
@@ -63,11 +64,11 @@ def test_what_is_no_finite_number_is_in_no_refusal(code: str, number: float) -> 
 
 @pytest.mark.parametrize("code", SENTENCES)
 def test_each_refusal_says_what_would_do(code: str) -> None:
-    assert all(SENTENCES[code].instead)
-    assert len(SENTENCES[code].instead) >= 1
+    assert SENTENCES[code].cures
+    assert all(cure.text for cure in SENTENCES[code].cures)
 
 
-PLACES = {text for one in SENTENCES.values() for text in one.instead if "{other}" in text}
+PLACES = {cure.text for one in SENTENCES.values() for cure in one.cures if "{other}" in cure.text}
 
 
 @pytest.mark.parametrize("text", sorted(text for text in PLACES if "next to" in text))
@@ -78,8 +79,10 @@ def test_another_place_is_a_sentence(text: str) -> None:
 
 def test_every_sentence_is_used() -> None:
     source = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "planner").rglob("*.py"))
-    for code in SENTENCES:
-        assert len(re.findall(rf'"{code}"', source)) > 1, code
+    for key in (*SENTENCES, *FACTS):
+        code = key.partition(".")[0]
+        # What tells sentences of a code apart may be put together from what is known.
+        assert len(re.findall(rf'"{key}"|f"{code}[.{{]|"{code}"', source)) > 1, key
 
 
 @pytest.mark.parametrize(
@@ -104,8 +107,8 @@ def test_how_a_number_is_read(quantity: str, value: float, text: str) -> None:
 
 def test_a_refusal_bears_its_code_and_the_numbers_that_decide() -> None:
     numbers = {"needed_force": 3.2, "min_force": 9.0}
-    found = refusal("too_light", numbers, spans=((1, 3),), object="cup")
+    found = dead_end("too_light", numbers, spans=((1, 3),), object="cup").refusal
     assert (found.code, found.reason, found.numbers) == ("too_light", "impossible", numbers)
     assert found.spans == ((1, 3),)
-    assert no_plan("too_light", numbers, object="cup").refusal.code == "too_light"
-    assert refusal("too_light", numbers, reason="blocked", object="cup").reason == "blocked"
+    doubted = dead_end("too_light", numbers, reason="too_uncertain", object="cup").refusal
+    assert doubted.reason == "too_uncertain"

@@ -108,7 +108,7 @@ def _control(
     x, y, _ = body.at
     state = WorldState({"block": SeenObject("block", PlanarPose(x, y), model)})
     answer = REACH.push_configuration(push, state)
-    assert not isinstance(answer, ReachAnswer), answer.message
+    assert not isinstance(answer, ReachAnswer), answer.code
     stance, way = answer[0], REACH.fingertip_path(push, state)
     body.stiffness = stance.push_stiffness(way.inward)
     robot = robot_of(body, stance.joint_angles(way.start), stance.posture.joint_angles)

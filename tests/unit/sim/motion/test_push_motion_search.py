@@ -13,6 +13,7 @@ from objectmodels import BoxModel, Registry
 from objectmodels.geometry.rotations import rot_z
 from objectmodels.mechanics.push_motion import best_turn
 from planner.problem.directions import face_name
+from planner.refusals.blocked import reach_sentence
 from planner.types.actions import Push
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
@@ -301,7 +302,7 @@ def test_a_wall_around_the_object_is_named() -> None:
     assert not answer.ok
     assert answer.reason == "obstacle"
     assert answer.blocker in ring
-    assert str(answer.blocker) in answer.message
+    assert str(answer.blocker) in reach_sentence(answer)
 
 
 def test_the_map_knows_near_from_far() -> None:
