@@ -21,6 +21,7 @@ import numpy as np
 from objectmodels.geometry.rotations import Array
 from objectmodels.safety_figure import SafetyFigure
 from planner.types.actions import FlipOver
+from planner.types.end_reasons import EndReason
 from planner.types.world_state import SeenObject
 from sim.control.free_motion import HAND_ACCELERATION, HAND_SPEED, move_joints
 from sim.control.guarded_touch import PAUSE, TOUCH_SPEED
@@ -28,7 +29,6 @@ from sim.control.held_object_sensing import HandSense, Holding, LidEstimator
 from sim.control.trace_recorder import EarlyEndError, TraceRecorder
 from sim.motion.held_object_path import HeldSegment, attractor_points
 from sim.motion.motion_planner import FlipConfiguration
-from sim.traces.trace import EndReason
 
 if TYPE_CHECKING:
     from planner.types.world_state import Held

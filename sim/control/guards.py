@@ -24,12 +24,12 @@ from objectmodels.geometry.rotations import Array, rot_z, wrap, yaw_of
 from objectmodels.safety_figure import SafetyFigure
 from planner.problem.footprints import footprint, gap
 from planner.types.actions import FALLING, Push, PushAction
+from planner.types.end_reasons import EndReason
 from planner.types.plan import FORCE_BAND, Plan, StopCondition
 from planner.types.world_state import SeenObject, WorldState
 from sim.motion.collision_scene import CollisionScene
 from sim.motion.inverse_kinematics import ArmConfiguration
 from sim.robots.cell_description import Vision
-from sim.traces.trace import EndReason
 from sim.worlds.ports import Frame, SeenPose
 from sim.worlds.sensors import noise_left
 

@@ -32,6 +32,7 @@ from planner.types.actions import (
     SetOn,
     TurnCap,
 )
+from planner.types.end_reasons import EndReason
 from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import Held, SeenObject, WorldState
@@ -60,7 +61,7 @@ from sim.motion.held_object_path import THREAD, HeldObject, HeldSegment, upright
 from sim.motion.inverse_kinematics import ArmConfiguration, UnreachableError
 from sim.motion.motion_planner import FlipConfiguration, GraspMotion
 from sim.supervision import Progress
-from sim.traces.trace import EndReason, Trace
+from sim.traces.trace import Trace
 
 if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel

@@ -22,10 +22,10 @@ import numpy as np
 from objectmodels.geometry.rotations import Array
 from objectmodels.safety_figure import SafetyFigure
 from planner.types.actions import PushAction
+from planner.types.end_reasons import EndReason
 from planner.types.plan import StopCondition, speed_profile
 from sim.control.guards import largest_tilt, longest
 from sim.control.push_control import ForceController
-from sim.traces.trace import EndReason
 
 SLIPS: SafetyFigure = 0.008
 """Way by which an object stays behind a fingertip that slips over it [m]."""

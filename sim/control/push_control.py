@@ -18,6 +18,7 @@ from objectmodels.geometry.rotations import Array, rot_z, wrap, yaw_of
 from objectmodels.mechanics.push_motion import touched_faces, turning_motion
 from objectmodels.mechanics.push_thresholds import length_along
 from objectmodels.safety_figure import SafetyFigure
+from planner.types.end_reasons import EndReason
 from planner.types.plan import USUAL, Plan, speed_profile
 from planner.types.world_state import WorldState
 from sim.control.guarded_touch import TouchControl
@@ -36,7 +37,6 @@ from sim.control.object_estimate import TurnedObject, TurnEstimator
 from sim.control.trace_recorder import EarlyEndError, TraceRecorder
 from sim.motion.fingertip_path import FingertipPath, TiltArc
 from sim.motion.inverse_kinematics import ArmConfiguration
-from sim.traces.trace import EndReason
 from sim.worlds.ports import SeenPose
 
 _FORCE_RATE = 10.0  # of an object that stands [N/s]

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
     from objectmodels.geometry.rotations import Array
     from objectmodels.models.object_model import Resting
+    from planner.types.end_reasons import EndReason
     from sim.robots.hand import Mount
     from sim.supervision import Progress
-    from sim.traces.trace import EndReason
     from sim.worlds.ports import Frame, ObserverPort, RobotPort, SeenPose
 
 _SWINGING = 0.1  # of a pause, until the hand hangs still [s]

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from planner.types.actions import Limits
+from planner.types.end_reasons import EndReason
 from planner.types.plan import Plan
 from planner.types.world_state import PlanarPose
 from sim.control.guards import Guards, TiltEstimator, TiltGuards
-from sim.traces.trace import EndReason
 from tests.unit.planner.conftest import planned, world
 
 PERIOD = 0.01
