@@ -174,6 +174,9 @@ StopKind = Literal[
 ]
 
 
+StopUnit = Literal["m", "rad", "N", "m/s", "s", "N·m"]
+
+
 class StopCondition(Value):
     """A condition on which a motion ends.
 
@@ -187,7 +190,7 @@ class StopCondition(Value):
 
     when: StopKind
     limit: float | None = None
-    unit: Literal["m", "rad", "N", "m/s", "s", "N·m"] | None = None
+    unit: StopUnit | None = None
     other: str | None = None
     text: str
 

@@ -326,7 +326,7 @@ def probe(
                 execution.leave(stance, touch.commanded, way)
         found = touch.recording(end, detail, before)
     except EarlyEndError as early:
-        found = Recording(experiment, early.end, early.detail, before)
+        found = Recording(experiment, *early.ended, before)
     except UnreachableError as error:
         found = Recording(experiment, "unreachable", str(error), before)
     if control.stays:

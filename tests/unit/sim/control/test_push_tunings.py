@@ -129,7 +129,7 @@ def test_a_touch_is_looked_for_15_mm_beyond_the_face() -> None:
     control, robot = _control(PushControl, _push(), Block(face=5.0))
     with pytest.raises(EarlyEndError) as early:
         control.touch()
-    assert early.value.end == "no_touch"
+    assert early.value.ended.end == "no_touch"
     beyond = float(robot.tips[FINGER][0]) + 0.01 - 0.50
     assert beyond == pytest.approx(0.015, abs=0.001)
 
