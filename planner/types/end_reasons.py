@@ -27,6 +27,8 @@ EndReason = Literal[
     "slid",
     "turned_off",
     "too_close",
+    "lost",
+    "duration",
     "guard",
     "no_touch",
     "unreachable",
@@ -100,6 +102,10 @@ END_REASONS: Mapping[EndReason, EndMeaning] = {
     ),
     "turned_off": EndMeaning("it turned where it was not to", elsewhere=True),
     "too_close": EndMeaning("it came too close to another object", elsewhere=True),
+    "lost": EndMeaning("the fingertips lost the object", elsewhere=True, once_more=True),
+    "duration": EndMeaning(
+        "it took longer than it may, or than it should", elsewhere=True, once_more=True
+    ),
     "guard": EndMeaning("another guard stopped the motion", elsewhere=True, once_more=True),
     "no_touch": EndMeaning(
         "the guarded approach ended without contact", elsewhere=True, once_more=True

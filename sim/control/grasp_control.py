@@ -117,7 +117,6 @@ def flip_guards(
         trips_at=step.end - sign * tuning.end_tolerance,
         text=f"the lid is seen at {np.degrees(step.end):.0f}°",
         unit="rad",
-        when="turned",
     )
     yield Guard(
         "force",
@@ -138,7 +137,6 @@ def flip_guards(
         trips_at=max(tuning.largest_displacement, view.unsure),
         text=f"the {view.name} is seen moved by {1e3 * tuning.largest_displacement:.0f} mm",
         unit="m",
-        when="nudged",
     )
     yield Guard(
         "tilted",

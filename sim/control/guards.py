@@ -29,7 +29,7 @@ from objectmodels.safety_figure import SafetyFigure
 from planner.problem.footprints import footprint, gap
 from planner.types.actions import FALLING, Push, PushAction
 from planner.types.end_reasons import Ended, EndReason
-from planner.types.plan import FORCE_BAND, StopCondition, StopKind, StopUnit
+from planner.types.plan import FORCE_BAND, StopCondition, StopUnit
 from planner.types.world_state import SeenObject, WorldState
 from sim.control.object_estimate import LEFT, LEFT_OF_ANGLES, NEAR, ObjectEstimate
 from sim.motion.collision_scene import CollisionScene
@@ -57,7 +57,6 @@ class Guard(Generic[S_contra]):
         text: the condition in words, for another arm's controller; "" if it is not told.
         unit: of the limit; None if the limit is no number that is told.
         other: name of the object that it is about, if it is another one.
-        when: kind of the condition, where that is not the reason.
     """
 
     end: EndReason
@@ -73,7 +72,6 @@ class Guard(Generic[S_contra]):
     text: str = ""
     unit: StopUnit | None = None
     other: str | None = None
-    when: StopKind | None = None
 
     def is_tripped(self, sample: S_contra) -> bool:
         """Whether the measure is beyond the limit now, for however long."""
@@ -121,7 +119,7 @@ def stop_conditions(guards: Iterable[Guard[Any]]) -> tuple[StopCondition, ...]:
     """Guards as another arm's controller is told of them, without a camera's doubt."""
     return tuple(
         StopCondition(
-            when=guard.when or guard.end,
+            when=guard.end,
             limit=None if guard.unit is None else guard.limit,
             unit=guard.unit,
             other=guard.other,
@@ -245,7 +243,6 @@ def planned_ends(push: Push) -> Iterator[Guard[Sample]]:
         beyond=operator.ge,
         text=f"the fingertips have travelled {1e3 * push.stroke:.0f} mm since the touch",
         unit="m",
-        when="stroke",
     )
 
 
@@ -280,7 +277,7 @@ def push_guards(push: PushAction) -> Iterator[Guard[Sample]]:
             yield _unseen_tilt_guard()
         lost = _LOST_SHARE * push.prediction.onset
         yield Guard(
-            "guard",
+            "lost",
             lambda s: s.felt,
             lost,
             lambda s: "the fingertips lost the object",
@@ -289,7 +286,6 @@ def push_guards(push: PushAction) -> Iterator[Guard[Sample]]:
             lasts=_LOST_TIME,
             text=f"less than {lost:.2f} N is felt for {_LOST_TIME:g} s, once the object has moved",
             unit="N",
-            when="lost",
         )
 
 
@@ -366,13 +362,12 @@ def _way_guards(push: Push) -> Iterator[Guard[Sample]]:
 def _time_guard(push: Push, motion: str) -> Guard[Sample]:
     most = longest(push)
     return Guard(
-        "guard",
+        "duration",
         lambda s: s.elapsed,
         most,
         lambda s: f"the {motion} took longer than {most:.0f} s",
         text=f"it takes longer than {most:.0f} s",
         unit="s",
-        when="duration",
     )
 
 
@@ -394,11 +389,10 @@ def _drag_guards(push: PushAction) -> Iterator[Guard[Sample]]:
         text=f"the object stays behind by more than {1e3 * SLIPS:.0f} mm: the fingertip slips "
         "over it",
         unit="m",
-        when="slid",
     )
     yield _tilt_guard(push, "tilted", _SEEN_TO_TILT, "along the way")
     yield Guard(
-        "guard",
+        "lost",
         lambda s: s.felt,
         least,
         lambda s: "the fingertip lost the object",
@@ -406,7 +400,6 @@ def _drag_guards(push: PushAction) -> Iterator[Guard[Sample]]:
         lasts=_LET_OFF_TIME,
         text=f"it presses with less than {least:.1f} N for {_LET_OFF_TIME:g} s",
         unit="N",
-        when="lost",
     )
     yield _time_guard(push, "drag")
 
@@ -468,14 +461,13 @@ def sentence_guards(push: Push, state: WorldState, vision: Vision) -> Iterator[G
     duration = limits.duration
     if duration is not None:
         yield Guard(
-            "guard",
+            "duration",
             lambda s: s.elapsed,
             duration,
             lambda s: f"the push may take {duration:.1f} s, and it took them",
             beyond=operator.ge,
             text=f"{duration:.1f} s have passed since the touch",
             unit="s",
-            when="duration",
         )
     for name, clear in limits.clear_of:
         yield _clearance_guard(seen, state.objects[name], clear, doubt)

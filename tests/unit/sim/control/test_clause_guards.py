@@ -305,7 +305,7 @@ def test_it_ends_when_its_time_is_over() -> None:
     scripted = _Scripted(_push(limits=Limits(duration=1.5)), CLEAN)
     end = scripted.run(3.0)
     assert end is not None
-    assert end[0] == "guard"
+    assert end[0] == "duration"
     assert "1.5 s" in end[1]
     assert scripted.time == pytest.approx(1.5, abs=PERIOD)
 

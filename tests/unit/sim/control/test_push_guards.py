@@ -130,14 +130,14 @@ def test_what_creeps_is_given_up_after_eight_seconds(
 def test_nothing_takes_longer_than_the_push_and_ten_seconds(straight: Plan) -> None:
     half = 0.5 * straight.push.force_limit
     end = _ends(straight, speed=0.002, felt=half)
-    assert end == ("guard", pytest.approx(10.0 + 3.0 * 2.0, abs=0.05))
+    assert end == ("duration", pytest.approx(10.0 + 3.0 * 2.0, abs=0.05))
 
 
 @pytest.mark.parametrize(("share", "lost"), [(0.07, True), (0.15, False)])
 def test_a_tenth_of_the_onset_is_contact(straight: Plan, share: float, lost: bool) -> None:
     felt = share * straight.push.prediction.onset
     # The first millimetre does not count, then there are 0.6 s to find it again.
-    expected = ("guard", pytest.approx(0.05 + 0.6, abs=0.03)) if lost else None
+    expected = ("lost", pytest.approx(0.05 + 0.6, abs=0.03)) if lost else None
     assert _ends(straight, speed=0.02, felt=felt, seconds=4.0) == expected
 
 

@@ -291,7 +291,7 @@ def test_a_drag_ends_where_the_fingertip_slips() -> None:
 @pytest.mark.parametrize(("share", "lost"), [(0.12, False), (0.08, True)])
 def test_a_drag_ends_where_the_fingertip_presses_no_more(share: float, lost: bool) -> None:
     end, robot, _ = _drag(body := Pressed(lets_off_at=0.02, presses=share * 3.0))
-    assert end == ("guard" if lost else "stroke")
+    assert end == ("lost" if lost else "stroke")
     if lost:
         # 0.3 s and what the felt force, filtered, takes to fall: 0.04 s ln(3.0 / 0.06).
         assert robot.time - body.let_off == pytest.approx(0.3 + 0.13, abs=0.04)
