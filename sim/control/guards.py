@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, replace
 from typing import Any, Generic, TypeVar
 
 import numpy as np
@@ -31,7 +31,7 @@ from planner.types.actions import FALLING, Push, PushAction
 from planner.types.end_reasons import Ended, EndReason
 from planner.types.plan import FORCE_BAND, StopCondition, StopUnit
 from planner.types.world_state import SeenObject, WorldState
-from sim.control.object_estimate import LEFT, LEFT_OF_ANGLES, NEAR, ObjectEstimate
+from sim.control.object_estimate import LEFT, LEFT_OF_ANGLES, MOVED, NEAR, ObjectEstimate
 from sim.motion.collision_scene import CollisionScene
 from sim.motion.inverse_kinematics import ArmConfiguration
 from sim.robots.cell_description import Vision
@@ -159,9 +159,6 @@ class Sample:
 
 RAMP = 2.0
 """Time in which the force limit rises to the plan's [s]."""
-
-MOVED = 0.001
-"""Travel of the fingertips that shows that the object moves [m]."""
 
 _SMALLEST_BAND = 0.1  # [N]
 # A push that must not tilt stops at this share of the angle of no return.
@@ -490,8 +487,19 @@ def _clearance_guard(
     seen: SeenObject, other: SeenObject, clear: float, doubt: float
 ) -> Guard[Sample]:
     """What is too close from the start may be pushed away, but not closer."""
+    first = gap(footprint(seen), footprint(other))
+    return replace(
+        _gap_guard(other, clear, "it is {:.0f} mm from the {}"),
+        trips_at=min(clear + doubt + _STOPPING, first - 2.0 * doubt),
+        text=f"the object is closer than {1e3 * clear:.0f} mm to the {other.name}",
+        unit="m",
+        other=other.name,
+    )
+
+
+def _gap_guard(other: SeenObject, least: float, says: str) -> Guard[Sample]:
+    """Another object stays so far off [m]; the words take the gap [mm] and its name."""
     stands = footprint(other)
-    first = gap(footprint(seen), stands)
 
     def distance(s: Sample) -> float:
         return gap(s.estimate.footprint, stands)
@@ -499,13 +507,9 @@ def _clearance_guard(
     return Guard(
         "too_close",
         distance,
-        clear,
-        lambda s: f"it is {1e3 * distance(s):.0f} mm from the {other.name}",
+        least,
+        lambda s: says.format(1e3 * distance(s), other.name),
         beyond=operator.lt,
-        trips_at=min(clear + doubt + _STOPPING, first - 2.0 * doubt),
-        text=f"the object is closer than {1e3 * clear:.0f} mm to the {other.name}",
-        unit="m",
-        other=other.name,
     )
 
 
@@ -605,23 +609,9 @@ def bystander_guards(push: Push, state: WorldState, vision: Vision) -> Iterator[
     doubt = _SIGMAS * LEFT * vision.position_noise_m
     for name in sorted(watched):
         if gap(here, footprint(state.objects[name])) > 2.0 * NEAREST + doubt:
-            yield _bystander_guard(state.objects[name])
-
-
-def _bystander_guard(other: SeenObject) -> Guard[Sample]:
-    stands = footprint(other)
-
-    def distance(s: Sample) -> float:
-        return gap(s.estimate.footprint, stands)
-
-    return Guard(
-        "too_close",
-        distance,
-        NEAREST,
-        lambda s: f"it comes near the {other.name}, {1e3 * distance(s):.0f} mm are left",
-        beyond=operator.lt,
-        every=_BYSTANDER_EVERY,
-    )
+            comes_near = "it comes near the {1}, {0:.0f} mm are left"
+            guard = _gap_guard(state.objects[name], NEAREST, comes_near)
+            yield replace(guard, every=_BYSTANDER_EVERY)
 
 
 def hand_guard(

@@ -183,11 +183,13 @@ _FASTER = 0.25  # the same for angles, which change faster: 0.4 is left
 LEFT, LEFT_OF_ANGLES = noise_left(_SHARE), noise_left(_FASTER)
 """Shares of a frame's noise that are left in a filtered place and in a filtered angle."""
 
+MOVED = 0.001
+"""Travel of the fingertips that shows that the object moves [m]."""
+
 NEAR = 0.015
 """Seen gap below which two objects may touch [m]."""
 
 _SLIDING = 0.5  # time constant of the force while it slides freely [s]
-_SLIDES = 0.001  # travel of the fingertips from which on it does [m]
 _SPEED_SHARE = 0.2  # weight of a new control step in the speed
 
 
@@ -251,7 +253,7 @@ class ObjectEstimate:
                 self._watch_met(frame.poses[self._meets])
         self.footprint = self._covered()
         self.force = force
-        slides = self.travel @ self._u > _SLIDES
+        slides = self.travel @ self._u > MOVED
         share = self._sliding_share if slides else 1.0
         self.sliding_force += share * (force - self.sliding_force)
 

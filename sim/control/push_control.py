@@ -10,7 +10,6 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 import numpy as np
 
@@ -24,7 +23,6 @@ from planner.types.plan import USUAL, Plan, speed_profile
 from planner.types.world_state import WorldState
 from sim.control.guarded_touch import TouchControl
 from sim.control.guards import (
-    MOVED,
     RAMP,
     Guard,
     Sample,
@@ -37,6 +35,7 @@ from sim.control.guards import (
     sentence_guards,
 )
 from sim.control.object_estimate import (
+    MOVED,
     ObjectEstimate,
     TiltEstimator,
     TravelSpeed,
@@ -54,16 +53,6 @@ FASTEST_START = 0.012
 """Speed of the command before the object moves, at most [m/s]."""
 
 _LOOK_ANGLE, _LOOK_PLACE = 0.003, 0.0005  # doubt that averaging leaves [rad], [m]
-
-
-class MotionEstimator(Protocol):
-    """An estimate of how the object moves, from the fingertips and from late camera frames."""
-
-    def update_from_tip(self, time: float, tip: Array) -> None:
-        """Takes T in W, shape (2,) [m], at a time [s]."""
-
-    def update_from_camera(self, time: float, pose: SeenPose) -> None:
-        """Takes what a camera frame of an earlier time [s] shows."""
 
 
 @dataclass(frozen=True)
@@ -206,7 +195,7 @@ class ForceController(TouchControl, ABC):
 
     # -- what is known -------------------------------------------------------------------------
 
-    def _inform(self, keeper: MotionEstimator) -> None:
+    def _inform(self, keeper: TurnEstimator | LateralController) -> None:
         keeper.update_from_tip(self.recorder.port.time, self._here.midpoint[:2])
         for frame in self.recorder.frames:
             keeper.update_from_camera(frame.time, frame.poses[self._object])
