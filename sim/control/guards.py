@@ -187,17 +187,6 @@ def band(push: Push) -> float:
     return max(FORCE_BAND * push.force_limit, _SMALLEST_BAND)
 
 
-def fastest(push: Push) -> float:
-    """Speed of the fingertips beyond which a push ends [m/s]."""
-    return 2.0 * push.speed + 0.03
-
-
-def longest(push: Push) -> float:
-    """Time after which a push ends, whatever became of it [s]."""
-    least = 10.0 + 3.0 * push.stroke / push.speed
-    return min(least, push.limits.duration or np.inf) if push.ends_on == "tilted" else least
-
-
 def largest_tilt(push: PushAction) -> float:
     """Tilt at which a push ends, wanted or not [rad]."""
     no_return = push.prediction.stay_on_base_angle
@@ -345,19 +334,22 @@ def _way_guards(push: Push) -> Iterator[Guard[Sample]]:
         beyond=operator.lt,
         applies=lambda s: s.elapsed > _CREEPING,
     )
+    fastest = 2.0 * push.speed + 0.03
     yield Guard(
         "speed",
         lambda s: s.speed,
-        fastest(push),
+        fastest,
         lambda s: f"the fingertips became {1e3 * s.speed:.0f} mm/s fast",
-        text=f"the fingertips are faster than {1e3 * fastest(push):.0f} mm/s",
+        text=f"the fingertips are faster than {1e3 * fastest:.0f} mm/s",
         unit="m/s",
     )
     yield _time_guard(push, "push")
 
 
 def _time_guard(push: Push, motion: str) -> Guard[Sample]:
-    most = longest(push)
+    most = 10.0 + 3.0 * push.stroke / push.speed
+    if push.ends_on == "tilted":
+        most = min(most, push.limits.duration or np.inf)
     return Guard(
         "duration",
         lambda s: s.elapsed,

@@ -264,10 +264,6 @@ class HandSense:
         """Weight after some time [s] if it goes on to fall as it does [N]."""
         return self.weight - self._fall * (WEIGHED + seconds)
 
-    def holds(self, squeeze: float) -> bool:
-        """True if the fingers feel something that they hold with a squeeze [N]."""
-        return self.squeeze >= _LOOSE * squeeze
-
     def forget(self) -> None:
         """It is looked at anew: what was seen before does not count."""
         self._now, self.frames = None, 0
@@ -290,13 +286,7 @@ class HandSense:
 
     def guards(self, squeeze: float) -> Iterator[Guard[Any]]:
         """Guards while something is held with a squeeze [N]: it stays, and so do all others."""
-        yield Guard(
-            "slipped",
-            lambda s: s.squeeze,
-            _LOOSE * squeeze,
-            lambda s: f"the {self._name} was dropped: the fingers feel nothing of it",
-            beyond=operator.lt,
-        )
+        yield drop_guard(self._name, squeeze)
         yield slip_guard(self._name, self._most_slip)
         yield Guard("slipped", lambda s: s.slip[1], SLIP_ANGLE, partial(_slip_text, self._name))
         yield others_guard()
@@ -320,6 +310,17 @@ def contact_guard(width: float) -> Guard[HandSense]:
         text=f"a side feels less than {CONTACT:g} N when the hand is closed "
         f"beyond {1e3 * width:.0f} mm",
         unit="N",
+    )
+
+
+def drop_guard(name: str, squeeze: float) -> Guard[HandSense]:
+    """The fingers feel something that they hold with a squeeze [N]."""
+    return Guard(
+        "slipped",
+        lambda s: s.squeeze,
+        _LOOSE * squeeze,
+        lambda s: f"the {name} was dropped: the fingers feel nothing of it",
+        beyond=operator.lt,
     )
 
 

@@ -46,6 +46,7 @@ from sim.control.held_object_sensing import (
     Weight,
     cap_guard,
     contact_guard,
+    drop_guard,
     estimate_weight,
 )
 from sim.control.press_control import DragControl
@@ -182,7 +183,8 @@ class GraspExecution:
         self._motion.watch, self._motion.bears = None, False
         self._recorder.phase = "retreat"
         self._motion.back_to(self._grasped, stop=self._holds)
-        if self._grasp.held and self._sense.holds(self._grasp.squeeze):
+        dropped = drop_guard(self._handled.name, self._grasp.squeeze).is_tripped(self._sense)
+        if self._grasp.held and not dropped:
             self._keep()
             return
         if self._holds and not self._grasp.held:
@@ -528,18 +530,14 @@ def _flip_lid(
         transit(recorder, posture, way, came)
         recorder.begin("approach", "down to the lid")
         move(start)
-        return _flip_and_leave(FlipControl(step, recorder, motion, target))
+        control = FlipControl(step, recorder, motion, target)
+        ended = how_it_ended(control.flip)
+        control.leave(done=ended.end == "handled")
+        return ended
     finally:
         recorder.phase = "retreat"
         move(above)
         return_home(recorder, came, SETTLE)
-
-
-def _flip_and_leave(control: FlipControl) -> Ended:
-    """Flips the lid before which the finger stands, and comes back there; returns how it ended."""
-    ended = how_it_ended(control.flip)
-    control.leave(done=ended.end == "handled")
-    return ended
 
 
 class PushExecution:
