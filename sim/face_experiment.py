@@ -28,6 +28,7 @@ from numpy.typing import ArrayLike
 from objectmodels.geometry.base_shapes import Polygon
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from planner.touch_experiments import press as press_at
+from planner.types.end_reasons import EndReason
 from planner.types.world_state import SeenObject, WorldState
 from sim.control.free_motion import RobotSetup
 from sim.control.guarded_touch import PAUSE
@@ -35,7 +36,6 @@ from sim.control.object_estimate import mean_poses
 from sim.exploration.probe_control import ProbeControl, probe
 from sim.exploration.trial_extraction import force_curve
 from sim.robots.cell_description import LOOK
-from sim.traces.trace import EndReason
 from sim.truth.object_truth import Truth
 from sim.truth.observer import Moved, Verdict, first_motion
 from sim.truth.scene_file import Scene, sample_world

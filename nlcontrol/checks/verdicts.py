@@ -18,6 +18,7 @@ from nlcontrol.text_format import quantity
 from objectmodels.errors import ModelError
 from objectmodels.html_table import html_table
 from planner.problem.stacks import with_supports
+from planner.types.end_reasons import END_REASONS
 from planner.types.world_state import PlanarPose, SeenObject, TableState, WorldState
 
 if TYPE_CHECKING:
@@ -34,10 +35,10 @@ if TYPE_CHECKING:
 Relation = Literal["about", "at_most", "at_least", "is"]
 Unit = Literal["m", "rad", "N", "m/s", "s", "m³", ""]
 
-PLANNED_ENDS = frozenset({"stroke", "turned", "returned", "event", "reached", "toppled", "handled"})
+PLANNED_ENDS = frozenset(end for end, meaning in END_REASONS.items() if meaning.is_planned)
 """Ends of a push, or of what a hand did, that are as they were meant."""
 
-HAND_ENDS = frozenset({"no_grasp", "slipped", "missed", "nudged"})
+HAND_ENDS = frozenset(end for end, meaning in END_REASONS.items() if meaning.is_of_hand)
 """Ends of what a whole hand did that are not as they were meant."""
 
 

@@ -34,6 +34,7 @@ from objectmodels.mechanics.push_motion import learned_radius
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.models.object_parts import LiftOffLid
 from planner.types.actions import FlipOver, LiftUp, PourOut, TurnCap
+from planner.types.end_reasons import END_REASONS
 from planner.types.plan import Plan
 from sim.control.held_object_sensing import Weight, estimate_weight
 from sim.exploration.trial_extraction import trial_from_push
@@ -42,16 +43,8 @@ if TYPE_CHECKING:
     from objectmodels import ObjectModel
     from objectmodels.identification import Trial
     from planner.types.world_state import SeenObject
-    from sim.traces.trace import EndReason, Trace
+    from sim.traces.trace import Trace
 
-
-CONTRADICTIONS: dict[EndReason, str] = {
-    "force": "it did not move with the force that was to be enough",
-    "tilted": "it tilted where it was to slide",
-    "slid": "it slid where it was to tilt",
-    "slipped": "the fingertip slipped over it",
-}
-"""Ends of a push that contradict its prediction, in words."""
 
 SPREAD = 0.05
 """Relative standard deviation by which friction is taken to differ from push to push."""
@@ -75,7 +68,7 @@ def lesson_from_push(
     if trace.end == "turned":
         # The friction radius of another face is not that of the base.
         return _from_turn(made, target, trace) if target.rest is None else None
-    why = CONTRADICTIONS.get(trace.end)
+    why = END_REASONS[trace.end].contradicts
     trial = trial_from_push(made.push, target, trace)
     if trial is None:
         return None
@@ -260,22 +253,6 @@ def change_contents(model: ObjectModel, more: float, sd: float = 0.0) -> ObjectM
 # or refused with the number.
 #
 # Frames: W is the world.
-
-
-TRIED_AGAIN: frozenset[EndReason] = frozenset(
-    {
-        "no_grasp",
-        "slipped",
-        "missed",
-        "nudged",
-        "no_touch",
-        "guard",
-        "force",
-        "tilted",
-        "unreachable",
-    }
-)
-"""Ends after which the hand tries once more, if it may."""
 
 
 def lessons_from_hand(

@@ -57,12 +57,13 @@ from nlcontrol.session.step_search import Ways, ways_around
 from nlcontrol.text_format import place_text, quantity
 from planner.plan_explanation import Basis
 from planner.problem.directions import angle_between
+from planner.types.end_reasons import END_REASONS
 from planner.types.plan import Plan, PlanningResult, Reached
 from planner.types.refusal import Refusal
 from planner.types.robot import Failed, FailedHold, FailedPush
 from planner.types.world_state import Held, WorldState
 from sim.supervision import Progress, Stopped, StopToken
-from sim.traces.trace import EndReason, Trace, join_traces
+from sim.traces.trace import Trace, join_traces
 
 if TYPE_CHECKING:
     from grammar.frames.command import Command
@@ -480,20 +481,20 @@ class FrameRun:
         self.supervisor.stop.check()
         if not made.pushes:
             # Learn what the hand found out; return True if all was done.
-            from nlcontrol.learning.lessons import TRIED_AGAIN, lessons_from_hand
+            from nlcontrol.learning.lessons import lessons_from_hand
 
             models, lessons = lessons_from_hand(made, self.controller.models, trace)
             self.controller.models.update(models)
             for lesson in lessons:
                 self._keep_lesson(lesson)
-            if trace.end in TRIED_AGAIN:
+            if END_REASONS[trace.end].once_more:
                 self.failed.append(FailedHold(made, trace.detail))
                 return False
             if trace.end not in PLANNED_ENDS:
                 self._note(stuck=trace.detail)
             return True
         explained = self._learn(made, state, trace)
-        if trace.end in FAILURES or not explained:
+        if END_REASONS[trace.end].elsewhere or not explained:
             self.failed.append(FailedPush(made.push, trace.detail))
             return False
         if trace.end == "event":
@@ -510,12 +511,12 @@ class FrameRun:
 
     def _learn(self, made: Plan, state: WorldState, trace: Trace) -> bool:
         """Learn from a push; return False if no belief explains what came of it."""
-        from nlcontrol.learning.lessons import CONTRADICTIONS, lesson_from_push  # not to plan
+        from nlcontrol.learning.lessons import lesson_from_push  # not to plan
 
         name = made.push.object
         found = lesson_from_push(made, state.objects[name], trace)
         if found is None:
-            return trace.end not in CONTRADICTIONS
+            return END_REASONS[trace.end].contradicts is None
         model, lesson = found
         self.controller.models[name] = model
         self._keep_lesson(lesson)
@@ -592,12 +593,6 @@ def _doubts(checks: Sequence[Check]) -> tuple[int, float]:
     near = (c for c in checks if c.why == "too_near" and c.low is not None and c.high is not None)
     spread = sum((c.high or 0.0) - (c.low or 0.0) for c in near)
     return sum(c.why == "not_perceived" for c in checks), spread
-
-
-FAILURES: frozenset[EndReason] = frozenset(
-    {"no_touch", "unreachable", "guard", "too_close", "turned_off", "speed"}
-)
-"""Ends of a push after which another contact is tried, where there is one."""
 
 
 # Proposals: plans of sentences, not yet done; to be approved, then carried out as they are.

@@ -15,6 +15,7 @@ from pydantic import Field
 
 from objectmodels.html_table import html_table
 from planner.types.actions import Action, Aim, GraspAction, Limits, PushAction, Value, Vector3
+from planner.types.end_reasons import EndReason
 from planner.types.refusal import Refusal, probability_text
 
 PlanTask = Literal["push", "topple", "tilt", "lift", "place", "stand", "pour", "open", "close"]
@@ -153,41 +154,23 @@ PlanningResult = Plan | Reached | Refusal
 # is stated; another hand keeps the contacts and computes its own. Places hold for the table as it
 # was seen when it was planned.
 
-StopKind = Literal[
-    "no_touch",
-    "stroke",
-    "toppled",
-    "turned",
-    "returned",
-    "event",
-    "force",
-    "speed",
-    "slid",
-    "tilted",
-    "turned_off",
-    "too_close",
-    "lost",
-    "duration",
-    "no_grasp",
-    "slipped",
-    "nudged",
-]
+StopUnit = Literal["m", "rad", "N", "m/s", "s", "N·m"]
 
 
 class StopCondition(Value):
     """A condition on which a motion ends.
 
     Attributes:
-        when: kind of it; the first six are as planned, the others guards.
+        when: the reason to end then, as a trace names it.
         limit: number that is reached or exceeded, in SI units; None if there is none.
         unit: of the limit.
         other: name of the object that it is about, if it is another one.
         text: the same in words.
     """
 
-    when: StopKind
+    when: EndReason
     limit: float | None = None
-    unit: Literal["m", "rad", "N", "m/s", "s", "N·m"] | None = None
+    unit: StopUnit | None = None
     other: str | None = None
     text: str
 

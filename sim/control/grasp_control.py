@@ -10,6 +10,7 @@ does not sag in the hand. Every arm pose on the way is kept, since the way back 
 from __future__ import annotations
 
 import math
+import operator
 from collections import deque
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
@@ -21,14 +22,15 @@ import numpy as np
 from objectmodels.geometry.rotations import Array
 from objectmodels.safety_figure import SafetyFigure
 from planner.types.actions import FlipOver
+from planner.types.end_reasons import Ended
 from planner.types.world_state import SeenObject
 from sim.control.free_motion import HAND_ACCELERATION, HAND_SPEED, move_joints
 from sim.control.guarded_touch import PAUSE, TOUCH_SPEED
+from sim.control.guards import Guard, Watch
 from sim.control.held_object_sensing import HandSense, Holding, LidEstimator
 from sim.control.trace_recorder import EarlyEndError, TraceRecorder
 from sim.motion.held_object_path import HeldSegment, attractor_points
 from sim.motion.motion_planner import FlipConfiguration
-from sim.traces.trace import EndReason
 
 if TYPE_CHECKING:
     from planner.types.world_state import Held
@@ -39,6 +41,9 @@ def force_limits_at(step: FlipOver, shares: Array | float) -> Array:
     """Felt forces at which a flip stops, at shares of its arc [N]."""
     limits = step.force_limits or (step.force_limit,)
     return np.asarray(np.interp(shares, np.linspace(0.0, 1.0, len(limits)), limits))
+
+
+_STOPPED_ROOM = 0.5  # share of its speed below which the force is taken to stop a finger
 
 
 @dataclass(frozen=True)
@@ -66,6 +71,94 @@ class FlipTuning:
     # more where the camera is noisy.
     largest_tilt: SafetyFigure = math.radians(2.5)
     largest_displacement: SafetyFigure = 0.006
+
+
+@dataclass(frozen=True)
+class FlipSample:
+    """What is felt and seen of a lid that is flipped.
+
+    Attributes:
+        view: of the lid and its object.
+        felt: force into the lid, filtered [N].
+        finger: angle that a lid has which touches the fingertip [rad].
+        room: share of its speed with which the finger went on last, −1 to 1.
+        remaining: how far it could still go before that [rad].
+    """
+
+    view: LidEstimator
+    felt: float
+    finger: float
+    room: float
+    remaining: float
+
+
+def flip_guards(
+    step: FlipOver, view: LidEstimator, tuning: FlipTuning
+) -> Iterator[Guard[FlipSample]]:
+    """Ends of a flip: the lid must follow the finger, and its object must neither lean nor move.
+
+    Args:
+        step: what is done.
+        view: of the lid; tells which motion of its object may be the camera's noise.
+        tuning: with the limits.
+    """
+    opens = step.end > step.start
+    sign = 1.0 if opens else -1.0
+
+    def seen(s: FlipSample) -> str:
+        return f"{np.degrees(s.view.lid):.0f}°"
+
+    yield Guard(
+        "handled",
+        lambda s: s.view.lid,
+        step.end,
+        lambda s: f"the lid is seen open by {seen(s)}",
+        beyond=operator.gt if opens else operator.lt,
+        trips_at=step.end - sign * tuning.end_tolerance,
+        text=f"the lid is seen at {np.degrees(step.end):.0f}°",
+        unit="rad",
+    )
+    yield Guard(
+        "force",
+        lambda s: s.room,
+        step.force_limit,
+        lambda s: f"the lid does not move with {s.felt:.1f} N",
+        beyond=operator.lt,
+        trips_at=_STOPPED_ROOM,
+        lasts=tuning.stuck_time,
+        text=f"the lid does not move with {step.force_limit:.1f} N",
+        unit="N",
+    )
+    yield Guard(
+        "slid",
+        lambda s: s.view.displacement,
+        tuning.largest_displacement,
+        lambda s: f"it was seen to move by {1e3 * s.view.displacement:.0f} mm",
+        trips_at=max(tuning.largest_displacement, view.unsure),
+        text=f"the {view.name} is seen moved by {1e3 * tuning.largest_displacement:.0f} mm",
+        unit="m",
+    )
+    yield Guard(
+        "tilted",
+        lambda s: s.view.tilt,
+        tuning.largest_tilt,
+        lambda s: f"it was seen to lean by {np.degrees(s.view.tilt):.0f}°",
+        trips_at=max(tuning.largest_tilt, view.unsure_angle),
+    )
+    yield Guard(
+        "missed",
+        lambda s: sign * (s.finger - s.view.lid),
+        tuning.largest_lag,
+        lambda s: f"the lid does not follow the finger: it is seen open by {seen(s)}",
+    )
+    yield Guard(
+        "missed",
+        lambda s: s.remaining,
+        0.0,
+        lambda s: f"the lid is seen open by {seen(s)} only",
+        beyond=operator.le,
+        lasts=tuning.wait_time,
+    )
 
 
 class FlipControl:
@@ -102,7 +195,7 @@ class FlipControl:
         self._at = (stance.hands.path.points[0], 0.0)
         self._felt = 0.0
 
-    def flip(self) -> tuple[EndReason, str]:
+    def flip(self) -> Ended:
         """Goes to the lid and flips it; returns how that ended and why."""
         degrees = np.degrees(self._step.end)
         verb = "opening" if self._lid.is_opening else "closing"
@@ -142,14 +235,16 @@ class FlipControl:
         """Largest one of the lid [rad/s]."""
         return self._step.speed / self._lid.touch_lever
 
-    def _along(self) -> tuple[EndReason, str]:
+    def _along(self) -> Ended:
         """Follows the arc until the lid is seen where it should be, or something is wrong."""
         last = self._step.end + self._sign * self.tuning.overrun
-        rate, stuck, waited = 0.0, 0.0, 0.0
+        watch = Watch(flip_guards(self._step, self._view, self.tuning), self._period)
+        rate, room, remaining = 0.0, 1.0, math.inf
         while True:
-            end = self._end_now(stuck, waited)
-            if end is not None:
-                return end
+            sample = FlipSample(self._view, self._felt, self._finger(), room, remaining)
+            ended = watch.first_tripped(sample)
+            if ended is not None:
+                return ended
             limit = self._recorder.force_limit = self._limit()
             rate = min(self._largest_rate(), rate + self.tuning.acceleration * self._period)
             room = float(
@@ -158,8 +253,6 @@ class FlipControl:
             remaining = self._sign * (last - self._angle)
             advance = min(rate * room * self._period, remaining)
             self._to_angle(self._angle + self._sign * advance)
-            stuck = stuck + self._period if room < 0.5 else 0.0
-            waited = waited + self._period if remaining <= 0.0 else 0.0
 
     def _largest_rate(self) -> float:
         """Largest rate now [rad/s]: slow until the lid moves, and as its end is near."""
@@ -168,24 +261,6 @@ class FlipControl:
             return min(tuning.least_rate, self._rate)
         near = tuning.braking * self._sign * (self._step.end - self._angle)
         return min(self._rate, max(tuning.least_rate, near))
-
-    def _end_now(self, stuck: float, waited: float) -> tuple[EndReason, str] | None:
-        """Why it ends now; None if it goes on."""
-        tuning = self.tuning
-        view, seen = self._view, np.degrees(self._view.lid)
-        if view.tilt > max(tuning.largest_tilt, view.unsure_angle):
-            return "tilted", f"it was seen to lean by {np.degrees(view.tilt):.0f}°"
-        if view.displacement > max(tuning.largest_displacement, view.unsure):
-            return "slid", f"it was seen to move by {1e3 * view.displacement:.0f} mm"
-        if self._sign * (self._view.lid - self._step.end) > -tuning.end_tolerance:
-            return "handled", f"the lid is seen open by {seen:.0f}°"
-        if self._sign * (self._finger() - self._view.lid) > tuning.largest_lag:
-            return "missed", f"the lid does not follow the finger: it is seen open by {seen:.0f}°"
-        if stuck > tuning.stuck_time:
-            return "force", f"the lid does not move with {self._felt:.1f} N"
-        if waited > tuning.wait_time:
-            return "missed", f"the lid is seen open by {seen:.0f}° only"
-        return None
 
     def _limit(self) -> float:
         """Felt force at which it stops where the finger stands now [N]."""
@@ -263,7 +338,7 @@ class HandMotion:
     Attributes:
         opening: how far each fingertip stands off its side [m].
         wound: squeeze for which the finger springs are wound up [N].
-        squeeze: with which something is held, while that is guarded; else 0 [N].
+        watch: guards of what is held; None where it may do as it will.
         bears: whether the springs are wound up to bear what is felt to hang on them, too.
     """
 
@@ -276,7 +351,7 @@ class HandMotion:
         self._sense = sense
         self.opening = way.grip.opening
         self.wound = 0.0
-        self.squeeze = 0.0
+        self.watch: Watch[HandSense] | None = None
         self.bears = False
         self._borne = np.zeros(3)  # force upwards for which the springs are wound up, in W [N]
         self.zero_samples = 0
@@ -302,7 +377,7 @@ class HandMotion:
 
     def let_go(self) -> None:
         """Unwinds the springs, and opens the hand."""
-        self.squeeze, self.bears = 0.0, False
+        self.watch, self.bears = None, False
         steps = max(1, round(self.wound / (self.tuning.winding_rate * self._port.period)))
         wound, borne = self.wound, self._borne
         for left in np.linspace(1.0, 0.0, steps + 1)[1:]:
@@ -423,9 +498,9 @@ class HandMotion:
         self._sense.step(q_arm, self._hand)
         if np.linalg.norm(q_arm - self.came[-1]) > self.tuning.swing_step:
             self.came.append(np.array(q_arm))
-        if self.squeeze > 0.0:
-            self._sense.require_held(self.squeeze)
-            self._sense.require_others()
+        ended = None if self.watch is None else self.watch.first_tripped(self._sense)
+        if ended is not None:
+            raise EarlyEndError(*ended)
 
     def _shares(self, far: float, speed: float) -> Iterator[float]:
         """From 0 to an end, one per control step."""

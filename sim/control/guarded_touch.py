@@ -11,6 +11,7 @@ import numpy as np
 from objectmodels.geometry.rotations import Array
 from objectmodels.safety_figure import SafetyFigure
 from planner.types.actions import Push
+from sim.control.guards import Guard
 from sim.control.object_estimate import Touch
 from sim.control.trace_recorder import EarlyEndError, TraceRecorder
 from sim.motion.fingertip_path import STANDOFF, FingertipPath
@@ -27,6 +28,16 @@ TOUCH_FORCE: SafetyFigure = 0.6
 
 TOUCH_BEYOND: SafetyFigure = 0.015
 """Travel beyond the expected face after which there is nothing to touch [m]."""
+
+NO_TOUCH: Guard[float] = Guard(
+    "no_touch",
+    float,
+    STANDOFF + TOUCH_BEYOND,
+    lambda travel: f"nothing was felt within {1e3 * (STANDOFF + TOUCH_BEYOND):.0f} mm",
+    text=f"nothing is felt within {1e3 * (STANDOFF + TOUCH_BEYOND):.0f} mm",
+    unit="m",
+)
+"""Ends a guarded approach by its travel [m]."""
 
 SETTING_OFF = 0.006
 """Travel at first in which fingers set in motion feel themselves, and no face is expected [m]."""
@@ -93,10 +104,10 @@ class TouchControl:
         self._share = self._touch_share()
         self.recorder.take_zero(self.pause, lambda: self._step(self.way.start, self.way.inward))
         self._forces = np.zeros_like(self._forces)
-        travel, speed, most = 0.0, 0.0, STANDOFF + TOUCH_BEYOND
+        travel, speed = 0.0, 0.0
         while travel < SETTING_OFF or not self._is_touching():
-            if travel > most:
-                raise EarlyEndError("no_touch", f"nothing was felt within {1e3 * most:.0f} mm")
+            if NO_TOUCH.is_tripped(travel):
+                raise EarlyEndError(*NO_TOUCH.ended(travel))
             speed = self._faster(speed, self.speed)
             travel += speed * self._period
             self._step(self.way.start + travel * self.way.inward, self.way.inward)

@@ -14,18 +14,22 @@ Frames: P is the palm, G the middle of the grasp, W the world.
 from __future__ import annotations
 
 import math
+import operator
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from objectmodels.containers.lids import lid_name
 from objectmodels.geometry.rotations import Array, wrap, yaw_of
 from objectmodels.safety_figure import SafetyFigure
+from planner.types.actions import TurnCap
 from planner.types.world_state import Held, SeenObject, WorldState
-from sim.control.trace_recorder import EarlyEndError, TraceRecorder
+from sim.control.guards import Guard
+from sim.control.trace_recorder import TraceRecorder
 from sim.motion.held_object_path import HeldObject
 from sim.motion.motion_planner import GraspMotion
 from sim.robots.cell_description import Vision
@@ -197,6 +201,13 @@ class HandSense:
         """Mean of what both sides press [N]."""
         return 0.5 * (self.thumb + self.fingers)
 
+    def felt_text(self, done: str) -> str:
+        """What is felt where the hand has done something about it, in words."""
+        return (
+            f"the hand {done} to {1e3 * self.width:.0f} mm and feels {self.thumb:.1f} N at the "
+            f"thumb, {self.fingers:.1f} N at the fingers"
+        )
+
     @property
     def width(self) -> float:
         """Between thumb and fingers, as the joints' angles tell [m]."""
@@ -253,10 +264,6 @@ class HandSense:
         """Weight after some time [s] if it goes on to fall as it does [N]."""
         return self.weight - self._fall * (WEIGHED + seconds)
 
-    def holds(self, squeeze: float) -> bool:
-        """True if the fingers feel something that they hold with a squeeze [N]."""
-        return self.squeeze >= _LOOSE * squeeze
-
     def forget(self) -> None:
         """It is looked at anew: what was seen before does not count."""
         self._now, self.frames = None, 0
@@ -277,35 +284,94 @@ class HandSense:
 
     # -- guards ---------------------------------------------------------------------------------
 
-    def require_held(self, squeeze: float) -> None:
-        """Requires that an object held with a squeeze [N] is in the hand as it was.
+    def guards(self, squeeze: float) -> Iterator[Guard[Any]]:
+        """Guards while something is held with a squeeze [N]: it stays, and so do all others."""
+        yield drop_guard(self._name, squeeze)
+        yield slip_guard(self._name, self._most_slip)
+        yield Guard("slipped", lambda s: s.slip[1], SLIP_ANGLE, partial(_slip_text, self._name))
+        yield others_guard()
 
-        Raises:
-            EarlyEndError: it slipped, or is not there any more.
-        """
-        if not self.holds(squeeze):
-            raise EarlyEndError(
-                "slipped", f"the {self._name} was dropped: the fingers feel nothing of it"
-            )
-        slip, angle = self.slip
-        if slip > self._most_slip or angle > SLIP_ANGLE:
-            what = "was dropped" if slip > DROPPED else "slipped in the hand"
-            raise EarlyEndError(
-                "slipped",
-                f"the {self._name} {what}: {1e3 * slip:.0f} mm, {np.degrees(angle):.0f}°",
-            )
-
-    def require_others(self) -> None:
-        """Requires that all other objects stand where they stood.
-
-        Raises:
-            EarlyEndError: one was seen to be moved.
-        """
+    @property
+    def others(self) -> Iterator[tuple[str, float, float]]:
+        """Each other object, how far it was seen to be moved [m], and the sine of its lean."""
         for other, (p_W, up) in self._others.items():
             p_0, _ = self._stood[other]
-            far, lean = float(np.linalg.norm(p_W - p_0)), float(np.hypot(up[0], up[1]))
-            if far > NUDGED or lean > np.sin(NUDGED_ANGLE):
-                raise EarlyEndError("nudged", f"the {other} was moved by {1e3 * far:.0f} mm")
+            yield other, float(np.linalg.norm(p_W - p_0)), float(np.hypot(up[0], up[1]))
+
+
+def contact_guard(width: float) -> Guard[HandSense]:
+    """A hand that closes about a width [m] must feel something on both sides in the end."""
+    return Guard(
+        "no_grasp",
+        lambda s: min(s.thumb, s.fingers),
+        CONTACT,
+        lambda s: s.felt_text("closed"),
+        beyond=operator.lt,
+        text=f"a side feels less than {CONTACT:g} N when the hand is closed "
+        f"beyond {1e3 * width:.0f} mm",
+        unit="N",
+    )
+
+
+def drop_guard(name: str, squeeze: float) -> Guard[HandSense]:
+    """The fingers feel something that they hold with a squeeze [N]."""
+    return Guard(
+        "slipped",
+        lambda s: s.squeeze,
+        _LOOSE * squeeze,
+        lambda s: f"the {name} was dropped: the fingers feel nothing of it",
+        beyond=operator.lt,
+    )
+
+
+def slip_guard(name: str, most: float = SLIP) -> Guard[HandSense]:
+    """What is held stays where it is in the hand.
+
+    Args:
+        name: of it.
+        most: slip that a camera may show [m]; see `most_slip`.
+    """
+    return Guard(
+        "slipped",
+        lambda s: s.slip[0],
+        SLIP,
+        partial(_slip_text, name),
+        trips_at=most,
+        text=f"what is held has slipped by {1e3 * SLIP:.0f} mm in the hand",
+        unit="m",
+    )
+
+
+def _slip_text(name: str, sense: HandSense) -> str:
+    slip, angle = sense.slip
+    what = "was dropped" if slip > DROPPED else "slipped in the hand"
+    return f"the {name} {what}: {1e3 * slip:.0f} mm, {np.degrees(angle):.0f}°"
+
+
+def others_guard() -> Guard[HandSense]:
+    """All other objects stay where they stand, upright."""
+
+    def most(sense: HandSense) -> tuple[float, float, str]:
+        """Of the one that is moved most: a share of what counts as moved, its way, its name."""
+        moved = (
+            (max(way / NUDGED, lean / math.sin(NUDGED_ANGLE)), way, name)
+            for name, way, lean in sense.others
+        )
+        return max(moved, default=(0.0, 0.0, ""))
+
+    def says(sense: HandSense) -> str:
+        _, way, name = most(sense)
+        return f"the {name} was moved by {1e3 * way:.0f} mm"
+
+    return Guard(
+        "nudged",
+        lambda s: most(s)[0],
+        NUDGED,
+        says,
+        trips_at=1.0,
+        text=f"another object is seen moved by {1e3 * NUDGED:.0f} mm",
+        unit="m",
+    )
 
 
 @dataclass(frozen=True)
@@ -353,6 +419,7 @@ class LidEstimator:
     """A lid and its object as they are seen, from how they were seen before.
 
     Attributes:
+        name: of the object.
         lid: how far it is open.
         is_off: whether it is off its object.
         turn: of the object about the vertical [rad].
@@ -369,7 +436,7 @@ class LidEstimator:
         self.unsure_angle = _SIGMAS * _LEFT * float(np.radians(vision.angle_noise_deg))
         self.lid = lid
         self.is_off = target.lid_at is not None
-        self._name = target.name
+        self.name = target.name
         self._before = target.pose
         self._up = np.array([0.0, 0.0, 1.0])
         self._p_WB = target.pose.p_WB
@@ -378,9 +445,9 @@ class LidEstimator:
     def update_from_camera(self, frames: Iterable[Frame]) -> None:
         """Takes in what arrived."""
         for frame in frames:
-            pose = frame.poses[self._name]
-            self.is_off = lid_name(self._name) in frame.poses
-            self.lid += _LID_SHARE * (frame.lids[self._name] - self.lid)
+            pose = frame.poses[self.name]
+            self.is_off = lid_name(self.name) in frame.poses
+            self.lid += _LID_SHARE * (frame.lids[self.name] - self.lid)
             self._up = self._up + _POSE_SHARE * (pose.R_WB[:, 2] - self._up)
             self._p_WB = self._p_WB + _POSE_SHARE * (pose.p_WB - self._p_WB)
             turned = float(wrap(yaw_of(pose.R_WB) - self._before.yaw))
@@ -410,8 +477,7 @@ class LidSense(HandSense):
 
     Attributes:
         view: of the lid and its object.
-        most_torque: with which the hand may turn the lid [N·m].
-        torque: with which it does, about the vertical [N·m].
+        torque: with which the hand turns the lid, about the vertical [N·m].
     """
 
     def __init__(self, recorder: TraceRecorder, way: GraspMotion, handled: HeldObject) -> None:
@@ -422,7 +488,6 @@ class LidSense(HandSense):
         self._owner = handled.state.objects[handled.name]
         vision = recorder.port.cell.vision
         self.view = LidEstimator(self._owner, handled.opened, vision)
-        self.most_torque = np.inf
         self.torque = 0.0
 
     def step(self, q_arm: Array, q_hand: Array) -> None:
@@ -440,22 +505,40 @@ class LidSense(HandSense):
         share = min(1.0, self._period / _TURNING)
         self.torque += share * (float(turning.sum()) - self.torque)
 
-    def require_others(self) -> None:
-        """Requires that the object whose lid it is stays where it stands, as all others.
-
-        Raises:
-            EarlyEndError: one was seen to be moved, or the cap turns too hard.
-        """
+    def guards(self, squeeze: float) -> Iterator[Guard[Any]]:
+        """Guards while the lid is held; besides, the object whose it is stays where it stands."""
+        yield from super().guards(squeeze)
         view, name = self.view, self._owner.name
-        if abs(view.turn) > max(TURNS, view.unsure_angle):
-            turned = np.degrees(view.turn)
-            raise EarlyEndError("turned_off", f"the {name} turned along by {turned:.0f}°")
-        if view.tilt > max(LEANS, view.unsure_angle):
-            raise EarlyEndError("tilted", f"the {name} leans by {np.degrees(view.tilt):.0f}°")
-        if view.displacement > max(MOVES, view.unsure):
-            moved = 1e3 * view.displacement
-            raise EarlyEndError("nudged", f"the {name} was moved by {moved:.0f} mm")
-        super().require_others()
-        if abs(self.torque) > self.most_torque:
-            torque = abs(self.torque)
-            raise EarlyEndError("force", f"the cap does not turn with {torque:.3f} N·m")
+        yield Guard(
+            "turned_off",
+            lambda s: abs(view.turn),
+            TURNS,
+            lambda s: f"the {name} turned along by {np.degrees(view.turn):.0f}°",
+            trips_at=max(TURNS, view.unsure_angle),
+        )
+        yield Guard(
+            "tilted",
+            lambda s: view.tilt,
+            LEANS,
+            lambda s: f"the {name} leans by {np.degrees(view.tilt):.0f}°",
+            trips_at=max(LEANS, view.unsure_angle),
+        )
+        yield Guard(
+            "nudged",
+            lambda s: view.displacement,
+            MOVES,
+            lambda s: f"the {name} was moved by {1e3 * view.displacement:.0f} mm",
+            trips_at=max(MOVES, view.unsure),
+        )
+
+
+def cap_guard(step: TurnCap) -> Guard[LidSense]:
+    """A cap turns with no more than its torque."""
+    return Guard(
+        "force",
+        lambda s: abs(s.torque),
+        step.torque_limit,
+        lambda s: f"the cap does not turn with {abs(s.torque):.3f} N·m",
+        text=f"the cap takes more than {step.torque_limit:.3f} N·m",
+        unit="N·m",
+    )

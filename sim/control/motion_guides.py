@@ -26,13 +26,19 @@ from planner.types.plan import (
 )
 from planner.types.robot import ReachAnswer, Robot
 from planner.types.world_state import SeenObject, WorldState, plain_vector
-from sim.control import grasp_control, held_object_sensing
-from sim.control.grasp_control import CLOSING_SPEED
-from sim.control.guarded_touch import TOUCH_BEYOND, TOUCH_SPEED, touch_force
-from sim.control.guards import RAMP, guard_conditions, limit_conditions
-from sim.control.press_control import drag_conditions
+from sim.control.grasp_control import CLOSING_SPEED, FlipControl, flip_guards, force_limits_at
+from sim.control.guarded_touch import NO_TOUCH, TOUCH_SPEED, touch_force
+from sim.control.guards import RAMP, planned_ends, push_guards, sentence_guards, stop_conditions
+from sim.control.held_object_sensing import (
+    CONTACT,
+    LidEstimator,
+    cap_guard,
+    contact_guard,
+    others_guard,
+    slip_guard,
+)
 from sim.control.push_control import FASTEST_START
-from sim.motion.fingertip_path import BACK, STANDOFF, FingertipPath
+from sim.motion.fingertip_path import BACK, FingertipPath
 from sim.motion.held_object_path import (
     REACH_SPEED,
     HeldObject,
@@ -41,6 +47,7 @@ from sim.motion.held_object_path import (
     withdrawal_vectors,
 )
 from sim.motion.robot_reach import ArmHandReach
+from sim.robots.cell_description import Vision
 from sim.robots.lid_path import LidPath, hinge_pose, lid_shape
 
 
@@ -76,7 +83,7 @@ def _push_guide(push: PushAction, state: WorldState, robot: Robot) -> PushGuide:
         fingers_W=_fingers(push, state, robot),
         touch_speed=TOUCH_SPEED,
         touch_force=touch_force(push.prediction.onset),
-        touch_travel=STANDOFF + TOUCH_BEYOND,
+        touch_travel=NO_TOUCH.limit,
         direction_W=push.direction_W,
         stroke=push.stroke,
         end_W=plain_vector(way.end),
@@ -88,30 +95,15 @@ def _push_guide(push: PushAction, state: WorldState, robot: Robot) -> PushGuide:
         first_speed=min(FASTEST_START, push.speed),
         speed=push.speed,
         retreat=BACK,
-        stop=(
-            StopCondition(
-                when="no_touch",
-                limit=STANDOFF + TOUCH_BEYOND,
-                unit="m",
-                text=f"nothing is felt within {1e3 * (STANDOFF + TOUCH_BEYOND):.0f} mm",
-            ),
-            *_planned_ends(push),
-            *limit_conditions(push, seen),
-            *(drag_conditions(push) if push.press else guard_conditions(push)),
+        stop=stop_conditions(
+            (
+                NO_TOUCH,
+                *planned_ends(push),
+                *sentence_guards(push, state, Vision()),
+                *push_guards(push),
+            )
         ),
     )
-
-
-def _planned_ends(push: PushAction) -> Iterator[StopCondition]:
-    """Ends as planned, and the stroke in any case."""
-    if push.ends_on == "turned":
-        told = f"the object is seen turned by {np.degrees(push.turn):.1f}°"
-        yield StopCondition(when="turned", limit=push.turn, unit="rad", text=told)
-    if push.ends_on == "tilted":
-        told = f"it was tilted by {np.degrees(push.tilt):.1f}°, held and let back onto its base"
-        yield StopCondition(when="returned", limit=push.tilt, unit="rad", text=told)
-    told = f"the fingertips have travelled {1e3 * push.stroke:.0f} mm since the touch"
-    yield StopCondition(when="stroke", limit=push.stroke, unit="m", text=told)
 
 
 def _fingers(push: PushAction, state: WorldState, robot: Robot) -> Vector3 | None:
@@ -145,7 +137,7 @@ def _grasp_guide(plan: Plan, state: WorldState, robot: Robot) -> GraspGuide:
         start_W=plain_vector(middle if grasp.held else middle + off),
         reach_speed=REACH_SPEED,
         close_speed=CLOSING_SPEED,
-        contact_force=held_object_sensing.CONTACT,
+        contact_force=CONTACT,
         squeeze=grasp.squeeze,
         legs=tuple(_leg(segment) for legs in steps for segment in legs),
         stop=tuple(_grasp_ends(plan, grasp)),
@@ -186,30 +178,11 @@ def _leg(segment: HeldSegment) -> HandLeg:
 
 
 def _grasp_ends(plan: Plan, grasp: Grasp) -> Iterator[StopCondition]:
-    slip, nudged = held_object_sensing.SLIP, held_object_sensing.NUDGED
-    yield StopCondition(
-        when="no_grasp",
-        limit=held_object_sensing.CONTACT,
-        unit="N",
-        text=f"a side feels less than {held_object_sensing.CONTACT:g} N when the hand is closed "
-        f"beyond {1e3 * grasp.width:.0f} mm",
-    )
-    yield StopCondition(
-        when="slipped",
-        limit=slip,
-        unit="m",
-        text=f"what is held has slipped by {1e3 * slip:.0f} mm in the hand",
-    )
-    yield StopCondition(
-        when="nudged",
-        limit=nudged,
-        unit="m",
-        text=f"another object is seen moved by {1e3 * nudged:.0f} mm",
-    )
+    held = contact_guard(grasp.width), slip_guard(plan.object), others_guard()
+    yield from stop_conditions(held)
     for step in plan.steps:
         if isinstance(step, TurnCap):
-            told = f"the cap takes more than {step.torque_limit:.3f} N·m"
-            yield StopCondition(when="force", limit=step.torque_limit, unit="N·m", text=told)
+            yield from stop_conditions([cap_guard(step)])
         if isinstance(step, PourOut):
             told = f"it is tilted by {np.degrees(step.angle):.0f}°, or enough has run out"
             yield StopCondition(when="tilted", limit=step.angle, unit="rad", text=told)
@@ -219,34 +192,15 @@ def _flip_guide(step: FlipOver, seen: SeenObject, radius: float) -> FlipGuide:
     path = LidPath.from_lid(lid_shape(step, seen, radius))
     R_WE, p_WE = hinge_pose(seen)
     arc = path.points[path.touching] @ R_WE.T + p_WE
-    forces = grasp_control.force_limits_at(step, path.shares[path.touching])
-    moves, force = grasp_control.FlipControl.tuning.largest_displacement, step.force_limit
+    forces = force_limits_at(step, path.shares[path.touching])
+    view = LidEstimator(seen, step.start, Vision())
     return FlipGuide(
         object=seen.name,
         tip_radius=radius,
         hinge_W=plain_vector(p_WE),
         path_W=tuple(map(plain_vector, arc)),
         speed=step.speed,
-        force_limit=force,
+        force_limit=step.force_limit,
         force_limits=tuple(forces.tolist()),
-        stop=(
-            StopCondition(
-                when="turned",
-                limit=step.end,
-                unit="rad",
-                text=f"the lid is seen at {np.degrees(step.end):.0f}°",
-            ),
-            StopCondition(
-                when="force",
-                limit=force,
-                unit="N",
-                text=f"the lid does not move with {force:.1f} N",
-            ),
-            StopCondition(
-                when="nudged",
-                limit=moves,
-                unit="m",
-                text=f"the {seen.name} is seen moved by {1e3 * moves:.0f} mm",
-            ),
-        ),
+        stop=stop_conditions(flip_guards(step, view, FlipControl.tuning)),
     )

@@ -1,5 +1,7 @@
 """Estimates of objects: where they are, how they turn, what the fingertips tell of them.
 
+What guards of a push read is an `ObjectEstimate`; of what is tilted, besides, a `TiltEstimator`.
+
 Estimate of the turn of an object while one fingertip pushes it around.
 
 Model: the fingertip sticks to the object and moves in a direction that is fixed in B, so the object
@@ -18,25 +20,26 @@ Frame: W; θ is relative to the object as it was seen before the push.
 from __future__ import annotations
 
 import functools
+import math
+from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from objectmodels.containers.lids import detached_lid
 from objectmodels.geometry.rotations import Array, rot_z, wrap, yaw_of
 from objectmodels.models.object_model import LEVEL, ObjectModel, Resting
+from planner.problem.footprints import footprint, gap
 from planner.problem.stacks import with_supports
-from planner.types.world_state import Held, PlanarPose, SeenObject
-from sim.robots.cell_description import CellDescription
+from planner.types.actions import Push
+from planner.types.world_state import Held, PlanarPose, SeenObject, WorldState
+from sim.robots.cell_description import CellDescription, Vision
 from sim.robots.hand import Mount
 from sim.worlds.ports import Frame, RobotPort, SeenPose
-
-if TYPE_CHECKING:
-    from planner.types.world_state import WorldState
-
+from sim.worlds.sensors import noise_left
 
 # Growth of the filter's doubt per centimetre of way, from friction that varies.
 _TURN_DRIFT = 0.004  # [rad]
@@ -167,6 +170,218 @@ class TurnEstimator:
         K = self._P @ H.T @ np.linalg.inv(H @ self._P @ H.T + self._R)
         self._x = self._x + K @ error
         self._P = (np.eye(3) - K @ H) @ self._P
+
+
+# Estimate of an object that is pushed, by late frames and by the fingertips that it goes with.
+#
+# Model: between late and noisy camera frames the object goes with the fingertips; how it lies to
+# them and how it is turned are filtered. What it is to meet stands where it was seen, until it is
+# seen to go along.
+
+_SHARE = 0.12  # weight of a new frame in the filtered place: 0.25 of a frame's noise is left
+_FASTER = 0.25  # the same for angles, which change faster: 0.4 is left
+LEFT, LEFT_OF_ANGLES = noise_left(_SHARE), noise_left(_FASTER)
+"""Shares of a frame's noise that are left in a filtered place and in a filtered angle."""
+
+MOVED = 0.001
+"""Travel of the fingertips that shows that the object moves [m]."""
+
+NEAR = 0.015
+"""Seen gap below which two objects may touch [m]."""
+
+_SLIDING = 0.5  # time constant of the force while it slides freely [s]
+_SPEED_SHARE = 0.2  # weight of a new control step in the speed
+
+
+class ObjectEstimate:
+    """A pushed object now, and what it is to meet.
+
+    Args:
+        push: that moves it.
+        state: what was seen and believed before.
+        vision: rate of the camera.
+        tip: midpoint of the fingertips' centres in W when they touch, shape (3,) [m].
+        period: of a control step [s].
+
+    Attributes:
+        slipped: how far the object has come beyond the fingertips since, in W, shape (2,) [m].
+        turned: how far it has turned since it was seen first [rad].
+        tilt: of its axis B_z, along W's x and y, shape (2,) [rad].
+        footprint: corners of what it covers of the table in W, shape (k, 2) [m].
+        force: along the push, that it was felt to take last [N].
+        sliding_force: the same while it slid freely, filtered [N].
+        shoved: how far what it is to meet was seen to go along the push, filtered [m].
+        looks: how many frames have told where that stood.
+    """
+
+    def __init__(
+        self, push: Push, state: WorldState, vision: Vision, tip: Array, period: float
+    ) -> None:
+        self._seen = seen = state.objects[push.object]
+        self._u = np.array(push.direction_W[:2])
+        self._name = push.object
+        self._first = self._tip = tip[:2]
+        self._tips: deque[tuple[float, Array]] = deque()
+        self.slipped = np.zeros(2)
+        self.turned = 0.0
+        self.tilt = np.zeros(2)
+        self._outline = footprint(seen)
+        self.footprint = self._outline
+        self.force = self.sliding_force = 0.0
+        self._sliding_share = min(1.0, period / _SLIDING)
+        self._meets = push.meets
+        self._met = None if push.meets is None else footprint(state.objects[push.meets])
+        self._stood = np.zeros(2) if push.meets is None else state.objects[push.meets].pose.p_WB[:2]
+        self.shoved = 0.0
+        # Where that stands is the mean of a look of a second and of the frames since.
+        self.looks = max(1.0, vision.rate_hz)
+
+    def update(self, time: float, tip: Array, force: float, frames: Iterable[Frame]) -> None:
+        """Takes in a control step.
+
+        Args:
+            time: now [s].
+            tip: midpoint of the fingertips' centres in W, shape (3,) [m].
+            force: along the push, filtered [N].
+            frames: that arrived in it, in the order of their times.
+        """
+        self._tip = tip[:2]
+        self._tips.append((time, self._tip))
+        for frame in frames:
+            self._update_from_camera(frame.time, frame.poses[self._name])
+            if self._meets is not None:
+                self._watch_met(frame.poses[self._meets])
+        self.footprint = self._covered()
+        self.force = force
+        slides = self.travel @ self._u > MOVED
+        share = self._sliding_share if slides else 1.0
+        self.sliding_force += share * (force - self.sliding_force)
+
+    def _update_from_camera(self, time: float, pose: SeenPose) -> None:
+        """Takes what a frame showed at a time [s]; those from before the touch tell nothing."""
+        while len(self._tips) > 1 and self._tips[1][0] <= time + 1e-9:
+            self._tips.popleft()
+        at, tip = self._tips[0]
+        if at > time + 1e-9:
+            return
+        slipped = pose.p_WB[:2] - self._seen.pose.p_WB[:2] - (tip - self._first)
+        self.slipped = self.slipped + _SHARE * (slipped - self.slipped)
+        turned = wrap(yaw_of(pose.R_WB) - self._seen.pose.yaw)
+        self.turned += _FASTER * (float(turned) - self.turned)
+        x, y, z = pose.R_WB[:, 2]
+        self.tilt = self.tilt + _FASTER * (np.arctan2([x, y], z) - self.tilt)
+
+    def _watch_met(self, pose: SeenPose) -> None:
+        """Takes in how far what is to be met was seen to go along the push.
+
+        As long as it is not near it stands, and is seen the better.
+        """
+        assert self._met is not None, "it meets something"
+        gone = pose.p_WB[:2] - self._stood
+        if gap(self._covered(), self._met) >= NEAR:
+            self.looks += 1.0
+            self._stood = self._stood + gone / self.looks
+        self.shoved += _SHARE * (float(gone @ self._u) - self.shoved)
+
+    def _covered(self) -> Array:
+        middle = self._seen.pose.p_WB[:2]
+        turned = (self._outline - middle) @ rot_z(-self.turned)[:2, :2]
+        return np.asarray(turned + middle + self.displacement)
+
+    @property
+    def travel(self) -> Array:
+        """Way of the fingertips in W since the touch, shape (2,) [m]."""
+        return np.asarray(self._tip - self._first)
+
+    @property
+    def displacement(self) -> Array:
+        """Way of the object in W since it was seen first, shape (2,) [m]."""
+        return self.travel + self.slipped
+
+    @property
+    def lean(self) -> float:
+        """Tilt to whichever side [rad]."""
+        return float(np.linalg.norm(self.tilt))
+
+    @property
+    def gap_to_met(self) -> float:
+        """Seen gap between it and what it is to meet [m]; nan if that is nothing."""
+        return math.nan if self._met is None else gap(self.footprint, self._met)
+
+
+class TravelSpeed:
+    """Speed of a travel, filtered over some control steps.
+
+    Attributes:
+        speed: now [m/s].
+
+    Args:
+        period: of a control step [s].
+    """
+
+    def __init__(self, period: float) -> None:
+        self.speed = 0.0
+        self._period = period
+        self._before = 0.0
+
+    def update(self, travel: float) -> float:
+        """Takes the travel after a control step [m]; returns the speed [m/s]."""
+        self.speed += _SPEED_SHARE * ((travel - self._before) / self._period - self.speed)
+        self._before = travel
+        return self.speed
+
+
+_LEAST_WEIGHT = 0.1  # of a new frame: a third of a second at 30 Hz counts
+_TRUSTED = 4.0  # frames that the fingertip's own tilt is worth at the touch
+
+
+class TiltEstimator:
+    """The tilt of an object that a fingertip leans on.
+
+    Model: the fingertip on the face tells the tilt at once and without noise, but for what the base
+    has slid and for what is not known of the object's size; both change slowly. The camera tells it
+    late and noisily, but wherever the object is. So the mean of what the camera showed lately, less
+    what the fingertip told at the times of those frames, is added to what the fingertip tells now.
+
+    Args:
+        noise: standard deviation of the tilt that a frame shows [rad].
+
+    Attributes:
+        own: what the fingertip tells now [rad].
+        correction: what the camera adds to it [rad].
+    """
+
+    def __init__(self, noise: float) -> None:
+        self.own = 0.0
+        self.correction = 0.0
+        self._noise = noise
+        self._frames = 0.0
+        self._past: deque[tuple[float, float]] = deque()
+
+    @property
+    def tilt(self) -> float:
+        """The tilt now [rad]."""
+        return self.own + self.correction
+
+    @property
+    def unsure(self) -> float:
+        """Standard deviation of the correction [rad]."""
+        weight = max(1.0 / (_TRUSTED + self._frames), _LEAST_WEIGHT)
+        return self._noise * float(np.sqrt(weight / (2.0 - weight)))
+
+    def update_from_tip(self, time: float, own: float) -> None:
+        """The fingertip tells a tilt [rad] at a time [s]."""
+        self.own = own
+        self._past.append((time, own))
+
+    def update_from_camera(self, time: float, tilt: float) -> None:
+        """A frame of a time [s], later than those before it, shows a tilt [rad]."""
+        while len(self._past) > 1 and self._past[1][0] <= time:
+            self._past.popleft()
+        _, own = min(self._past, key=lambda past: abs(past[0] - time))
+        self._frames += 1.0
+        weight = max(1.0 / (_TRUSTED + self._frames), _LEAST_WEIGHT)
+        self.correction += weight * (tilt - own - self.correction)
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,9 @@ way it came, which was free, and set down what it holds where it took it.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -33,17 +33,21 @@ from planner.types.actions import (
     SetOn,
     TurnCap,
 )
+from planner.types.end_reasons import Ended
 from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import Held, SeenObject, WorldState
 from sim.control.free_motion import look_around, move_joints, return_home, straight_line, transit
 from sim.control.grasp_control import ACCELERATES, FlipControl, HandMotion
+from sim.control.guards import Guard, Watch
 from sim.control.held_object_sensing import (
-    CONTACT,
     HandSense,
     Holding,
     LidSense,
     Weight,
+    cap_guard,
+    contact_guard,
+    drop_guard,
     estimate_weight,
 )
 from sim.control.press_control import DragControl
@@ -61,7 +65,7 @@ from sim.motion.held_object_path import THREAD, HeldObject, HeldSegment, upright
 from sim.motion.inverse_kinematics import ArmConfiguration, UnreachableError
 from sim.motion.motion_planner import FlipConfiguration, GraspMotion
 from sim.supervision import Progress
-from sim.traces.trace import EndReason, Trace
+from sim.traces.trace import Trace
 
 if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel
@@ -70,6 +74,16 @@ if TYPE_CHECKING:
 
 SETTLE = 0.5
 """Time that everything gets to come to rest in the end [s]."""
+
+
+def how_it_ended(motion: Callable[[], Ended]) -> Ended:
+    """Makes a motion; returns how it ended, also if something stopped it on its way."""
+    try:
+        return motion()
+    except EarlyEndError as early:
+        return early.ended
+    except UnreachableError as error:
+        return Ended("unreachable", str(error))
 
 
 @dataclass(frozen=True)
@@ -167,10 +181,11 @@ class GraspExecution:
 
     def give_up(self) -> None:
         """Back the way it came; what is still held is set down where it was taken, or kept."""
-        self._motion.squeeze, self._motion.bears = 0.0, False
+        self._motion.watch, self._motion.bears = None, False
         self._recorder.phase = "retreat"
         self._motion.back_to(self._grasped, stop=self._holds)
-        if self._grasp.held and self._sense.holds(self._grasp.squeeze):
+        dropped = drop_guard(self._handled.name, self._grasp.squeeze).is_tripped(self._sense)
+        if self._grasp.held and not dropped:
             self._keep()
             return
         if self._holds and not self._grasp.held:
@@ -202,9 +217,10 @@ class GraspExecution:
         motion.feel_nothing()
         self._grasped = len(motion.came) - 1
         self._holds = True
-        while min(sense.thumb, sense.fingers) < CONTACT:
+        contact = contact_guard(self._grasp.width)
+        while contact.is_tripped(sense):
             if motion.opening < -tuning.closes_beyond:
-                raise EarlyEndError("no_grasp", self._felt_too_little("closed"))
+                raise EarlyEndError(*contact.ended(sense))
             motion.close()
         while sense.squeeze < squeeze and motion.wound < tuning.most_winding_share * squeeze:
             motion.wind()
@@ -212,17 +228,14 @@ class GraspExecution:
         motion.wait(tuning.look_time)
         wrong = abs(sense.width - self._grasp.width) > tuning.width_error
         if min(sense.thumb, sense.fingers) < tuning.least_squeeze_share * squeeze or wrong:
-            raise EarlyEndError("no_grasp", self._felt_too_little("squeezed"))
+            raise EarlyEndError("no_grasp", sense.felt_text("squeezed"))
         sense.remember()
-        motion.squeeze = squeeze
+        motion.watch = self._watch()
         self._recorder.report_contact()
 
-    def _felt_too_little(self, done: str) -> str:
-        sense = self._sense
-        return (
-            f"the hand {done} to {1e3 * sense.width:.0f} mm and feels {sense.thumb:.1f} N at the "
-            f"thumb, {sense.fingers:.1f} N at the fingers"
-        )
+    def _watch(self, *more: Guard[Any]) -> Watch[Any]:
+        """Guards of what is held from now on, and some more."""
+        return Watch((*self._sense.guards(self._grasp.squeeze), *more), self._port.period)
 
     def _take_up(self) -> None:
         """Goes on with what is held already."""
@@ -238,7 +251,7 @@ class GraspExecution:
         self._holds = True
         motion.wait(self.tuning.look_time)
         self._sense.remember(holding.R_PB, holding.p_PG)
-        motion.squeeze = self._grasp.squeeze
+        motion.watch = self._watch()
         motion.swing(np.array([self._port.commanded[0], *self._way.there]))
 
     def _keep(self) -> None:
@@ -356,7 +369,7 @@ class GraspExecution:
         if height > slow:
             self._motion.go(replace(leg, end=near))
         hangs = self._weigh(tuning.look_time).mean
-        self._motion.squeeze, self._motion.bears = 0.0, False
+        self._motion.watch, self._motion.bears = None, False
         last = replace(
             leg, start=near, end=leg.end + tuning.search_depth * down, speed=tuning.feeling_speed
         )
@@ -433,10 +446,11 @@ class LidExecution(GraspExecution):
                 self._motion.let_go()
                 self._motion.go(leg.way_back(start=leg.start, free=True))
                 self._take_hold()
-            self._feels.torque, self._feels.most_torque = 0.0, step.torque_limit
+            self._feels.torque = 0.0
+            self._motion.watch = self._watch(cap_guard(step))
             self._motion.go(leg)
             self._motion.wait(self.lid_tuning.look_time)
-            self._feels.most_torque = np.inf
+            self._motion.watch = self._watch()
         seen = np.degrees(self._feels.view.lid - before)
         raise EarlyEndError("missed", f"the cap is seen turned by {seen:.0f}° only")
 
@@ -483,25 +497,23 @@ def flip_over(
     assert isinstance(step, FlipOver), "a lid is flipped over"
     towards = np.array([np.cos(step.heading), np.sin(step.heading), 0.0])
     recorder = setup.recorder(towards, progress)
-    end: EndReason
-    try:
+
+    def flip() -> Ended:
         state = look_around(recorder, models, setup.held)
         target = state.objects[plan.object]
-        if target.lid is not None:
-            step = step.model_copy(update={"start": target.lid})
-        found = setup.reach.flip_configuration(step, plan.object, state)
+        now = step if target.lid is None else step.model_copy(update={"start": target.lid})
+        found = setup.reach.flip_configuration(now, plan.object, state)
         if isinstance(found, ReachAnswer):
-            end, detail = "unreachable", reach_sentence(found)
-        else:
-            end, detail = _flip_lid(step, recorder, found[0], target)
-    except EarlyEndError as early:
-        end, detail = early.end, early.detail
+            return Ended("unreachable", reach_sentence(found))
+        return _flip_lid(now, recorder, found[0], target)
+
+    end, detail = how_it_ended(flip)
     return recorder.trace(plan.object, towards, end=end, detail=detail)
 
 
 def _flip_lid(
     step: FlipOver, recorder: TraceRecorder, motion: FlipConfiguration, target: SeenObject
-) -> tuple[EndReason, str]:
+) -> Ended:
     """Goes to a lid, flips it and comes home; returns how that ended."""
     port, posture = recorder.port, motion.stance.posture
     start = motion.hands.path.points[0]
@@ -519,24 +531,14 @@ def _flip_lid(
         transit(recorder, posture, way, came)
         recorder.begin("approach", "down to the lid")
         move(start)
-        return _flip_and_leave(FlipControl(step, recorder, motion, target))
+        control = FlipControl(step, recorder, motion, target)
+        ended = how_it_ended(control.flip)
+        control.leave(done=ended.end == "handled")
+        return ended
     finally:
         recorder.phase = "retreat"
         move(above)
         return_home(recorder, came, SETTLE)
-
-
-def _flip_and_leave(control: FlipControl) -> tuple[EndReason, str]:
-    """Flips the lid before which the finger stands, and comes back there; returns how it ended."""
-    end: EndReason
-    try:
-        end, detail = control.flip()
-    except UnreachableError as error:
-        end, detail = "unreachable", str(error)
-    except EarlyEndError as early:
-        end, detail = early.end, early.detail
-    control.leave(done=end == "handled")
-    return end, detail
 
 
 class PushExecution:
@@ -661,18 +663,13 @@ def execute(
     if not plan.pushes:
         return _execute_by_hand(plan, setup, models, progress)
     execution = PushExecution(plan.push, setup, models, progress)
-    try:
-        end, detail = _push(plan, execution)
-    except EarlyEndError as early:
-        end, detail = early.end, early.detail
-    except UnreachableError as error:
-        end, detail = "unreachable", str(error)
+    end, detail = how_it_ended(lambda: _push(plan, execution))
     execution.come_home(SETTLE_AFTER.get(end, SETTLE_AFTER["stroke"]))
     push = plan.push
     return execution.recorder.trace(push.object, np.array(push.direction_W), end=end, detail=detail)
 
 
-def _push(plan: Plan, execution: PushExecution) -> tuple[EndReason, str]:
+def _push(plan: Plan, execution: PushExecution) -> Ended:
     """Looks, goes there and pushes; returns how that ended."""
     state = execution.look()
     stance, way = execution.stance(state)
@@ -699,30 +696,27 @@ def _execute_by_hand(
         return flip_over(plan, setup, models, progress)
     approach = np.array(plan.grasp.approach_W)
     recorder = setup.recorder(-approach, progress)
-    try:
-        end, detail = _handle(plan, setup, models, recorder)
-    except EarlyEndError as early:
-        end, detail = early.end, early.detail
+    end, detail = how_it_ended(lambda: _handle(plan, setup, models, recorder))
     return recorder.trace(plan.object, approach, end=end, detail=detail)
 
 
 def _handle(
     plan: Plan, setup: RobotSetup, models: Mapping[str, ObjectModel], recorder: TraceRecorder
-) -> tuple[EndReason, str]:
+) -> Ended:
     """Looks and makes all steps; returns how that ended."""
     state = look_around(recorder, models, setup.held)
     way = setup.reach.grasp_motion(plan, state, SPARE)
     if isinstance(way, ReachAnswer):
-        return "unreachable", reach_sentence(way)
+        return Ended("unreachable", reach_sentence(way))
     handled = HeldObject.from_plan(plan, state)
     make = GraspExecution if handled.owner is None else LidExecution
     execution = make(handled, recorder, way, setup.holding)
     try:
         execution.carry_out(setup.reach.mount.home)
     except EarlyEndError as early:
-        recorder.report("retreat", early.detail)
+        recorder.report("retreat", early.ended.detail)
         execution.give_up()
         raise
     finally:
         setup.holding = execution.holding
-    return "handled", "all steps were made"
+    return Ended("handled", "all steps were made")

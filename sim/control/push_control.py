@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
-from typing import Protocol
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,25 +18,33 @@ from objectmodels.geometry.rotations import Array, rot_z, wrap, yaw_of
 from objectmodels.mechanics.push_motion import touched_faces, turning_motion
 from objectmodels.mechanics.push_thresholds import length_along
 from objectmodels.safety_figure import SafetyFigure
+from planner.types.end_reasons import Ended
 from planner.types.plan import USUAL, Plan, speed_profile
 from planner.types.world_state import WorldState
 from sim.control.guarded_touch import TouchControl
 from sim.control.guards import (
-    MOVED,
     RAMP,
-    Follower,
-    Guards,
-    HandGuard,
-    LimitGuards,
-    TiltEstimator,
-    TiltGuards,
+    Guard,
+    Sample,
+    Watch,
     band,
+    bystander_guards,
+    hand_guard,
+    planned_ends,
+    push_guards,
+    sentence_guards,
 )
-from sim.control.object_estimate import TurnedObject, TurnEstimator
+from sim.control.object_estimate import (
+    MOVED,
+    ObjectEstimate,
+    TiltEstimator,
+    TravelSpeed,
+    TurnedObject,
+    TurnEstimator,
+)
 from sim.control.trace_recorder import EarlyEndError, TraceRecorder
 from sim.motion.fingertip_path import FingertipPath, TiltArc
 from sim.motion.inverse_kinematics import ArmConfiguration
-from sim.traces.trace import EndReason
 from sim.worlds.ports import SeenPose
 
 _FORCE_RATE = 10.0  # of an object that stands [N/s]
@@ -45,16 +53,6 @@ FASTEST_START = 0.012
 """Speed of the command before the object moves, at most [m/s]."""
 
 _LOOK_ANGLE, _LOOK_PLACE = 0.003, 0.0005  # doubt that averaging leaves [rad], [m]
-
-
-class MotionEstimator(Protocol):
-    """An estimate of how the object moves, from the fingertips and from late camera frames."""
-
-    def update_from_tip(self, time: float, tip: Array) -> None:
-        """Takes T in W, shape (2,) [m], at a time [s]."""
-
-    def update_from_camera(self, time: float, pose: SeenPose) -> None:
-        """Takes what a camera frame of an earlier time [s] shows."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +76,8 @@ class ForceController(TouchControl, ABC):
     F_felt is the sum of the fingers' forces along the movement vector and F_limit rises from
     the touch to the plan's force. While the object stands, v is so low that the fingers'
     stiffness raises the force at a bounded rate; v rises at a bounded rate after. What v is
-    then and where the command goes is each motion's own.
+    then and where the command goes is each motion's own: its `_advance`, a control step of the
+    one loop that all of them share. The loop ends when a guard trips.
 
     Frames: W is the world, T the midpoint of the pushing fingertips' centres.
     """
@@ -98,8 +97,63 @@ class ForceController(TouchControl, ABC):
         self._felt_first = 0.0
 
     @abstractmethod
-    def act(self) -> tuple[EndReason, str]:
+    def act(self) -> Ended:
         """Does what is planned from the touch on; returns how that ended and why."""
+
+    # -- the loop ------------------------------------------------------------------------------
+
+    def _advance_until(self, guards: Iterable[Guard[Sample]]) -> Ended:
+        """Advances, from where the fingertips are now, until a guard trips."""
+        watch = Watch(guards, self._period)
+        self._origin, vision = self._here.midpoint, self.recorder.port.cell.vision
+        self._estimate = ObjectEstimate(
+            self.plan.push, self._state, vision, self._origin, self._period
+        )
+        speed = TravelSpeed(self._period)
+        while True:
+            self._take_in()
+            travel = self._travel
+            sample = self._seen_as(
+                Sample(
+                    elapsed=self._elapsed_time,
+                    travel=travel,
+                    speed=speed.update(travel),
+                    felt=self._felt,
+                    tilt=self._tilt,
+                    estimate=self._estimate,
+                )
+            )
+            ended = watch.first_tripped(sample)
+            if ended is not None:
+                return ended
+            self._advance(sample)
+
+    def _guards(self) -> Iterator[Guard[Sample]]:
+        """Guards of what slides: planned ends, what the sentence limits, what protects."""
+        push, vision = self.plan.push, self.recorder.port.cell.vision
+        yield from planned_ends(push)
+        yield from sentence_guards(push, self._state, vision)
+        yield from bystander_guards(push, self._state, vision)
+        yield from push_guards(push)
+
+    def _take_in(self) -> None:
+        """Takes in what was felt and seen in the last control step."""
+        self._estimate.update(
+            self.recorder.port.time, self._here.midpoint, self._felt_along, self.recorder.frames
+        )
+
+    @abstractmethod
+    def _advance(self, sample: Sample) -> None:
+        """One control step, after what was felt and seen."""
+
+    @property
+    def _travel(self) -> float:
+        """Way along the vector since the touch, as the stroke counts it [m]."""
+        return float((self._here.midpoint - self._origin) @ self._u)
+
+    def _seen_as(self, sample: Sample) -> Sample:
+        """The sample with what this motion knows better."""
+        return sample
 
     # -- force and speed -----------------------------------------------------------------------
 
@@ -119,6 +173,11 @@ class ForceController(TouchControl, ABC):
         """Force along the movement vector, filtered [N]."""
         return float(self._forces.sum())
 
+    @property
+    def _felt_along(self) -> float:
+        """Force that the object takes along the movement vector [N]."""
+        return self._felt
+
     def _room(self) -> float:
         """Share of its speed with which the command advances now, −1 to 1."""
         push, first = self.plan.push, self._felt_first
@@ -136,12 +195,7 @@ class ForceController(TouchControl, ABC):
 
     # -- what is known -------------------------------------------------------------------------
 
-    def _limits(self) -> LimitGuards:
-        """Limits and event of the sentence, from the touch on."""
-        vision, here = self.recorder.port.cell.vision, self._here.midpoint
-        return LimitGuards(self.plan.push, self._state, vision, here, self._period)
-
-    def _inform(self, keeper: MotionEstimator) -> None:
+    def _inform(self, keeper: TurnEstimator | LateralController) -> None:
         keeper.update_from_tip(self.recorder.port.time, self._here.midpoint[:2])
         for frame in self.recorder.frames:
             keeper.update_from_camera(frame.time, frame.poses[self._object])
@@ -453,59 +507,56 @@ class PushControl(ForceController):
 
     tuning = PushTuning()
 
-    def act(self) -> tuple[EndReason, str]:
+    def act(self) -> Ended:
         """Pushes until an end or a guard; returns which and why."""
         push = self.plan.push
         self._begin(f"pushing with at most {push.force_limit:.1f} N")
-        origin, command, line = self._here.midpoint, self.commanded, _Line(self._u, self.tuning)
-        steering = self._steering() if push.fingers == 1 and push.ends_on == "stroke" else None
-        limits = self._limits()
-        slope = 0.0
-        turns = push.ends_on == "stroke" and push.turn != 0.0
-        sideways = np.array([*self._leftwards, 0.0])
-        speed = start = self._start()
-        guards = Guards(self.plan, self._period)
-        hand = HandGuard(self.stance, self._state, push.object)
-        while True:
-            now, elapsed, felt = self.recorder.port.time, self._elapsed_time, self._felt
-            here = self._here.midpoint
-            come = float((here - origin) @ self._u)
-            stopped = limits.end(elapsed, now, here, felt, self.recorder.frames)
-            if steering is not None:
-                self._inform(steering)
-                come, slope = (
-                    steering.travelled_distance,
-                    steering.slope(push.stroke - steering.travelled_distance),
-                )
-            elif turns:
-                come, slope = self._led_way(limits.follower)
-            aside = float((here - origin) @ sideways)
-            stopped = stopped or hand.end(self.recorder.port.commanded[0], aside)
-            end = guards.end(elapsed, come, felt, self._tilt) or stopped
-            if end is not None:
-                return end
-            speed = self._speed(speed, start, come, guards.speed)
-            advance = speed * self._room()
-            step = advance * self._period * (self._u + slope * sideways) / np.hypot(1.0, slope)
-            command = command + step
-            off = line.correction(step, here - origin, self._period)
-            self._step(command + off, self._u)
+        self._line, self._led = _Line(self._u, self.tuning), self.commanded
+        straight = push.ends_on == "stroke"
+        self._steering = self._lateral() if push.fingers == 1 and straight else None
+        self._squares_up = straight and push.turn != 0.0
+        self._speed = self._first_speed = self._start()
+        hand = hand_guard(push, self._state, self.stance, lambda: self.recorder.port.commanded[0])
+        return self._advance_until((*self._guards(), hand))
 
-    def _speed(self, before: float, start: float, travel: float, measured: float) -> float:
+    def _take_in(self) -> None:
+        super()._take_in()
+        if self._steering is not None:
+            self._inform(self._steering)
+
+    @property
+    def _travel(self) -> float:
+        if self._steering is not None:
+            return self._steering.travelled_distance
+        return self._led_way()[0] if self._squares_up else super()._travel
+
+    @property
+    def _slope(self) -> float:
+        """Slope of the fingertips' path, to the left of the push."""
+        if self._steering is not None:
+            return self._steering.slope(self.plan.push.stroke - self._steering.travelled_distance)
+        return self._led_way()[1] if self._squares_up else 0.0
+
+    def _advance(self, sample: Sample) -> None:
+        self._speed = self._next_speed(sample)
+        slope, advance = self._slope, self._speed * self._room()
+        sideways = np.array([*self._leftwards, 0.0])
+        step = advance * self._period * (self._u + slope * sideways) / np.hypot(1.0, slope)
+        self._led = self._led + step
+        off = self._line.correction(step, self._here.midpoint - self._origin, self._period)
+        self._step(self._led + off, self._u)
+
+    def _next_speed(self, sample: Sample) -> float:
         """Largest speed now: slow until something moves, then up to the plan's, slow at the end."""
-        push, profile = self.plan.push, USUAL
-        if push.ends_on == "stroke":
-            profile = speed_profile(push.speed, push.stroke)
-        if travel < MOVED or (
-            measured < self.tuning.follow_share * before and before > 2.0 * self.tuning.least_speed
-        ):
-            return start
-        allowed = self._faster(before, push.speed, profile.acceleration)
-        if push.ends_on == "stroke":
-            allowed = min(
-                allowed, max(self.tuning.least_speed, profile.braking * (push.stroke - travel))
-            )
-        return allowed
+        push, tuning, before = self.plan.push, self.tuning, self._speed
+        follows = sample.speed >= tuning.follow_share * before or before <= 2.0 * tuning.least_speed
+        if sample.travel < MOVED or not follows:
+            return self._first_speed
+        if push.ends_on != "stroke":
+            return self._faster(before, push.speed, USUAL.acceleration)
+        profile = speed_profile(push.speed, push.stroke)
+        near = max(tuning.least_speed, profile.braking * (push.stroke - sample.travel))
+        return min(self._faster(before, push.speed, profile.acceleration), near)
 
     # -- steering ------------------------------------------------------------------------------
 
@@ -514,18 +565,19 @@ class PushControl(ForceController):
         """Unit vector to the left of the push in W, shape (2,)."""
         return np.array([-self._u[1], self._u[0]])
 
-    def _led_way(self, follower: Follower) -> tuple[float, float]:
+    def _led_way(self) -> tuple[float, float]:
         """Way of an object that two fingers square up [m], and their path's slope.
 
         Its middle swings aside while it does.
         """
-        come, aside = follower.displacement @ self._u[:2], follower.displacement @ self._leftwards
+        displacement = self._estimate.displacement
+        come, aside = displacement @ self._u[:2], displacement @ self._leftwards
         remaining = max(self.plan.push.stroke - float(come), LateralController.tuning.shortest_way)
         return float(come), float(
             np.clip(-aside / remaining, -self.tuning.largest_slope, self.tuning.largest_slope)
         )
 
-    def _steering(self) -> LateralController:
+    def _lateral(self) -> LateralController:
         """Steering from what is believed at the touch."""
         push, pose, model = self.plan.push, self._target.pose, self._target.model
         inward = float(np.arctan2(-push.normal_W[1], -push.normal_W[0]))
@@ -603,7 +655,7 @@ class TiltControl(ForceController):
         self._most = 0.0  # the largest tilt
         self._most_force = 0.0
 
-    def act(self) -> tuple[EndReason, str]:
+    def act(self) -> Ended:
         """Tilts, holds and lets back; returns how that ended and why."""
         push = self.plan.push
         self._arc = TiltArc(self._here.midpoint, self._u, self._length, self._tip_radius)
@@ -611,41 +663,38 @@ class TiltControl(ForceController):
         for angle in np.linspace(0.0, push.tilt, self.tuning.arc_steps):
             self.stance.joint_angles(self._arc.tip_at(angle))
         self._begin(f"tilting it by {np.degrees(push.tilt):.1f}°")
+        tuning = self.tuning
+        self._fastest = min(tuning.rate, tuning.speed_share * push.speed / self._arc.arc_radius)
+        self._standing = self._loading() / self._arc.arc_radius
+        self._rate = min(self._fastest, self._standing)
         try:
-            early = self._raise()
-            if early is None:
-                for _ in range(round(self.tuning.hold_time / self._period)):
+            ended = self._advance_until((*planned_ends(push), *push_guards(push)))
+            if ended.end == "returned":
+                for _ in range(round(tuning.hold_time / self._period)):
                     self._lean(0.0)
         except EarlyEndError as stopped:
-            early = stopped.end, stopped.detail
+            ended = stopped.ended
             self.recorder.phase = "retreat"
         self.recorder.report("push", "letting it back")
-        back = self._let_back()
-        if early is not None or not back:
-            return early or ("guard", "it did not come back onto its base")
+        if not self._let_back() and ended.end == "returned":
+            return Ended("guard", "it did not come back onto its base")
+        if ended.end != "returned":
+            return ended
         told = f"it was tilted by {np.degrees(self._most):.1f}° and stands on its base again"
-        return "returned", told
+        return Ended("returned", told)
 
-    def _raise(self) -> tuple[EndReason, str] | None:
-        """Tilts it; why that ended early, or None."""
+    def _seen_as(self, sample: Sample) -> Sample:
+        view = self._view
+        return replace(sample, tilt=view.tilt, tip_tilt=view.own, tilt_sd=view.unsure)
+
+    def _advance(self, sample: Sample) -> None:
         tuning = self.tuning
-        push = self.plan.push
-        guards = TiltGuards(self.plan, self._period, self._view)
-        fastest = min(tuning.rate, tuning.speed_share * push.speed / self._arc.arc_radius)
-        standing = self._loading() / self._arc.arc_radius
-        wanted = push.tilt
-        rate = min(fastest, standing)
-        while self._view.tilt < wanted:
-            travel = float((self._here.midpoint - self._arc.origin) @ self._u)
-            end = guards.end(self._elapsed_time, travel, self._felt, self._view.tilt)
-            if end is not None:
-                return end
-            rate = self._faster(rate, fastest, tuning.acceleration)
-            if travel < MOVED:
-                rate = min(rate, standing)
-            allowed = min(rate, max(tuning.least_rate, tuning.braking * (wanted - self._view.tilt)))
-            self._lean(allowed * self._room())
-        return None
+        self._rate = self._faster(self._rate, self._fastest, tuning.acceleration)
+        if sample.travel < MOVED:
+            self._rate = min(self._rate, self._standing)
+        left = self.plan.push.tilt - sample.tilt
+        allowed = min(self._rate, max(tuning.least_rate, tuning.braking * left))
+        self._lean(allowed * self._room())
 
     def _let_back(self) -> bool:
         """Carries it down; whether it stands."""
@@ -714,57 +763,59 @@ class TurnControl(ForceController):
         self._normal = _normal(self._target.model, outward)[None]
         (self._face,) = touched_faces(self._target.model, self._point[:, :2], self._normal[:, :2])
 
-    def act(self) -> tuple[EndReason, str]:
+    def act(self) -> Ended:
         """Pushes until an end or a guard; returns which and why."""
         push = self.plan.push
         asked = f"turning it by {np.degrees(push.turn):.0f}° with at most {push.force_limit:.1f} N"
         self._begin(asked)
-        command = self.commanded
-        keeper, guards = self._keeper(), Guards(self.plan, self._period)
-        limits = self._limits()
-        speed = start = self._start()
-        while True:
-            now, elapsed, felt = self.recorder.port.time, self._elapsed_time, self._felt
-            here = self._here.midpoint
-            self._inform(keeper)
-            stopped = limits.end(elapsed, now, here, felt, self.recorder.frames)
-            end = self._turn_end(keeper) or self._at_an_end_of_the_face(keeper)
-            end = end or guards.end(elapsed, keeper.travel, felt, self._tilt) or stopped
-            if end is not None:
-                return end
-            speed = self._speed(speed, start, keeper)
-            advance = speed * self._room() * self._period
-            self._follow(keeper, advance)
-            # The finger's spring, bent in the direction of the force, turns along.
-            bent = command - here
-            swung = rot_z(keeper.rate * advance) @ bent - bent
-            command = command + advance * self._u + swung
-            self._step(command, self._u)
+        self._keeper, self._led = self._turn_estimator(), self.commanded
+        self._speed = self._first_speed = self._start()
+        return self._advance_until(self._guards())
 
-    def _turn_end(self, keeper: TurnEstimator) -> tuple[EndReason, str] | None:
-        if (
-            abs(keeper.turn_angle) < abs(self.plan.push.turn)
-            or keeper.turn_angle * self.plan.push.turn < 0
-        ):
-            return None
-        return "turned", f"it was seen to turn by {np.degrees(keeper.turn_angle):.1f}°"
-
-    def _at_an_end_of_the_face(self, keeper: TurnEstimator) -> tuple[EndReason, str] | None:
+    def _guards(self) -> Iterator[Guard[Sample]]:
+        yield from super()._guards()
         at, half, curvature = self._face
-        # Along ẑ × inward, which is against the face's tangent.
-        if curvature == 0.0 and abs(at - keeper.slip) > half - self.tuning.face_end:
-            return "guard", f"the fingertip slid {1e3 * abs(keeper.slip):.0f} mm, off the face"
-        return None
+        if curvature == 0.0:
+            # Along ẑ × inward, which is against the face's tangent.
+            yield Guard(
+                "guard",
+                lambda s: abs(at - self._keeper.slip),
+                half - self.tuning.face_end,
+                lambda s: f"the fingertip slid {1e3 * abs(self._keeper.slip):.0f} mm, off the face",
+            )
 
-    def _speed(self, before: float, start: float, keeper: TurnEstimator) -> float:
+    def _take_in(self) -> None:
+        super()._take_in()
+        self._inform(self._keeper)
+
+    @property
+    def _travel(self) -> float:
+        return self._keeper.travel
+
+    def _seen_as(self, sample: Sample) -> Sample:
+        return replace(sample, turn=self._keeper.turn_angle)
+
+    def _advance(self, sample: Sample) -> None:
+        bent = self._led - self._here.midpoint
+        self._speed = self._next_speed()
+        advance = self._speed * self._room() * self._period
+        self._follow(self._keeper, advance)
+        # The finger's spring, bent in the direction of the force, turns along.
+        swung = rot_z(self._keeper.rate * advance) @ bent - bent
+        self._led = self._led + advance * self._u + swung
+        self._step(self._led, self._u)
+
+    def _next_speed(self) -> float:
         """Largest speed of the contact now [m/s]: slow until it moves, and as the end is near."""
+        keeper = self._keeper
         if abs(keeper.travel) < MOVED:
-            return start
+            return self._first_speed
         remaining = abs(self.plan.push.turn - keeper.turn_angle)
         at_end = float(
             max(self.tuning.least_rate, self.tuning.braking * remaining) / abs(keeper.rate)
         )
-        return self._faster(before, min(at_end, self.tuning.contact_share * self.plan.push.speed))
+        most = min(at_end, self.tuning.contact_share * self.plan.push.speed)
+        return self._faster(self._speed, most)
 
     def _follow(self, keeper: TurnEstimator, advance: float) -> None:
         """Turns palm and direction with the object."""
@@ -776,7 +827,7 @@ class TurnControl(ForceController):
 
     # -- what is known -------------------------------------------------------------------------
 
-    def _keeper(self) -> TurnEstimator:
+    def _turn_estimator(self) -> TurnEstimator:
         """The estimate of the turn, from what is believed at the touch."""
         pose, inward = self._target.pose, self.way.inward[:2]
         here, centre = self._here.midpoint[:2], self.way.touch[:2]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from objectmodels.geometry.rotations import quaternion
+from planner.types.end_reasons import Ended
 from sim.control.object_estimate import Touch, frame_as_things_lie, sense_touch
 from sim.supervision import Monitor
 from sim.traces.trace import ContactEvent, Trace
@@ -19,9 +20,9 @@ if TYPE_CHECKING:
 
     from objectmodels.geometry.rotations import Array
     from objectmodels.models.object_model import Resting
+    from planner.types.end_reasons import EndReason
     from sim.robots.hand import Mount
     from sim.supervision import Progress
-    from sim.traces.trace import EndReason
     from sim.worlds.ports import Frame, ObserverPort, RobotPort, SeenPose
 
 _SWINGING = 0.1  # of a pause, until the hand hangs still [s]
@@ -35,14 +36,12 @@ class EarlyEndError(Exception):
     """An execution cannot go on.
 
     Attributes:
-        end: how the trace ends.
-        detail: why, in words.
+        ended: how the trace ends, and why.
     """
 
     def __init__(self, end: EndReason, detail: str) -> None:
         super().__init__(detail)
-        self.end = end
-        self.detail = detail
+        self.ended = Ended(end, detail)
 
 
 class TraceRecorder:

@@ -25,6 +25,7 @@ import numpy as np
 
 from objectmodels.geometry.rotations import Array
 from planner.touch_experiments import Experiment
+from planner.types.end_reasons import EndReason
 from planner.types.world_state import PlanarPose, WorldState
 from sim.control.guarded_touch import TouchControl
 from sim.control.object_estimate import mean_poses
@@ -33,7 +34,6 @@ from sim.control.trace_recorder import EarlyEndError
 from sim.exploration.trial_extraction import Recording
 from sim.motion.fingertip_path import TiltArc
 from sim.motion.inverse_kinematics import UnreachableError
-from sim.traces.trace import EndReason
 
 if TYPE_CHECKING:
     from objectmodels.identification import Moved
@@ -328,7 +328,7 @@ def probe(
                 execution.leave(stance, touch.commanded, way)
         found = touch.recording(end, detail, before)
     except EarlyEndError as early:
-        found = Recording(experiment, early.end, early.detail, before)
+        found = Recording(experiment, *early.ended, before)
     except UnreachableError as error:
         found = Recording(experiment, "unreachable", str(error), before)
     if control.stays:

@@ -28,9 +28,10 @@ from objectmodels.geometry.rotations import Array, rot_z, wrap
 from objectmodels.identification import Moved, Onset, Trial, detect_onset
 from objectmodels.identification.onset_detection import LEAST_SAMPLES
 from planner.touch_experiments import Experiment
+from planner.types.end_reasons import END_REASONS, EndReason
 from planner.types.world_state import PlanarPose
 from sim.motion.fingertip_path import TiltArc
-from sim.traces.trace import EndReason, Trace
+from sim.traces.trace import Trace
 
 if TYPE_CHECKING:
     from planner.types.actions import Push
@@ -45,15 +46,6 @@ FORCE_SD = 0.03
 
 _UNDER_WAY = 0.0015  # way of the fingertip from which on an object counts as sliding [m]
 _FEWEST = 5  # samples that a mean needs
-
-_SHOWS: dict[str, Moved] = {
-    "tilted": "topple",
-    "toppled": "topple",
-    "slid": "slide",
-    "stroke": "slide",
-    "force": "none",
-    "slipped": "slip",
-}
 
 
 @dataclass(frozen=True)
@@ -241,7 +233,7 @@ def trial_from_push(push: Push, target: SeenObject, trace: Trace) -> Trial | Non
     None if that is not clear, or nothing was felt for want of a sensor.
     """
     pushing = trace.phase == "push"
-    moved = _SHOWS.get(trace.end)
+    moved = END_REASONS[trace.end].shows
     unfallen = trace.end == "stroke" and push.ends_on == "toppled"
     if moved is None or unfallen or pushing.sum() < LEAST_SAMPLES or not trace.felt:
         return None

@@ -19,7 +19,7 @@ import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Literal, NoReturn, get_args
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 from objectmodels.errors import ModelError
 from objectmodels.files.yaml_documents import LIMITS, read_bytes, replace_file
 from objectmodels.geometry.rotations import Array, from_quaternion, yaw_of
+from planner.types.end_reasons import END_REASONS, EndReason
 
 
 def _read_arrays(path: Path) -> dict[str, NDArray[Any]]:
@@ -79,31 +80,6 @@ def _refuse_trace(path: Path, message: str, cause: Exception) -> NoReturn:
         path=str(path),
         suggestions=("give a file that `Trace.save` or `say --trace` has written",),
     ) from cause
-
-
-EndReason = Literal[
-    "stroke",  # the stroke was travelled
-    "turned",  # the object was seen to have turned by the asked angle
-    "returned",  # it was tilted by the asked angle and stands on its base again
-    "event",  # what the push was to last until has happened
-    "reached",  # nothing had to be done
-    "toppled",  # the object was seen to pass its angle of no return
-    "force",  # the force limit was reached and nothing moved any more
-    "speed",  # the object or the finger became faster than allowed
-    "tilted",  # the object tilted where it was to slide
-    "slid",  # it slid where it was to tilt
-    "turned_off",  # it turned where it was not to
-    "too_close",  # it came too close to another object
-    "guard",  # another guard of the push stopped it (see `detail`)
-    "no_touch",  # the guarded approach ended without contact
-    "unreachable",  # the hand could not get to the contact
-    "handled",  # all steps of the hand were made
-    "no_grasp",  # the fingers closed on nothing, or on less than they should
-    "slipped",  # what was held slipped in the hand, or a fingertip over what it drew
-    "missed",  # the lid did not follow the finger
-    "nudged",  # another object was seen to be moved
-    "stopped",  # it was told to stop
-]
 
 
 FORMAT = "nlcontrol-trace/1"
@@ -350,7 +326,7 @@ def _trace_of(arrays: Mapping[str, NDArray[Any]]) -> Trace:
         for key, kind in (("time", "f"), ("body_a", "U"), ("body_b", "U"))
     )
     texts: dict[str, Any] = {key: str(_of_shape(arrays, key, (), "U")) for key in _TEXTS}
-    if texts["end"] not in get_args(EndReason):
+    if texts["end"] not in END_REASONS:
         raise ValueError(f"it ends with {texts['end']!r:.40}, which is no reason to end")
     sampled: dict[str, Any] = {
         key: _of_shape(arrays, key, (n,), "U" if key == "phase" else "f") for key in _SAMPLED

@@ -17,6 +17,7 @@ from nlcontrol.json_document import SCHEMA_VERSION
 from nlcontrol.session.controller import Controller
 from nlcontrol.session.conversation import Conversation
 from planner.types import actions, plan
+from planner.types.end_reasons import END_REASONS
 from tests.docs.guide_blocks import code_blocks
 from tests.plan_conversion import old_document
 
@@ -106,7 +107,10 @@ def test_the_tables_of_guides_name_every_kind_and_field() -> None:
         assert re.findall(r"`(\w+)`", rows[model.model_fields["kind"].default]) == fields
     ends, _, _ = rest.partition("| when |")[2].partition("\n\n")
     told = re.findall(r"^\| `(\w+)` \|", ends, re.MULTILINE)
-    assert told == list(get_args(plan.StopKind))
+    never, _, _ = rest.partition("No guide has ")[2].partition(".")
+    untold = set(re.findall(r"`(\w+)`", never))
+    assert told == [end for end in END_REASONS if end not in untold]
+    assert untold < END_REASONS.keys()
 
 
 # -- nothing is lost against version 1 ------------------------------------------------------------

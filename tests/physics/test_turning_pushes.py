@@ -131,7 +131,7 @@ def test_a_limit_stops_a_turn() -> None:
     alone = with_only(load_scene("kitchen"), "ice tea box")
     plan = _plan("ice tea box", alone, 2, 0.6)
     trace = _carried_out(changed_push(plan, limits=Limits(duration=1.5)), alone)
-    assert trace.end == "guard"
+    assert trace.end == "duration"
     assert "1.5 s" in trace.detail
     assert 0.0 < np.degrees(trace.yaw("ice tea box")[-1]) < 25.0
 

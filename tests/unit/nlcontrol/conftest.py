@@ -12,8 +12,9 @@ import pytest
 from numpy.typing import NDArray
 
 from objectmodels import BoxModel
+from planner.types.end_reasons import EndReason
 from planner.types.plan import Plan
-from sim.traces.trace import ContactEvent, EndReason, Trace
+from sim.traces.trace import ContactEvent, Trace
 from tests.unit.nlcontrol.pushes import Happens, TraceMaker, stuck
 
 RATE = 100.0

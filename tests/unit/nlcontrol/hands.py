@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from sim.traces.trace import EndReason, Trace
+from planner.types.end_reasons import EndReason
+from sim.traces.trace import Trace
 
 RATE = 100  # samples in a second
 

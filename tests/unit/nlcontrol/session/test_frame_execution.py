@@ -14,8 +14,9 @@ from nlcontrol.session.controller import Controller
 from nlcontrol.session.conversation import Conversation
 from planner.problem.directions import angle_between
 from planner.types.defaults import DEFAULTS
+from planner.types.end_reasons import EndReason
 from planner.types.plan import Plan
-from sim.traces.trace import EndReason, Trace
+from sim.traces.trace import Trace
 from tests.fakes.played_executor import played
 from tests.unit.nlcontrol.pushes import BOX, Happens, TraceMaker
 from tests.unit.planner.conftest import RuledReach

@@ -189,7 +189,7 @@ def _end(made: Plan, believed: WorldState, **script: float) -> tuple[str, Held, 
     try:
         execution.carry_out(REACH.mount.home)
     except EarlyEndError as early:
-        return early.end, body, robot
+        return early.ended.end, body, robot
     return "handled", body, robot
 
 
@@ -260,7 +260,7 @@ def _end_and_back(
     with pytest.raises(EarlyEndError) as early:
         execution.carry_out(REACH.mount.home)
     execution.give_up()
-    return early.value.end, body, robot
+    return early.value.ended.end, body, robot
 
 
 # --- lids -----------------------------------------------------------------------------------------

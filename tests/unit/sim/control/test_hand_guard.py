@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from objectmodels import BoxModel
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim import load_scene
-from sim.control.guards import HandGuard
+from sim.control.guards import Sample, Watch, hand_guard
+from sim.control.object_estimate import ObjectEstimate
 from sim.motion.robot_reach import ArmHandReach
+from sim.robots.cell_description import Vision
 from sim.robots.robots import ARM, HAND
 from tests.unit.sim.motion.test_push_motion_search import _push, _seen
 
+PERIOD = 0.01
 HIGH = 2.0  # of a wall beside the whole arm [m]
 
 
@@ -30,8 +35,12 @@ def test_it_ends_where_something_is_near_and_the_way_was_left() -> None:
     def ends(gap: float, aside: float) -> list[bool]:
         pose = PlanarPose(0.5, left + gap + 0.01, 0.0)
         state = WorldState({"tea tin": tin, "wall": SeenObject("wall", pose, wall)})
-        guard = HandGuard(stance, state, "tea tin")
-        return [guard.end(q, aside) is not None for _ in range(3)]
+        watch = Watch([hand_guard(push, state, stance, lambda: q)], PERIOD)
+        estimate = ObjectEstimate(push, state, Vision(), touch, PERIOD)
+        x, y, _ = push.direction_W
+        estimate.update(0.0, touch + aside * np.array([-y, x, 0.0]), 0.0, [])
+        sample = Sample(0.0, travel=0.0, speed=0.0, felt=0.0, tilt=0.0, estimate=estimate)
+        return [watch.first_tripped(sample) is not None for _ in range(3)]
 
     # The way is left at 4 mm, and 3 mm are near.
     assert any(ends(0.0027, 0.0045))

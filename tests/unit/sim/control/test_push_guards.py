@@ -8,17 +8,55 @@ import numpy as np
 import pytest
 
 from planner.types.actions import Limits
+from planner.types.end_reasons import Ended, EndReason
 from planner.types.plan import Plan
 from planner.types.world_state import PlanarPose
-from sim.control.guards import Guards, TiltEstimator, TiltGuards
-from sim.traces.trace import EndReason
+from sim.control.guards import Sample, Watch, planned_ends, push_guards
+from sim.control.object_estimate import ObjectEstimate, TiltEstimator, TravelSpeed
+from sim.robots.cell_description import Vision
 from tests.unit.planner.conftest import planned, world
 
 PERIOD = 0.01
 
 
+STATE = world(ice_tea_box=PlanarPose(0.45, 0.0))
+
+
 def _plan(text: str) -> Plan:
-    return planned(text, world(ice_tea_box=PlanarPose(0.45, 0.0)))
+    return planned(text, STATE)
+
+
+class _Guards:
+    """Guards of a push, and its stroke, watched from its start."""
+
+    def __init__(self, plan: Plan) -> None:
+        push = plan.push
+        self._watch = Watch((*planned_ends(push), *push_guards(push)), PERIOD)
+        self._speed = TravelSpeed(PERIOD)
+        self._estimate = ObjectEstimate(push, STATE, Vision(), np.zeros(3), PERIOD)
+
+    def end(self, elapsed: float, travel: float, felt: float, tilt: float) -> Ended | None:
+        speed = self._speed.update(travel)
+        sample = Sample(elapsed, travel, speed, felt, tilt, self._estimate)
+        return self._watch.first_tripped(sample)
+
+
+def _tilt_end(plan: Plan, view: TiltEstimator) -> EndReason | None:
+    """Reason for an end of a tilt that is seen so, if its planned end does not count."""
+    push = plan.push
+    estimate = ObjectEstimate(push, STATE, Vision(), np.zeros(3), PERIOD)
+    sample = Sample(
+        elapsed=1.0,
+        travel=1e-4,
+        speed=0.0,
+        felt=push.prediction.onset,
+        tilt=view.tilt,
+        estimate=estimate,
+        tip_tilt=view.own,
+        tilt_sd=view.unsure,
+    )
+    ended = Watch(push_guards(push), PERIOD).first_tripped(sample)
+    return ended and ended.end
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +76,7 @@ def _ends(
     plan: Plan, *, speed: float, felt: float, tilt: float = 0.0, seconds: float = 20.0
 ) -> tuple[str, Any] | None:
     """Reason and time of the end of a push that goes on evenly [s]."""
-    guards = Guards(plan, PERIOD)
+    guards = _Guards(plan)
     for time in np.arange(PERIOD, seconds, PERIOD):
         end = guards.end(float(time), speed * float(time), felt, tilt)
         if end is not None:
@@ -48,7 +86,7 @@ def _ends(
 
 def _there(plan: Plan, travel: float, *, felt: float, tilt: float) -> EndReason | None:
     """Reason for an end after so much travel at 50 mm/s [m]."""
-    guards, end = Guards(plan, PERIOD), None
+    guards, end = _Guards(plan), None
     for way in np.arange(0.0, travel + 1e-9, 0.05 * PERIOD):
         end = guards.end(1.0, float(way), felt, tilt)
     return end and end[0]
@@ -92,14 +130,14 @@ def test_what_creeps_is_given_up_after_eight_seconds(
 def test_nothing_takes_longer_than_the_push_and_ten_seconds(straight: Plan) -> None:
     half = 0.5 * straight.push.force_limit
     end = _ends(straight, speed=0.002, felt=half)
-    assert end == ("guard", pytest.approx(10.0 + 3.0 * 2.0, abs=0.05))
+    assert end == ("duration", pytest.approx(10.0 + 3.0 * 2.0, abs=0.05))
 
 
 @pytest.mark.parametrize(("share", "lost"), [(0.07, True), (0.15, False)])
 def test_a_tenth_of_the_onset_is_contact(straight: Plan, share: float, lost: bool) -> None:
     felt = share * straight.push.prediction.onset
     # The first millimetre does not count, then there are 0.6 s to find it again.
-    expected = ("guard", pytest.approx(0.05 + 0.6, abs=0.03)) if lost else None
+    expected = ("lost", pytest.approx(0.05 + 0.6, abs=0.03)) if lost else None
     assert _ends(straight, speed=0.02, felt=felt, seconds=4.0) == expected
 
 
@@ -149,9 +187,7 @@ def test_a_tilt_is_let_back_before_the_angle_of_no_return(
     plan = made.model_copy(update={"actions": (push,)})
     view = TiltEstimator(np.radians(1.0))
     view.update_from_tip(0.0, share * plan.push.prediction.stay_on_base_angle)
-    guards = TiltGuards(plan, PERIOD, view)
-    found = guards.end(1.0, 1e-4, plan.push.prediction.onset, view.tilt)
-    assert (found and found[0]) == end
+    assert _tilt_end(plan, view) == end
 
 
 @pytest.mark.parametrize(
@@ -163,6 +199,4 @@ def test_a_tilt_that_the_camera_surely_does_not_show_slides(
 ) -> None:
     plan, view = _plan("tilt the ice tea box by 10 degrees"), TiltEstimator(np.radians(0.3))
     view.own, view.correction = own, -deviations * view.unsure
-    guards = TiltGuards(plan, PERIOD, view)
-    found = guards.end(1.0, 1e-4, plan.push.prediction.onset, view.tilt)
-    assert (found and found[0]) == end
+    assert _tilt_end(plan, view) == end

@@ -133,7 +133,7 @@ def test_a_touch_is_looked_for_15_mm_beyond_the_face() -> None:
     control, robot = _control(PushControl, _push(), Block(face=5.0))
     with pytest.raises(EarlyEndError) as early:
         control.touch()
-    assert early.value.end == "no_touch"
+    assert early.value.ended.end == "no_touch"
     beyond = float(robot.tips[FINGER][0]) + 0.01 - 0.50
     assert beyond == pytest.approx(0.015, abs=0.001)
 
@@ -314,7 +314,7 @@ def test_a_drag_ends_where_the_fingertip_slips() -> None:
 @pytest.mark.parametrize(("share", "lost"), [(0.12, False), (0.08, True)])
 def test_a_drag_ends_where_the_fingertip_presses_no_more(share: float, lost: bool) -> None:
     end, robot, _ = _drag(body := Pressed(lets_off_at=0.02, presses=share * 3.0))
-    assert end == ("guard" if lost else "stroke")
+    assert end == ("lost" if lost else "stroke")
     if lost:
         # 0.3 s and what the felt force, filtered, takes to fall: 0.04 s ln(3.0 / 0.06).
         assert robot.time - body.let_off == pytest.approx(0.3 + 0.13, abs=0.04)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sim.control.guards import TiltEstimator
+from sim.control.object_estimate import TiltEstimator
 
 NOISE = np.radians(1.0)
 PERIOD, FRAME, DELAY = 0.01, 1.0 / 30.0, 0.05

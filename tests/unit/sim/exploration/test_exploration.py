@@ -12,13 +12,13 @@ from objectmodels.identification import Trial
 from objectmodels.models.object_model import ObjectModel
 from planner.touch_experiments import Experiment, Kind, expected_trials
 from planner.types.actions import FaceName
+from planner.types.end_reasons import EndReason
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim import load_scene
 from sim.exploration.exploration_run import OPPOSITE, SPIRAL, Explorer, Touched
 from sim.exploration.trial_extraction import Recording
 from sim.motion.robot_reach import ArmHandReach
 from sim.robots.robots import ARM, HAND
-from sim.traces.trace import EndReason
 
 BOX = "ice tea box"
 MODEL = Registry.built_in().get(BOX)

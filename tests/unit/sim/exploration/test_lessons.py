@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from objectmodels import BoxModel
 from planner.types.actions import Push
+from planner.types.end_reasons import EndReason
 from planner.types.world_state import PlanarPose, SeenObject
 from sim.exploration.trial_extraction import EVEN, FORCE_SD, trial_from_push
-from sim.traces.trace import EndReason, Trace
+from sim.traces.trace import Trace
 
 BOX = BoxModel(
     name="box", size=(0.09, 0.09, 0.23), mass=1.0, friction=0.4, com=(0.002, 0.004, 0.08)
