@@ -32,7 +32,7 @@ from benchmarks.engines.agreement import Outcome
 from benchmarks.worlds.drake import Fingertip, Springs, Tabletop
 from objectmodels import BoxModel, CylinderModel, ObjectModel, PrismModel
 from objectmodels.exact.top_drag import TopDrag, top_drag
-from objectmodels.geometry.base_shapes import Array, Polygon, hull_polygon, is_within
+from objectmodels.geometry.base_shapes import Array, Polygon, hull_polygon
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.mechanics.standing_balance import (
     StackedBody,
@@ -201,7 +201,7 @@ def _point_inside(rng: Generator, base: Polygon, rim: float) -> Array:
     while True:
         point = rng.uniform(-base.size, base.size, 2)
         rim *= 0.98
-        if is_within(base, point[None], -rim):
+        if base.contains(point[None], -rim):
             return point
 
 
@@ -350,7 +350,7 @@ def _random_overhanging(kind: Kind, rng: Generator) -> Overhanging | None:
             even = lever / max(0.3 * model.top, outwards + model.top * model.finger_friction)
             press = model.weight * even * float(np.exp(rng.uniform(-1.0, 1.5)))
     touched = np.vstack([point, fingers]) if kind == "pinched" else point[None]
-    if kind != "alone" and not is_within(hull_polygon(model.outline), touched, -_TIP_RIM):
+    if kind != "alone" and not hull_polygon(model.outline).contains(touched, -_TIP_RIM):
         return None
     case = Overhanging(kind, model, edge, point, press, way, fingers)
     return None if kind == "drawn" and case.tips_at_first() else case

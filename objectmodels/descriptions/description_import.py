@@ -41,7 +41,6 @@ from objectmodels.geometry.base_shapes import (
     Disc,
     Support,
     hull_polygon,
-    is_within,
     support_points,
 )
 from objectmodels.models.object_model import ObjectModel
@@ -186,7 +185,7 @@ def _stand(link: LinkDescription) -> _Standing:
         points = points @ turn.T
         low = float(points[:, 2].min())
     base = hull_polygon(lowest_places(points)[1])
-    inside = is_within(base, np.zeros((1, 2)), -_FLAT * base.size)
+    inside = base.contains(np.zeros((1, 2)), -_FLAT * base.size)
     origin = np.append(np.zeros(2) if inside else base.centroid, low)
     points = points - origin
     # With feet the solid ends above the table.

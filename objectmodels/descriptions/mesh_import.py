@@ -19,7 +19,7 @@ from pydantic import ValidationError
 
 from objectmodels.errors import ModelError, printable
 from objectmodels.files.yaml_documents import LIMITS, first_fault, read_bytes
-from objectmodels.geometry.base_shapes import Array, hull_polygon, is_within
+from objectmodels.geometry.base_shapes import Array, hull_polygon
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.parameters import Provenance
 from objectmodels.models.shapes import (
@@ -397,7 +397,7 @@ def _rests_on(face: tuple[Array, Array], com: Array) -> bool:
     normal, corners = face
     R = turning_down(normal)
     base = hull_polygon((corners @ R.T)[:, :2])
-    return is_within(base, (R @ com)[None, :2], -0.02 * base.size)
+    return base.contains((R @ com)[None, :2], -0.02 * base.size)
 
 
 def thin_vertices(points: Array) -> Array:

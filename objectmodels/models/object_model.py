@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike
 from pydantic import model_validator
 
 from objectmodels.errors import ModelError
-from objectmodels.geometry.base_shapes import Array, Base, carrying_base, friction_radius, is_within
+from objectmodels.geometry.base_shapes import Array, Base, carrying_base, friction_radius
 from objectmodels.geometry.pushed_body import Friction, contact_room
 from objectmodels.geometry.rotations import (
     UNIT,
@@ -320,7 +320,7 @@ class ObjectModel(Parameters, ABC):
             known["friction_radius_sd"] = RADIUS_SHARE_SD * known["friction_radius"]
         c = np.array(self.com)
         needed = None
-        if not is_within(base, c[None, :2], -1e-9 * base.size):
+        if not base.contains(c[None, :2], -1e-9 * base.size):
             needed = "over the base: it topples by itself"
         elif not 0.0 < c[2] < self.top:
             needed = f"inside the object, {self.top} m high"

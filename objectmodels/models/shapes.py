@@ -414,8 +414,7 @@ class CylinderModel(ObjectModel):
     @cached_property
     def outline(self) -> Array:
         """A polygon around the side."""
-        around = Disc(self.radius)
-        return np.asarray(around.corners / np.cos(np.pi / len(around.corners)))
+        return Disc(self.radius).enclosing_corners
 
     @property
     def extents(self) -> tuple[float, float, float]:

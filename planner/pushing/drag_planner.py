@@ -17,7 +17,7 @@ from dataclasses import replace
 import numpy as np
 
 from objectmodels.exact.top_drag import drag_probability, press_range, top_drag
-from objectmodels.geometry.base_shapes import Array, is_within
+from objectmodels.geometry.base_shapes import Array
 from objectmodels.mechanics.standing_balance import TopLoad
 from objectmodels.models.shapes import top_face
 from objectmodels.safety_figure import SafetyFigure
@@ -118,7 +118,7 @@ def _contact(problem: PushProblem) -> Array:
         spans, name = problem.contact.spans, problem.target.name
         raise no_plan("pushed_over_edge", spans=spans, object=name, face=said)
     face, over = top_face(model), np.array(model.com[:2])
-    if model.container is not None or face is None or not is_within(face, over[None], -_RIM):
+    if model.container is not None or face is None or not face.contains(over[None], -_RIM):
         raise no_plan("no_top_to_press", object=problem.target.name)
     return np.append(over, model.top)
 

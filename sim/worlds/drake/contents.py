@@ -14,7 +14,7 @@ import numpy as np
 
 from objectmodels.containers.pour_dynamics import landing_distance, outflow_rate
 from objectmodels.geometry.rotations import Array
-from objectmodels.models.object_parts import FlipLid, LiftOffLid, section_area
+from objectmodels.models.object_parts import FlipLid, LiftOffLid
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Scene
 from sim.worlds.drake.drake_bodies import LidBody, shared_inertia
@@ -253,7 +253,7 @@ class Liquid:
     def levels(self, poses: Mapping[str, tuple[Array, Array]]) -> dict[str, float]:
         """Heights of the liquids over the bottoms of open containers that stand upright [m]."""
         return {
-            name: filled.volume / section_area(filled.vessel.section)
+            name: filled.volume / filled.vessel.section.area
             for name, filled in self._filled.items()
             if name in poses
             and poses[name][0][2, 2] > math.cos(math.radians(5.0))
