@@ -499,9 +499,9 @@ def _random_stack(rng: Generator) -> Stack:
         x = y = z = 0.0
         if k:
             lower = items[k - 1]
-            room = 0.5 * np.ptp(np.array(lower.truth.upper_points), axis=0)
+            room = 0.5 * np.ptp(np.array(lower.truth.shape.crown), axis=0)
             x, y = (lower.p_WB[:2] + rng.uniform(-0.9, 0.9, 2) * room / np.sqrt(k)).tolist()
-            z = lower.pose.z_m + lower.truth.height
+            z = lower.pose.z_m + lower.truth.shape.top
         pose = Pose(x_m=x, y_m=y, z_m=z, yaw_deg=float(rng.uniform(-180.0, 180.0)))
         items.append(SceneObject(name=f"body {k}", model="box", pose=pose, truth=truth))
     return Stack(items)
@@ -526,7 +526,7 @@ def _random_truth(rng: Generator) -> Truth:
             corners = half * np.column_stack([np.cos(turns), np.sin(turns)])
             shape = {"corners_m": tuple(map(tuple, corners.tolist())), "height_m": height}
     com = (*off.tolist(), 0.5 * height)
-    return Truth(**common, **shape, centre_of_mass_m=com)
+    return Truth.model_validate(common | shape | {"centre_of_mass_m": com})
 
 
 def _stacked_body(item: SceneObject, below: int | None) -> StackedBody:
@@ -539,6 +539,6 @@ def _stacked_body(item: SceneObject, below: int | None) -> StackedBody:
     com = in_world([truth.centre_of_mass[:2]])[0]
     base, top = (
         Polygon(in_world(hull_polygon(np.array(points)).vertices))
-        for points in (truth.support, truth.upper_points)
+        for points in (truth.support, truth.shape.crown)
     )
     return StackedBody(truth.mass_kg, 0.0, com, np.zeros((2, 2)), base, top, below)

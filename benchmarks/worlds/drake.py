@@ -448,7 +448,7 @@ class LidBench(Tabletop):
         """Moves a flip lid by its tab from one angle to another [rad]."""
         lid = self._item.truth.lid
         assert isinstance(lid, FlipLid)
-        hinge = lid_hinge(lid, self._item.truth.rim, self._item.truth.height)
+        hinge = lid_hinge(lid, self._item.truth.shape.rim, self._item.truth.shape.top)
         lever = grip_distance(lid, hinge)
         opens = end > start
         above = -HAND.tip_radius if opens else HAND.tip_radius + THICKNESS

@@ -20,14 +20,11 @@ from pydantic import ValidationError
 from objectmodels.errors import ModelError, printable
 from objectmodels.files.yaml_documents import LIMITS, first_fault, read_bytes
 from objectmodels.geometry.base_shapes import Array, hull_polygon
+from objectmodels.models.kinds import BoxModel, CylinderModel, HullModel, PrismModel
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.parameters import Provenance
 from objectmodels.models.shapes import (
     WIDE,
-    BoxModel,
-    CylinderModel,
-    HullModel,
-    PrismModel,
     hull_facets,
     lowest_places,
     turning_down,

@@ -18,9 +18,9 @@ from objectmodels.exact.slide_search import CERTAIN
 from objectmodels.files.yaml_documents import short_text
 from objectmodels.geometry.base_shapes import Array, Polygon
 from objectmodels.geometry.side_faces import Face
+from objectmodels.models.kinds import BoxModel
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.predictor import own_predictions, require_calibration
-from objectmodels.models.shapes import BoxModel
 from objectmodels.registry.model_registry import kind_of, model_document, model_from_document
 
 SLOWEST = 20.0

@@ -41,9 +41,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from objectmodels.containers import lids
-from objectmodels.geometry.base_shapes import Disc
 from objectmodels.geometry.rotations import Array, rot_z
-from objectmodels.models.object_parts import FlipLid, Lid, LiftOffLid, ScrewCap, inner_floor
+from objectmodels.models.object_parts import FlipLid, Lid, LiftOffLid, ScrewCap
 from sim.robots.cell_description import Point3, Table
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import SceneObject
@@ -213,7 +212,7 @@ def add_lid(
     on_seat, on_lid = shared_inertia(lid, on=True)
     seat = plant.AddRigidBody(f"{name} seat", model, on_seat)
     covering = plant.AddRigidBody(name, model, on_lid)
-    rim = _rim_frame(plant, name, body, (0.0, 0.0, item.truth.height))
+    rim = _rim_frame(plant, name, body, (0.0, 0.0, item.truth.shape.top))
     joint = _add_seat(plant, lid, rim, seat)
     weld = plant.AddWeldConstraint(seat, RigidTransform(), covering, RigidTransform())
     shapes = _shapes(lid)
@@ -234,8 +233,8 @@ def _add_flip_lid(
     from pydrake.math import RigidTransform, RotationMatrix
     from pydrake.multibody.tree import RevoluteJoint
 
-    name, rim = lids.lid_name(item.name), item.truth.rim
-    hinge = lids.lid_hinge(lid, rim, item.truth.height)
+    name, rim = lids.lid_name(item.name), item.truth.shape.rim
+    hinge = lids.lid_hinge(lid, rim, item.truth.shape.top)
     p_LLcm = hinge.centre_of_mass(0.0) - hinge.p_BH
     disc_inertia = _cylinder_inertia(lid.mass, 0.5 * hinge.reach, lids.THICKNESS, p_LLcm)
     covering = plant.AddRigidBody(name, model, disc_inertia)
@@ -254,8 +253,8 @@ def _add_flip_lid(
     across = rim.extent(np.array([axis[:2], -axis[:2]])).tolist()
     R_LT = rot_z(lid.tab_heading)
     plate: Shape = Box(hinge.reach, sum(across), lids.THICKNESS)
-    if isinstance(rim, Disc):
-        plate = Cylinder(rim.radius, lids.THICKNESS)
+    if rim.is_round:
+        plate = Cylinder(rim.size, lids.THICKNESS)
     tab_middle = hinge.reach + 0.5 * lid.tab
     shapes = {
         "disc": (plate, 0.5 * hinge.reach),
@@ -447,11 +446,7 @@ def _add_compliant(
 def hull_points(truth: Truth) -> Iterator[Point3]:
     """Corners in B of the hull of what it stands on, and of what others stand on [m]."""
     yield from ((x, y, 0.0) for x, y in truth.support)
-    if truth.inside is not None:
-        floor = inner_floor(truth.inside)
-        yield from ((x, y, truth.inside.floor) for x, y in floor.vertices.tolist())
-        return
-    yield from truth.vertices_m or ((x, y, truth.height) for x, y in truth.upper_points)
+    yield from truth.shape.bearing_points
 
 
 def add_rims(plant: MultibodyPlant, table: Table) -> list[GeometryId]:

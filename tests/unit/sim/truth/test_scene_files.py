@@ -172,7 +172,7 @@ def test_a_default_that_is_none_is_named(text: str, message: str, suggestion: st
 def test_what_has_fallen_lies_on_the_table() -> None:
     fallen = SCENE.replace("y_m: 0.0}", "y_m: 0.0, yaw_deg: 30.0, roll_deg: 90.0}")
     item = parse_scene(fallen).object("crate")
-    corners = item.truth.corners @ item.pose.R_WB.T + item.p_WB
+    corners = item.truth.shape.hull_corners @ item.pose.R_WB.T + item.p_WB
     # On its side it is as high as it is deep.
     assert corners[:, 2].min() == pytest.approx(0.0, abs=1e-12)
     assert corners[:, 2].max() == pytest.approx(0.1, abs=1e-12)
