@@ -174,6 +174,18 @@ class Truth(Part):
         outline = Polygon.convex(self.shape.silhouette)
         return bool((outline.normals @ [x, y] < outline.offsets).all() and 0 < z < self.shape.top)
 
+    def scaled(self, *, mass: float, friction: float, finger_friction: float) -> Truth:
+        """The same with so many times the mass, contents included, and the coefficients."""
+        changed: dict[str, object] = {
+            "mass_kg": self.mass_kg * mass,
+            "friction_table": self.friction_table * friction,
+            "friction_finger": self.friction_finger * finger_friction,
+        }
+        if self.container is not None:
+            litres = self.container.contents_l * mass
+            changed["container"] = self.container.model_copy(update={"contents_l": litres})
+        return self.model_copy(update=changed)
+
     def with_shift(self, shift: ArrayLike) -> Truth:
         """The same with its centre of mass shifted in B, shape (3,) [m].
 

@@ -443,19 +443,12 @@ def sample_world(scene: Scene, seed: int) -> Scene:
     objects = []
     for item in scene.objects:
         mass, friction, finger, *shift = clipped_normal(rng, 6).tolist()
-        truth = item.truth.model_copy(
-            update={
-                "mass_kg": item.truth.mass_kg * (1.0 + hidden.mass * mass),
-                "friction_table": item.truth.friction_table * (1.0 + hidden.friction * friction),
-                "friction_finger": item.truth.friction_finger
-                * (1.0 + hidden.finger_friction * finger),
-            }
+        scaled = item.truth.scaled(
+            mass=1.0 + hidden.mass * mass,
+            friction=1.0 + hidden.friction * friction,
+            finger_friction=1.0 + hidden.finger_friction * finger,
         )
-        if truth.container is not None:
-            litres = truth.container.contents_l * (1.0 + hidden.mass * mass)
-            container = truth.container.model_copy(update={"contents_l": litres})
-            truth = truth.model_copy(update={"container": container})
-        shifted = truth.with_shift([hidden.centre_of_mass_m * z for z in shift])
+        shifted = scaled.with_shift([hidden.centre_of_mass_m * z for z in shift])
         objects.append(item.model_copy(update={"truth": shifted}))
     return scene.model_copy(update={"objects": tuple(objects), "hidden": Hidden()})
 
