@@ -381,7 +381,7 @@ class Prescribed:
     def __init__(self, scene: Scene) -> None:
         builder = DiagramBuilder()
         plant, graph = AddMultibodyPlantSceneGraph(builder, scene.time_step_s)
-        objects = {item.name: add_object(plant, item) for item in scene.objects}
+        objects = {item.name: add_object(plant, item.name, item.truth) for item in scene.objects}
         plant.Finalize()
         self.scene = scene
         self.root = builder.Build().CreateDefaultContext()

@@ -233,7 +233,9 @@ class Tabletop:
         self.feet: dict[str, Feet] = {}
         self.solids: list[GeometryId] = []
         for item in self._items:
-            self.bodies[item.name], solids, self.feet[item.name] = add_object(self.plant, item)
+            self.bodies[item.name], solids, self.feet[item.name] = add_object(
+                self.plant, item.name, item.truth
+            )
             self.solids += solids
 
     @property

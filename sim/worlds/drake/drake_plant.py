@@ -110,8 +110,7 @@ def add_plant(
     bodies = {}
     lids = {}
     for item in scene.objects:
-        bare = item.model_copy(update={"truth": item.truth.without_lid})
-        body, own, feet[item.name] = add_object(plant, bare)
+        body, own, feet[item.name] = add_object(plant, item.name, item.truth.without_lid)
         bodies[item.name] = body
         solids += own
         lid = add_lid(plant, item, body, own[0])
@@ -180,14 +179,13 @@ def add_table(plant: MultibodyPlant, scene: Scene) -> GeometryId:
 
 
 def add_object(
-    plant: MultibodyPlant, item: SceneObject
+    plant: MultibodyPlant, name: str, truth: Truth
 ) -> tuple[RigidBody, list[GeometryId], Feet]:
     """Adds an object; returns its body, its solids and the spheres on which it stands or lies."""
     from pydrake.geometry import Sphere
     from pydrake.math import RigidTransform
 
-    truth = item.truth
-    body = plant.AddRigidBody(item.name, plant.AddModelInstance(item.name), inertia(truth))
+    body = plant.AddRigidBody(name, plant.AddModelInstance(name), inertia(truth))
     # A container is a shell through which one sees what is inside. Its floor, seen so, must
     # not lie in the plane of the table top.
     opacity, off_table = (1.0, 0.0) if truth.container is None else (0.35, 5e-4)
@@ -196,9 +194,9 @@ def add_object(
     skin = surface(truth.friction_finger / 2)
     solids = []
     for k, (shape, X_BG) in enumerate(_geometries(truth.shape)):
-        name = f"wall_{k - 1}" if k else "solid"
-        plant.RegisterVisualGeometry(body, X_BV @ X_BG, shape, name, colour)
-        solids.append(plant.RegisterCollisionGeometry(body, X_BG, shape, name, skin))
+        part = f"wall_{k - 1}" if k else "solid"
+        plant.RegisterVisualGeometry(body, X_BV @ X_BG, shape, part, colour)
+        solids.append(plant.RegisterCollisionGeometry(body, X_BG, shape, part, skin))
     r = 1e-4  # of the spheres
     base = [(*_drawn_in(point, r), r) for point in truth.support]
     top = [(*_drawn_in(point, r), truth.shape.top - r) for point in truth.shape.crown]
