@@ -34,7 +34,6 @@ from benchmarks.worlds.strokes import (
     Rolled,
     Stroke,
 )
-from objectmodels.geometry.base_shapes import Disc
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.shapes import Box
@@ -103,7 +102,7 @@ _SPRING = '<position joint="{a}" kp="{k}" forcerange="-{f} {f}"/><velocity joint
 
 def is_round(model: ObjectModel) -> bool:
     """Return True for an object that stands on the rim of a round base."""
-    return isinstance(model.footprint, Disc)
+    return model.footprint.is_round
 
 
 def step_of(model: ObjectModel) -> float:

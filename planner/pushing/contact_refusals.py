@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels import ObjectModel
-from objectmodels.geometry.base_shapes import Disc
 from planner.problem.planning_problem import PushProblem, PushStep, Side
 from planner.pushing.contact_sampling import EDGE, model_limited_by_hand
 from planner.refusals.no_plan import refusal
@@ -179,7 +178,7 @@ def _slides_where(critical: float, sure: float) -> str:
 
 def _other_side(target: SeenObject) -> tuple[str, ...]:
     """Suggestion of another side; none for a round object, which falls alike to all."""
-    return () if isinstance(target.model.base, Disc) else ("topple it to another side",)
+    return () if target.model.base.is_round else ("topple it to another side",)
 
 
 def _cannot_topple(problem: PushProblem, critical: float) -> Refusal:
