@@ -16,7 +16,9 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
-from typing import Annotated, Self
+from functools import reduce
+from operator import or_
+from typing import TYPE_CHECKING, Annotated, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -212,7 +214,7 @@ class Shape(ABC):
         """Corners of its convex hull, points around those of round ends, shape (k, 3) [m]."""
         return np.array([(x, y, z) for z in (0.0, self.top) for x, y in self.silhouette])
 
-    def bare_shape(self) -> Shape:
+    def bare_shape(self) -> ShapeKeys:
         """The shape without what else is known of the object: of its base and its outline."""
         ends = between(self.footprint.corners, self.outline, self.top)
         return Hull(vertices=tuple(map(tuple, ends.tolist())))
@@ -226,7 +228,7 @@ class ShapeKeys(Part, Shape):
         """Its keys in files, in order, and whether each of them must be given."""
         return {f.alias or name: f.is_required() for name, f in cls.model_fields.items()}
 
-    def bare_shape(self) -> Shape:
+    def bare_shape(self) -> ShapeKeys:
         """The shape without what else is known of the object."""
         own = next((shape for shape in SHAPES if isinstance(self, shape)), None)
         if own is None:
@@ -595,6 +597,11 @@ class Hull(ShapeKeys):
 
 SHAPES: tuple[type[ShapeKeys], ...] = (Box, Cylinder, Prism, Hull)
 """Shapes that files may state, each by its first key."""
+
+if TYPE_CHECKING:
+    AnyShape = ShapeKeys
+else:  # of what pydantic and the hints of unknown keys see
+    AnyShape = reduce(or_, SHAPES)
 
 
 def _places(points: Array) -> Places:

@@ -24,7 +24,7 @@ from objectmodels.files.yaml_documents import Deviation, Friction, Mass, length_
 from objectmodels.geometry.base_shapes import Polygon
 from objectmodels.geometry.rotations import as_tuples
 from objectmodels.models.object_parts import Container, Lid, Vessel
-from objectmodels.models.shapes import SHAPES, Shape, ShapeKeys
+from objectmodels.models.shapes import SHAPES, AnyShape, ShapeKeys
 from planner.types.world_state import Colour
 from sim.robots.cell_description import AsItIs, Fraction, Part, Point2, Point3
 
@@ -34,7 +34,7 @@ _ALWAYS_WRITTEN = ("size_m", "radius_m", "base_radius_m", "corners_m", "height_m
 """Keys of shapes that every document has, in this order; null if they belong to another shape."""
 
 
-def _shape_of(stated: Mapping[str, Any]) -> Shape:
+def _shape_of(stated: Mapping[str, Any]) -> ShapeKeys:
     """The shape whose keys are stated.
 
     Raises:
@@ -93,7 +93,7 @@ class Truth(Part):
         colour: red, green, blue in 0…1, for the camera and for pictures.
     """
 
-    shape: Annotated[Shape, AsItIs(), PlainSerializer(_keys_of)]
+    shape: Annotated[AnyShape, AsItIs(), PlainSerializer(_keys_of)]
     mass_kg: Mass
     friction_table: Friction
     friction_finger: Friction
@@ -114,7 +114,10 @@ class Truth(Part):
         stated = {key: document[key] for key in of_shapes if document.get(key) is not None}
         # Lists of JSON are no tuples by themselves once a document was looked into.
         others = {key: as_tuples(v) for key, v in document.items() if key not in of_shapes}
-        return others | {"shape": _shape_of(stated)}
+        # A key that is unknown is told first: it may be one of a shape, misspelt.
+        if others.keys() <= cls.model_fields.keys():
+            others["shape"] = _shape_of(stated)
+        return others
 
     @model_serializer(mode="wrap")
     def _document(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
@@ -230,7 +233,7 @@ def _is_surrounded(point: Point2, points: tuple[Point2, ...]) -> bool:
 def truth_as_believed(model: ObjectModel, colour: Colour = GREY) -> Truth:
     """The truth of an object that is exactly as its model says, without contents and lid.
 
-    Of a kind that a plug-in brings it has the hull of its base and, at its top, of its outline.
+    Of a kind that a plug-in brings, with a shape of its own, it has the hull of its base and, at its top, of its outline.
     """
     return Truth(shape=model.bare_shape(), **_figures(model, colour))
 

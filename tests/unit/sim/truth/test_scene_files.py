@@ -71,6 +71,15 @@ def test_a_fault_names_its_key(old: str, new: str, key: str) -> None:
     assert key in raised.value.message
 
 
+def test_a_misspelt_key_of_a_shape_gets_a_suggestion() -> None:
+    for key in ("size_m", "radius_m", "vertices_m"):
+        wrong = SCENE.replace("size_m: [0.1, 0.1, 0.2]", f"{key[:-3]}_m: [0.1, 0.1, 0.2]")
+        with pytest.raises(SceneError) as raised:
+            parse_scene(wrong)
+        assert f"{key[:-3]}_m" in raised.value.message
+        assert f"did you mean '{key}'?" in raised.value.suggestions
+
+
 def test_numbers_with_an_exponent_are_numbers() -> None:
     scene = parse_scene(SCENE.replace("mass_kg: 1.0", "mass_kg: 1e0"))
     assert scene.object("crate").truth.mass_kg == 1.0
