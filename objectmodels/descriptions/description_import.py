@@ -43,10 +43,10 @@ from objectmodels.geometry.base_shapes import (
     hull_polygon,
     support_points,
 )
+from objectmodels.geometry.solids import lowest_places, turning_down, volume_and_centre
 from objectmodels.models.kinds import BoxModel, CylinderModel
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.parameters import Provenance
-from objectmodels.models.shapes import lowest_places, turning_down, volume_and_centre
 
 FOOT = 0.005
 """Largest radius of a sphere that counts as a foot, and of the gap above the table [m]."""

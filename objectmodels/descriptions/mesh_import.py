@@ -20,16 +20,11 @@ from pydantic import ValidationError
 from objectmodels.errors import ModelError, printable
 from objectmodels.files.yaml_documents import LIMITS, first_fault, read_bytes
 from objectmodels.geometry.base_shapes import Array, hull_polygon
+from objectmodels.geometry.solids import hull_facets, lowest_places, turning_down, volume_and_centre
 from objectmodels.models.kinds import BoxModel, CylinderModel, HullModel, PrismModel
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.parameters import Provenance
-from objectmodels.models.shapes import (
-    WIDE,
-    hull_facets,
-    lowest_places,
-    turning_down,
-    volume_and_centre,
-)
+from objectmodels.models.shapes import WIDE
 
 # The plain solid that a convex hull nearly is: a box, a cylinder or a prism.
 #

@@ -14,7 +14,11 @@ from typing import Protocol, TypeVar
 
 import numpy as np
 
+from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
+
+FLAT = 1e-6
+"""Vertices within this share of the size of a plane lie on it; normals closer are equal."""
 
 T_co = TypeVar("T_co", covariant=True)
 
@@ -151,3 +155,75 @@ def between(lower: Array, upper: Array, height: float) -> Array:
     """
     ends = ((lower, 0.0), (upper, height))
     return np.vstack([np.column_stack((xy, np.full(len(xy), z))) for xy, z in ends])
+
+
+def lowest_places(points: Array) -> tuple[float, Array]:
+    """Height of the lowest of points (k, 3) [m], and the x, y of those at it, shape (j, 2) [m]."""
+    low = float(points[:, 2].min())
+    return low, points[points[:, 2] <= low + FLAT * np.ptp(points[:, 2]), :2]
+
+
+def turning_down(normal: Array) -> Array:
+    """The smallest rotation that makes a unit vector look down, shape (3, 3)."""
+    down = np.array([0.0, 0.0, -1.0])
+    axis, c = np.cross(normal, down), float(normal @ down)
+    if np.linalg.norm(axis) < 1e-12:
+        return np.eye(3) if c > 0.0 else np.diag([1.0, -1.0, -1.0])
+    K = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
+    return np.asarray(np.eye(3) + K + K @ K / (1.0 + c))
+
+
+def hull_facets(points: Array) -> tuple[tuple[Array, Array], ...]:
+    """Faces of the convex hull of points (k, 3): outward normals and their vertices.
+
+    Triangles in one plane are one face. The largest comes first.
+
+    Raises:
+        ModelError: `bad_value` if the points lie in a plane.
+    """
+    solid = scipy_hull(points)
+    size = np.ptp(points, axis=0).max()
+    planes: list[tuple[Array, Array, float]] = []
+    left = np.arange(len(solid.simplices))
+    while left.size:
+        equation = solid.equations[left[0]]
+        same = np.abs(solid.equations[left, :3] @ equation[:3] - 1.0) < FLAT
+        same &= np.abs(solid.equations[left, 3] - equation[3]) < FLAT * size
+        triangles = points[solid.simplices[left[same]]]
+        spans = triangles[:, 1:] - triangles[:, :1]
+        area = 0.5 * float(np.linalg.norm(np.cross(spans[:, 0], spans[:, 1]), axis=1).sum())
+        planes.append((equation[:3], points[np.unique(solid.simplices[left[same]])], area))
+        left = left[~same]
+    planes.sort(key=lambda plane: -plane[2])
+    return tuple((normal, corners) for normal, corners, _ in planes)
+
+
+def volume_and_centre(points: Array) -> tuple[float, Array]:
+    """Volume [m³] and its centre, shape (3,) [m], of the convex hull of points (k, 3)."""
+    solid = scipy_hull(points)
+    middle = points.mean(axis=0)
+    corners = points[solid.simplices] - middle
+    volumes = np.abs(np.linalg.det(corners)) / 6.0
+    centre = (volumes[:, None] * corners.sum(axis=1) / 4.0).sum(axis=0) / volumes.sum()
+    return float(volumes.sum()), middle + centre
+
+
+def scipy_hull(points: Array):  # type: ignore[no-untyped-def]  # scipy's class, imported late
+    """The convex hull of points (k, 3), as scipy has it.
+
+    Raises:
+        ModelError: `bad_value` if they lie in a plane.
+    """
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        return ConvexHull(points)
+    except QhullError as error:
+        raise vertices_error(
+            "the vertices lie in a plane: they enclose nothing", "add vertices above the base"
+        ) from error
+
+
+def vertices_error(message: str, hint: str) -> ModelError:
+    """The error of a hull's vertices."""
+    return ModelError("bad_value", message, path="vertices", suggestions=(hint,))

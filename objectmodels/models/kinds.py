@@ -16,18 +16,10 @@ from pydantic import model_validator
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array, hull_polygon
+from objectmodels.geometry.solids import FLAT, lowest_places, turning_down, vertices_error
 from objectmodels.lazy import cached_property
 from objectmodels.models.object_model import ObjectModel, Resting
-from objectmodels.models.shapes import (
-    FLAT,
-    Box,
-    Cylinder,
-    Hull,
-    Prism,
-    lowest_places,
-    turning_down,
-    vertices_error,
-)
+from objectmodels.models.shapes import Box, Cylinder, Hull, Prism
 
 # Rows are the new axes in the old frame: the named face comes to lie below.
 _TURNED: dict[str, Array] = {

@@ -30,12 +30,18 @@ from objectmodels.geometry.base_shapes import Array, Base, Disc, Polygon, hull_p
 from objectmodels.geometry.rotations import as_tuples, cross
 from objectmodels.geometry.side_faces import AXES, Face, sides
 from objectmodels.geometry.solids import (
+    FLAT,
     Column,
     ConvexHull,
     Cuboid,
     Solid,
     UprightCylinder,
     between,
+    hull_facets,
+    lowest_places,
+    scipy_hull,
+    vertices_error,
+    volume_and_centre,
 )
 from objectmodels.lazy import cached_property
 from objectmodels.models.object_parts import (
@@ -55,9 +61,6 @@ WIDE = 0.02
 
 _STRAIGHT = np.radians(10.0)  # a face that looks so nearly against a heading is pushed along it
 _BESIDE = 0.7  # a facet that looks less against a heading says nothing of the side there
-
-FLAT = 1e-6
-"""Vertices within this share of the size of a plane lie on it; normals closer are equal."""
 
 _LEVEL = 1e-4  # heights of a hull's corners that differ by less are one [m]
 
@@ -545,7 +548,7 @@ class Hull(ShapeKeys):
     @cached_property
     def _edges(self) -> NDArray[np.intp]:
         """Pairs of vertices that an edge of a triangle of its surface ties, shape (k, 2)."""
-        triangles = _scipy_hull(self._vertex_array).simplices
+        triangles = scipy_hull(self._vertex_array).simplices
         return np.unique(np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)), axis=0)
 
     @property
@@ -628,73 +631,6 @@ def _second_moments(polygon: Polygon) -> tuple[float, float]:
     second = (area[:, None] * (v * v + v * w + w * w)).sum(axis=0) / (6.0 * area.sum())
     x2, y2 = second.tolist()
     return x2, y2
-
-
-def lowest_places(points: Array) -> tuple[float, Array]:
-    """Height of the lowest of points (k, 3) [m], and the x, y of those at it, shape (j, 2) [m]."""
-    low = float(points[:, 2].min())
-    return low, points[points[:, 2] <= low + FLAT * np.ptp(points[:, 2]), :2]
-
-
-def turning_down(normal: Array) -> Array:
-    """The smallest rotation that makes a unit vector look down, shape (3, 3)."""
-    down = np.array([0.0, 0.0, -1.0])
-    axis, c = np.cross(normal, down), float(normal @ down)
-    if np.linalg.norm(axis) < 1e-12:
-        return np.eye(3) if c > 0.0 else np.diag([1.0, -1.0, -1.0])
-    K = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
-    return np.asarray(np.eye(3) + K + K @ K / (1.0 + c))
-
-
-def hull_facets(points: Array) -> tuple[tuple[Array, Array], ...]:
-    """Faces of the convex hull of points (k, 3): outward normals and their vertices.
-
-    Triangles in one plane are one face. The largest comes first.
-
-    Raises:
-        ModelError: `bad_value` if the points lie in a plane.
-    """
-    solid = _scipy_hull(points)
-    size = np.ptp(points, axis=0).max()
-    planes: list[tuple[Array, Array, float]] = []
-    left = np.arange(len(solid.simplices))
-    while left.size:
-        equation = solid.equations[left[0]]
-        same = np.abs(solid.equations[left, :3] @ equation[:3] - 1.0) < FLAT
-        same &= np.abs(solid.equations[left, 3] - equation[3]) < FLAT * size
-        triangles = points[solid.simplices[left[same]]]
-        spans = triangles[:, 1:] - triangles[:, :1]
-        area = 0.5 * float(np.linalg.norm(np.cross(spans[:, 0], spans[:, 1]), axis=1).sum())
-        planes.append((equation[:3], points[np.unique(solid.simplices[left[same]])], area))
-        left = left[~same]
-    planes.sort(key=lambda plane: -plane[2])
-    return tuple((normal, corners) for normal, corners, _ in planes)
-
-
-def volume_and_centre(points: Array) -> tuple[float, Array]:
-    """Volume [m³] and its centre, shape (3,) [m], of the convex hull of points (k, 3)."""
-    solid = _scipy_hull(points)
-    middle = points.mean(axis=0)
-    corners = points[solid.simplices] - middle
-    volumes = np.abs(np.linalg.det(corners)) / 6.0
-    centre = (volumes[:, None] * corners.sum(axis=1) / 4.0).sum(axis=0) / volumes.sum()
-    return float(volumes.sum()), middle + centre
-
-
-def _scipy_hull(points: Array):  # type: ignore[no-untyped-def]  # scipy's class, imported late
-    from scipy.spatial import ConvexHull, QhullError
-
-    try:
-        return ConvexHull(points)
-    except QhullError as error:
-        raise vertices_error(
-            "the vertices lie in a plane: they enclose nothing", "add vertices above the base"
-        ) from error
-
-
-def vertices_error(message: str, hint: str) -> ModelError:
-    """The error of a hull's vertices."""
-    return ModelError("bad_value", message, path="vertices", suggestions=(hint,))
 
 
 def _outlined_face(normal: Array, corners: Array) -> Face:

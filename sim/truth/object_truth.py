@@ -233,7 +233,8 @@ def _is_surrounded(point: Point2, points: tuple[Point2, ...]) -> bool:
 def truth_as_believed(model: ObjectModel, colour: Colour = GREY) -> Truth:
     """The truth of an object that is exactly as its model says, without contents and lid.
 
-    Of a kind that a plug-in brings, with a shape of its own, it has the hull of its base and, at its top, of its outline.
+    Of a kind that a plug-in brings, with a shape of its own, it has the hull of its base and, at
+    its top, of its outline.
     """
     return Truth(shape=model.bare_shape(), **_figures(model, colour))
 

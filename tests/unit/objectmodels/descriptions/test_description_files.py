@@ -23,8 +23,7 @@ from objectmodels.descriptions.description_reading import (
 )
 from objectmodels.descriptions.description_writing import obj_text
 from objectmodels.descriptions.rigid_body import FOOT, rigid_body
-from objectmodels.geometry.solids import ConvexHull
-from objectmodels.models.shapes import volume_and_centre
+from objectmodels.geometry.solids import ConvexHull, volume_and_centre
 
 BOX = BoxModel(
     name="tea box",
