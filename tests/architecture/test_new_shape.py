@@ -94,7 +94,11 @@ EDITS = [
         "SHAPES: tuple[type[ShapeKeys], ...] = (",
         SHAPE,
     ),
-    ("objectmodels/models/kinds.py", "    Cylinder,\n", "    Cylinder,\n    EllipticCylinder,\n"),
+    (
+        "objectmodels/models/kinds.py",
+        "shapes import Box, Cylinder,",
+        "shapes import Box, Cylinder, EllipticCylinder,",
+    ),
     (
         "objectmodels/models/kinds.py",
         "KINDS: Mapping[str, type[ObjectModel]] = {\n",
