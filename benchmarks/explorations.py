@@ -37,6 +37,7 @@ from nlcontrol.session.controller import Controller
 from objectmodels import ObjectModel
 from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.identification import initial_belief
+from objectmodels.models.shapes import Cylinder
 from sim.exploration.exploration_run import Explorer, Touched
 from sim.simulated_executor import simulation
 from sim.truth.object_truth import Truth
@@ -58,9 +59,7 @@ BOTTLE = SceneObject(
     model="water bottle",
     pose=Pose(x_m=0.42, y_m=-0.33),
     truth=Truth(
-        radius_m=0.0325,
-        base_radius_m=0.029,
-        height_m=0.21,
+        shape=Cylinder(radius=0.0325, base_radius=0.029, height=0.21),
         mass_kg=0.55,
         friction_table=0.27,
         friction_finger=0.55,

@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     from nlcontrol.service.session import Session as Session
     from objectmodels.errors import NlcontrolError as NlcontrolError
     from objectmodels.identification.joint_fit import fit as fit
+    from objectmodels.models.kinds import BoxModel as BoxModel
     from objectmodels.models.object_model import ObjectModel as ObjectModel
-    from objectmodels.models.shapes import BoxModel as BoxModel
     from objectmodels.registry.model_registry import Registry as Registry
     from planner.types.plan import Plan as Plan
     from sim.truth.scene_file import load_scene as load_scene
@@ -51,7 +51,7 @@ _HOMES = {
     "NlcontrolError": "objectmodels.errors",
     "fit": "objectmodels.identification.joint_fit",
     "ObjectModel": "objectmodels.models.object_model",
-    "BoxModel": "objectmodels.models.shapes",
+    "BoxModel": "objectmodels.models.kinds",
     "Registry": "objectmodels.registry.model_registry",
     "Plan": "planner.types.plan",
     "load_scene": "sim.truth.scene_file",

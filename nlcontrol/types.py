@@ -63,6 +63,7 @@ from planner.types.actions import StandPrediction as StandPrediction
 from planner.types.actions import TurnCap as TurnCap
 from planner.types.actions import TurnOver as TurnOver
 from planner.types.actions import TurnPrediction as TurnPrediction
+from planner.types.cure import Cure as Cure
 from planner.types.defaults import Defaults as Defaults
 from planner.types.defaults import DefaultsError as DefaultsError
 from planner.types.defaults import with_settings as with_settings

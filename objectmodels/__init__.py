@@ -17,12 +17,12 @@ if TYPE_CHECKING:
     from objectmodels.mechanics.friction_cone import ConeThresholds as ConeThresholds
     from objectmodels.mechanics.push_outcomes import Prediction as Prediction
     from objectmodels.mechanics.push_outcomes import Thresholds as Thresholds
+    from objectmodels.models.kinds import BoxModel as BoxModel
+    from objectmodels.models.kinds import CylinderModel as CylinderModel
+    from objectmodels.models.kinds import HullModel as HullModel
+    from objectmodels.models.kinds import PrismModel as PrismModel
     from objectmodels.models.object_model import ObjectModel as ObjectModel
     from objectmodels.models.parameters import Provenance as Provenance
-    from objectmodels.models.shapes import BoxModel as BoxModel
-    from objectmodels.models.shapes import CylinderModel as CylinderModel
-    from objectmodels.models.shapes import HullModel as HullModel
-    from objectmodels.models.shapes import PrismModel as PrismModel
     from objectmodels.registry.model_registry import Registry as Registry
 
 _HOMES = {
@@ -31,7 +31,7 @@ _HOMES = {
     "geometry.side_faces": ["Face", "sides"],
     "mechanics.friction_cone": ["ConeThresholds"],
     "mechanics.push_outcomes": ["Prediction", "Thresholds"],
-    "models.shapes": ["HullModel", "BoxModel", "CylinderModel", "PrismModel"],
+    "models.kinds": ["HullModel", "BoxModel", "CylinderModel", "PrismModel"],
     "models.object_model": ["ObjectModel"],
     "models.parameters": ["Provenance"],
     "registry.model_registry": ["Registry"],

@@ -129,10 +129,10 @@ def touch(scene: Scene, contact: Contact, *, seed: int = 0) -> TouchResult:
 def _meets(truth: Truth, contact: Contact) -> bool:
     """True if the line of the push goes through the object."""
     p, u = np.array(contact.point), np.array(contact.direction)
-    sides = Polygon.convex(truth.outline)
+    sides = Polygon.convex(truth.shape.silhouette)
     normals = np.vstack((np.pad(sides.normals, ((0, 0), (0, 1))), [[0, 0, 1], [0, 0, -1]]))
     # To meet it within 1 mm will do.
-    room = np.append(sides.offsets, [truth.height, 0.0]) - normals @ p + 1e-3
+    room = np.append(sides.offsets, [truth.shape.top, 0.0]) - normals @ p + 1e-3
     closing = normals @ u
     with np.errstate(divide="ignore", invalid="ignore"):
         at = room / closing

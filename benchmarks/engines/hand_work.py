@@ -50,6 +50,7 @@ from objectmodels.models.object_parts import (
     ScrewCap,
     Vessel,
 )
+from objectmodels.models.shapes import Box, Cylinder
 from sim.robots.cell_description import RobotMount, Vision
 from sim.robots.hand import Angles, GraspPosture
 from sim.robots.robots import HAND
@@ -85,12 +86,11 @@ class LidCase:
     def belief(self) -> CylinderModel:
         """A belief that is exactly right."""
         truth = self.truth
-        assert truth.radius_m is not None
         return CylinderModel(
             name="object",
-            radius=truth.radius_m,
-            base_radius=truth.base_radius_m,
-            height=truth.height,
+            radius=truth.shape.rim.size,
+            base_radius=truth.shape.footprint.size,
+            height=truth.shape.top,
             mass=truth.mass_kg,
             friction=truth.friction_table,
             finger_friction=truth.friction_finger,
@@ -142,9 +142,7 @@ def random_lid(kind: LidKind, rng: Generator) -> LidCase:
     radius, height = rng.uniform(0.025, 0.045), rng.uniform(0.07, 0.16)
     mass = rng.uniform(0.08, 0.60)
     truth = Truth(
-        radius_m=radius,
-        base_radius_m=radius * rng.uniform(0.85, 1.0),
-        height_m=height,
+        shape=Cylinder(radius=radius, base_radius=radius * rng.uniform(0.85, 1.0), height=height),
         mass_kg=mass,
         friction_table=rng.uniform(0.15, 0.6),
         friction_finger=rng.uniform(0.3, 0.9),
@@ -258,7 +256,7 @@ class _Gantry(Tabletop):
         along, up = case.com
         # The box's x is the closing direction's line, W's y; its depth lies along W's x.
         truth = Truth(
-            size_m=(_DEPTH, case.width, _HEIGHT),
+            shape=Box(size=(_DEPTH, case.width, _HEIGHT)),
             mass_kg=case.mass,
             friction_table=0.3,
             friction_finger=case.friction,
@@ -383,7 +381,7 @@ class Prescribed:
     def __init__(self, scene: Scene) -> None:
         builder = DiagramBuilder()
         plant, graph = AddMultibodyPlantSceneGraph(builder, scene.time_step_s)
-        objects = {item.name: add_object(plant, item) for item in scene.objects}
+        objects = {item.name: add_object(plant, item.name, item.truth) for item in scene.objects}
         plant.Finalize()
         self.scene = scene
         self.root = builder.Build().CreateDefaultContext()
@@ -466,7 +464,7 @@ class Pour:
         catch = Catch(
             along=c * off[0] + s * off[1],
             across=c * off[1] - s * off[0],
-            fall=self.lip_W[2] - target.height,
+            fall=self.lip_W[2] - target.shape.top,
             radius=target.container.opening.radius,
             free=cavity.capacity - level,
         )
@@ -529,7 +527,10 @@ def random_pour(rng: Generator) -> Pour:
         contents_l=rng.uniform(0.0, 300.0) * np.pi * (radius - _WALL) ** 2 * (height - _WALL),
     )
     target = Truth(
-        radius_m=radius, height_m=height, mass_kg=_SHELL + glass.mass, container=glass, **_FRICTION
+        shape=Cylinder(radius=radius, height=height),
+        mass_kg=_SHELL + glass.mass,
+        container=glass,
+        **_FRICTION,
     )
     running = pour(vessel, contents, angle=angle, **motion)
     fall = rng.uniform(0.02, 0.08)

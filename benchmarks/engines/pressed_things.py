@@ -32,7 +32,7 @@ from benchmarks.engines.agreement import Outcome
 from benchmarks.worlds.drake import Fingertip, Springs, Tabletop
 from objectmodels import BoxModel, CylinderModel, ObjectModel, PrismModel
 from objectmodels.exact.top_drag import TopDrag, top_drag
-from objectmodels.geometry.base_shapes import Array, Polygon, hull_polygon, is_within
+from objectmodels.geometry.base_shapes import Array, Polygon, hull_polygon
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.mechanics.standing_balance import (
     StackedBody,
@@ -201,7 +201,7 @@ def _point_inside(rng: Generator, base: Polygon, rim: float) -> Array:
     while True:
         point = rng.uniform(-base.size, base.size, 2)
         rim *= 0.98
-        if is_within(base, point[None], -rim):
+        if base.contains(point[None], -rim):
             return point
 
 
@@ -350,7 +350,7 @@ def _random_overhanging(kind: Kind, rng: Generator) -> Overhanging | None:
             even = lever / max(0.3 * model.top, outwards + model.top * model.finger_friction)
             press = model.weight * even * float(np.exp(rng.uniform(-1.0, 1.5)))
     touched = np.vstack([point, fingers]) if kind == "pinched" else point[None]
-    if kind != "alone" and not is_within(hull_polygon(model.outline), touched, -_TIP_RIM):
+    if kind != "alone" and not hull_polygon(model.outline).contains(touched, -_TIP_RIM):
         return None
     case = Overhanging(kind, model, edge, point, press, way, fingers)
     return None if kind == "drawn" and case.tips_at_first() else case
@@ -499,9 +499,9 @@ def _random_stack(rng: Generator) -> Stack:
         x = y = z = 0.0
         if k:
             lower = items[k - 1]
-            room = 0.5 * np.ptp(np.array(lower.truth.upper_points), axis=0)
+            room = 0.5 * np.ptp(np.array(lower.truth.shape.crown), axis=0)
             x, y = (lower.p_WB[:2] + rng.uniform(-0.9, 0.9, 2) * room / np.sqrt(k)).tolist()
-            z = lower.pose.z_m + lower.truth.height
+            z = lower.pose.z_m + lower.truth.shape.top
         pose = Pose(x_m=x, y_m=y, z_m=z, yaw_deg=float(rng.uniform(-180.0, 180.0)))
         items.append(SceneObject(name=f"body {k}", model="box", pose=pose, truth=truth))
     return Stack(items)
@@ -526,7 +526,7 @@ def _random_truth(rng: Generator) -> Truth:
             corners = half * np.column_stack([np.cos(turns), np.sin(turns)])
             shape = {"corners_m": tuple(map(tuple, corners.tolist())), "height_m": height}
     com = (*off.tolist(), 0.5 * height)
-    return Truth(**common, **shape, centre_of_mass_m=com)
+    return Truth.model_validate(common | shape | {"centre_of_mass_m": com})
 
 
 def _stacked_body(item: SceneObject, below: int | None) -> StackedBody:
@@ -539,6 +539,6 @@ def _stacked_body(item: SceneObject, below: int | None) -> StackedBody:
     com = in_world([truth.centre_of_mass[:2]])[0]
     base, top = (
         Polygon(in_world(hull_polygon(np.array(points)).vertices))
-        for points in (truth.support, truth.upper_points)
+        for points in (truth.support, truth.shape.crown)
     )
     return StackedBody(truth.mass_kg, 0.0, com, np.zeros((2, 2)), base, top, below)

@@ -41,7 +41,6 @@ from nlcontrol.batches.drawn_scenes import (
 from objectmodels import BoxModel, CylinderModel, ObjectModel, Registry
 from objectmodels.geometry.rotations import rot_x, rot_y, rot_z
 from objectmodels.models.object_parts import Lid
-from objectmodels.models.shapes import standing_height
 from planner.problem.directions import unit
 from planner.problem.footprints import footprint, free_travel, gap
 from planner.types.defaults import DEFAULTS as D
@@ -386,4 +385,4 @@ def _add_inside(
 def height_below(seen: SeenObject, things: Sequence[SeenObject]) -> float:
     """How high above the table the floor is on which it stands [m]."""
     lower = (other for other in things if other.name == seen.on)
-    return next((standing_height(other.model) for other in lower), 0.0)
+    return next((other.model.standing_height for other in lower), 0.0)

@@ -19,7 +19,7 @@ import numpy as np
 from grammar.frames import command as g
 from nlcontrol.session.executor import Executor
 from objectmodels import ObjectModel, Registry
-from objectmodels.geometry.base_shapes import Array, Disc, hull_polygon
+from objectmodels.geometry.base_shapes import Array, hull_polygon
 from objectmodels.geometry.rotations import from_quaternion, rot_z, yaw_of
 from objectmodels.models.object_model import LEVEL
 from planner.problem.directions import angle_between
@@ -98,7 +98,7 @@ class TruePlace:
     @property
     def is_round(self) -> bool:
         """Whether no heading can be told from its shape."""
-        return isinstance(self.model.base, Disc)
+        return self.model.base.is_round
 
     def way_to(self, other: TruePlace) -> float:
         """Distance between two middles [m]."""

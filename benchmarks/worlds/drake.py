@@ -233,7 +233,9 @@ class Tabletop:
         self.feet: dict[str, Feet] = {}
         self.solids: list[GeometryId] = []
         for item in self._items:
-            self.bodies[item.name], solids, self.feet[item.name] = add_object(self.plant, item)
+            self.bodies[item.name], solids, self.feet[item.name] = add_object(
+                self.plant, item.name, item.truth
+            )
             self.solids += solids
 
     @property
@@ -448,7 +450,7 @@ class LidBench(Tabletop):
         """Moves a flip lid by its tab from one angle to another [rad]."""
         lid = self._item.truth.lid
         assert isinstance(lid, FlipLid)
-        hinge = lid_hinge(lid, self._item.truth.rim, self._item.truth.height)
+        hinge = lid_hinge(lid, self._item.truth.shape.rim, self._item.truth.shape.top)
         lever = grip_distance(lid, hinge)
         opens = end > start
         above = -HAND.tip_radius if opens else HAND.tip_radius + THICKNESS

@@ -34,9 +34,9 @@ from benchmarks.worlds.strokes import (
     Rolled,
     Stroke,
 )
-from objectmodels.geometry.base_shapes import Disc
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.models.object_model import ObjectModel
+from objectmodels.models.shapes import Box
 from sim.robots.robots import HAND
 from sim.truth.scene_file import Scene
 
@@ -102,7 +102,7 @@ _SPRING = '<position joint="{a}" kp="{k}" forcerange="-{f} {f}"/><velocity joint
 
 def is_round(model: ObjectModel) -> bool:
     """Return True for an object that stands on the rim of a round base."""
-    return isinstance(model.footprint, Disc)
+    return model.footprint.is_round
 
 
 def step_of(model: ObjectModel) -> float:
@@ -164,7 +164,7 @@ class MujocoBench:
     """
 
     def __init__(self, scene: Scene) -> None:
-        if len(scene.objects) != 1 or scene.objects[0].truth.size_m is None:
+        if len(scene.objects) != 1 or not isinstance(scene.objects[0].truth.shape, Box):
             raise ValueError("MuJoCo gets one box to push")
         self._name = scene.objects[0].name
         self._model = mujoco.MjModel.from_xml_string(_stroked_text(scene))
@@ -228,8 +228,7 @@ def _stroked_text(scene: Scene) -> str:
     """The box and the fingertip as MuJoCo reads them."""
     (item,) = scene.objects
     truth, time = item.truth, 2 * STROKE_STEP
-    assert truth.size_m is not None
-    x, y, z = truth.size_m
+    x, y, z = truth.shape.extents
     inertia = truth.mass_kg / 12.0 * np.array([y * y + z * z, x * x + z * z, x * x + y * y])
     feet = [(a - np.copysign(SPHERE, a), b - np.copysign(SPHERE, b)) for a, b in truth.support]
     axes = {"x": "1 0 0", "y": "0 1 0", "z": "0 0 1"}

@@ -21,7 +21,7 @@ from scipy.spatial.transform import Rotation
 
 from nlcontrol.checks import trace_measures as measures
 from nlcontrol.checks.verdicts import Evidence
-from objectmodels.models.object_parts import LiftOffLid, section_area
+from objectmodels.models.object_parts import LiftOffLid
 from planner.problem.footprints import gap
 from sim.control.pose_tracks import Array, CameraSheet, FeltEnd, PoseTrack, Stretch, pose_track
 from sim.random_streams import RandomStream, source
@@ -200,7 +200,7 @@ def _with_lids_and_levels(
         for name, seen in trace.sighted_lids.items()
     }
     volumes = {
-        name: section_area(vessel.section)
+        name: vessel.section.area
         * _before_and_after(seen, begin, end, vision.position_noise_m, vision.position_bias_m, rng)
         for name, seen in trace.sighted_levels.items()
         if name in models and (vessel := models[name].vessel) is not None

@@ -16,8 +16,6 @@ from nlcontrol.json_document import Document, finite_or_none
 from nlcontrol.questions.push_prediction import heading_text, unit_direction
 from objectmodels import ObjectModel
 from objectmodels.exact.top_drag import DragOutcome, drag_probability, top_drag
-from objectmodels.geometry.base_shapes import is_within
-from objectmodels.models.shapes import top_face
 from planner.problem.directions import heading_of
 from planner.types.refusal import probability_text
 
@@ -120,8 +118,8 @@ def predict_drag(
 
 def _require_drag(model: ObjectModel, at: tuple[float, float], u: np.ndarray, press: float) -> None:
     """Make sure that a fingertip presses on a level top and is led along it."""
-    face = top_face(model)
-    if face is None or not is_within(face, np.array([at]), 0.0):
+    face = model.top_face
+    if face is None or not face.contains(np.array([at]), 0.0):
         x, y = (1e3 * value for value in at)
         raise error(
             "bad_push",

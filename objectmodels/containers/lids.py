@@ -34,7 +34,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from objectmodels.geometry.base_shapes import Array, Base, Disc, Polygon
+from objectmodels.geometry.base_shapes import Array, Base
 from objectmodels.mechanics.outcome_probability import Sample, sample_parameters
 from objectmodels.mechanics.push_thresholds import (
     GRAVITY,
@@ -42,9 +42,9 @@ from objectmodels.mechanics.push_thresholds import (
     topple_threshold,
     yaw_arm,
 )
+from objectmodels.models.kinds import CylinderModel
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.object_parts import FlipLid, Lid, LiftOffLid, ScrewCap
-from objectmodels.models.shapes import CylinderModel
 
 # Places of lids on their objects, closed and open.
 #
@@ -104,13 +104,6 @@ class Hinge:
 _UP = np.array([0.0, 0.0, 1.0])
 
 
-def lid_rim(model: ObjectModel) -> Base:
-    """Outline of the object's top."""
-    if isinstance(model, CylinderModel):
-        return Disc(model.radius)
-    return Polygon.convex(model.outline)
-
-
 def lid_hinge(lid: FlipLid, rim: Base, top: float) -> Hinge:
     """Hinge of a flip lid on an object of this rim, in B, and height of the top [m]."""
     out = np.array([np.cos(lid.tab_heading), np.sin(lid.tab_heading)])
@@ -140,7 +133,7 @@ def lid_rise(model: ObjectModel, opened: float) -> float:
         return 0.0
     up = 0.0
     if isinstance(model.lid, FlipLid):
-        reach = lid_hinge(model.lid, lid_rim(model), model.top).reach + model.lid.tab
+        reach = lid_hinge(model.lid, model.rim, model.top).reach + model.lid.tab
         up = reach * float(np.sin(np.clip(opened, 0.0, 0.5 * np.pi)))
     return lid_height(model.lid) + up
 
@@ -286,7 +279,7 @@ def flip(
     """
     angles = np.linspace(start, lid.opens_to if end is None else end, STEPS)
     opens = bool(angles[-1] >= angles[0])
-    hinge = lid_hinge(lid, lid_rim(model), model.top)
+    hinge = lid_hinge(lid, model.rim, model.top)
     lever = grip_distance(lid, hinge)
     points = hinge.lid_point(angles, lever, 0.0 if opens else THICKNESS)
     directions = (1.0 if opens else -1.0) * hinge.opening_direction(angles)
@@ -343,7 +336,7 @@ def flip_torques(model: ObjectModel, lid: FlipLid, angle: float) -> tuple[float,
 
     All at an angle of the lid [rad].
     """
-    hinge = lid_hinge(lid, lid_rim(model), model.top)
+    hinge = lid_hinge(lid, model.rim, model.top)
     catch, weight = _torques_against(lid, hinge, np.array([angle]))
     return grip_distance(lid, hinge), float(catch[0]), float(weight[0])
 
@@ -361,7 +354,7 @@ def lift_off(model: ObjectModel, lid: LiftOffLid, *, fixed: bool = False) -> Loo
     """
     weight = lid.mass * GRAVITY
     top = np.array([[0.0, 0.0, model.top]])
-    p_BL = lid_centre(lid, lid_rim(model), model.top)
+    p_BL = lid_centre(lid, model.rim, model.top)
 
     def held(of: Sample) -> Array:
         if fixed:

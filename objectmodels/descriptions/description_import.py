@@ -41,18 +41,12 @@ from objectmodels.geometry.base_shapes import (
     Disc,
     Support,
     hull_polygon,
-    is_within,
     support_points,
 )
+from objectmodels.geometry.solids import lowest_places, turning_down, volume_and_centre
+from objectmodels.models.kinds import BoxModel, CylinderModel
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.parameters import Provenance
-from objectmodels.models.shapes import (
-    BoxModel,
-    CylinderModel,
-    lowest_places,
-    turning_down,
-    volume_and_centre,
-)
 
 FOOT = 0.005
 """Largest radius of a sphere that counts as a foot, and of the gap above the table [m]."""
@@ -186,7 +180,7 @@ def _stand(link: LinkDescription) -> _Standing:
         points = points @ turn.T
         low = float(points[:, 2].min())
     base = hull_polygon(lowest_places(points)[1])
-    inside = is_within(base, np.zeros((1, 2)), -_FLAT * base.size)
+    inside = base.contains(np.zeros((1, 2)), -_FLAT * base.size)
     origin = np.append(np.zeros(2) if inside else base.centroid, low)
     points = points - origin
     # With feet the solid ends above the table.
@@ -243,8 +237,9 @@ def _footing(model: ObjectModel, standing: _Standing) -> dict[str, Any]:
     feet = np.array([standing.solid.in_own_frame(foot)[:2] for foot in standing.feet])
     fields: dict[str, Any] = {}
     base = model.footprint
-    if isinstance(model, CylinderModel) and np.hypot(*feet.T).max() < (1.0 - _SAME) * model.radius:
-        base = Disc(float(np.hypot(*feet.T).max()))
+    widest = float(np.hypot(*feet.T).max())
+    if base.is_round and widest < (1.0 - _SAME) * base.size:
+        base = Disc(widest)
         fields["base_radius"] = base.radius
     weights = standing.weights / standing.weights.max()
     points = np.column_stack((feet, weights)).tolist()

@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from objectmodels.descriptions.description_writing import mjcf_text, obj_text, sdf_text, urdf_text
+from objectmodels.descriptions.description_writing import mesh_texts, mjcf_text, sdf_text, urdf_text
 from objectmodels.descriptions.rigid_body import (
     Element,
     LinkDescription,
@@ -329,9 +329,8 @@ def description_texts(model: ObjectModel, form: Format) -> dict[str, str]:
     if form == "mjcf":
         return {name: mjcf_text(body)}
     texts = {name: {"sdf": sdf_text, "urdf": urdf_text}[form](body, mesh)}
-    for solid in body.solids:
-        if solid.shape == "hull":
-            texts[mesh] = obj_text(solid.vertices)
+    for text in mesh_texts(body):
+        texts[mesh] = text
     return texts
 
 

@@ -5,12 +5,14 @@ SDF, the model files of Gazebo and others; Drake reads its stiffnesses by their 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
-from objectmodels.descriptions.rigid_body import FOOT, RELAXATION, RigidBody, Solid, numbers_text
+from objectmodels.descriptions.rigid_body import FOOT, RELAXATION, RigidBody, numbers_text
 from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.solids import ConvexHull, Cuboid, UprightCylinder
 from objectmodels.mechanics.push_thresholds import GRAVITY
 
 
@@ -26,6 +28,26 @@ def obj_text(vertices: Array) -> str:
         corners = (a, b, c) if normal @ equation[:3] > 0.0 else (a, c, b)
         lines.append("f " + " ".join(str(number[int(corner)]) for corner in corners))
     return "\n".join(lines) + "\n"
+
+
+def mesh_texts(body: RigidBody) -> list[str]:
+    """Texts of the mesh files that the solids of a body need: one for a hull."""
+    return [text for solid in body.solids.values() for text in solid.accept(_ObjMeshes())]
+
+
+class _ObjMeshes:
+    """Mesh files of a solid."""
+
+    def cuboid(self, solid: Cuboid) -> tuple[str, ...]:
+        del solid
+        return ()
+
+    def cylinder(self, solid: UprightCylinder) -> tuple[str, ...]:
+        del solid
+        return ()
+
+    def hull(self, solid: ConvexHull) -> tuple[str, ...]:
+        return (obj_text(solid.vertices),)
 
 
 # MJCF, the model files of MuJoCo.
@@ -56,11 +78,12 @@ def mjcf_text(body: RigidBody) -> str:
         f' solref="{-stiffness * weight:.15g} {-damping * weight:.15g}"/>'
         for place, weight in zip(body.feet, body.weights, strict=True)
     )
-    asset = "".join(map(_asset, body.solids))
+    shapes = [(name, *solid.accept(_MjcfGeometry())) for name, solid in body.solids.items()]
+    asset = "".join(mesh for _, _, mesh in shapes)
     solids = "\n".join(
-        f'      <geom name="{solid.name}" {_geometry(solid)} condim="3" priority="1"\n'
+        f'      <geom name="{name}" {geometry} condim="3" priority="1"\n'
         f'        friction="{body.finger_friction:.15g} 0 0"/>'
-        for solid in body.solids
+        for name, geometry, _ in shapes
     )
     com, inertia = numbers_text(body.com), numbers_text(body.inertia)
     return f"""<mujoco model={quoteattr(body.name)}>
@@ -83,23 +106,21 @@ def mjcf_text(body: RigidBody) -> str:
 """
 
 
-def _geometry(solid: Solid) -> str:
-    """Attributes of a geom that tell its shape and place."""
-    x, y, z = (solid.size / 2.0).tolist()
-    place = f'pos="{numbers_text(solid.middle)}"'
-    if solid.shape == "box":
-        return f'type="box" size="{x:.15g} {y:.15g} {z:.15g}" {place}'
-    if solid.shape == "cylinder":
-        return f'type="cylinder" size="{x:.15g} {z:.15g}" {place}'
-    return 'type="mesh" mesh="hull"'
+class _MjcfGeometry:
+    """Attributes of a geom that tell its shape and place, and the mesh that a hull needs."""
 
+    def cuboid(self, solid: Cuboid) -> tuple[str, str]:
+        half, middle = numbers_text(solid.size / 2.0), numbers_text(solid.middle)
+        return f'type="box" size="{half}" pos="{middle}"', ""
 
-def _asset(solid: Solid) -> str:
-    """The mesh of a hull; nothing of other shapes."""
-    if solid.shape != "hull":
-        return ""
-    corners = "  ".join(numbers_text(vertex) for vertex in solid.vertices)
-    return f'\n  <asset>\n    <mesh name="hull" vertex="{corners}"/>\n  </asset>'
+    def cylinder(self, solid: UprightCylinder) -> tuple[str, str]:
+        size = f"{solid.radius:.15g} {solid.length / 2.0:.15g}"
+        return f'type="cylinder" size="{size}" pos="{numbers_text(solid.middle)}"', ""
+
+    def hull(self, solid: ConvexHull) -> tuple[str, str]:
+        corners = "  ".join(numbers_text(vertex) for vertex in solid.vertices)
+        mesh = f'\n  <asset>\n    <mesh name="hull" vertex="{corners}"/>\n  </asset>'
+        return 'type="mesh" mesh="hull"', mesh
 
 
 def sdf_text(body: RigidBody, mesh: str) -> str:
@@ -116,7 +137,8 @@ def sdf_text(body: RigidBody, mesh: str) -> str:
         )
         for k, (place, weight) in enumerate(zip(body.feet, body.weights, strict=True))
     )
-    shapes = [(solid.name, *_sdf_shape(solid, mesh)) for solid in body.solids]
+    written = _SdfGeometry(mesh)
+    shapes = [(name, *solid.accept(written)) for name, solid in body.solids.items()]
     visuals = "\n".join(_sdf_visual(name, place, shape) for name, shape, place in shapes)
     solids = "\n".join(
         _sdf_collision(name, place, shape, body, None) for name, shape, place in shapes
@@ -169,16 +191,23 @@ def _sdf_collision(
       </collision>"""
 
 
-def _sdf_shape(solid: Solid, mesh: str) -> tuple[str, Array]:
-    """Geometry of a solid, and where its own frame is."""
-    x, _, z = solid.size.tolist()
-    if solid.shape == "box":
+@dataclass(frozen=True)
+class _SdfGeometry:
+    """Geometry of a solid, and where its own frame is; a hull's is in a mesh file."""
+
+    mesh: str
+
+    def cuboid(self, solid: Cuboid) -> tuple[str, Array]:
         return f"<box><size>{numbers_text(solid.size)}</size></box>", solid.middle
-    if solid.shape == "cylinder":
-        size = f"<radius>{x / 2.0:.15g}</radius><length>{z:.15g}</length>"
+
+    def cylinder(self, solid: UprightCylinder) -> tuple[str, Array]:
+        size = f"<radius>{solid.radius:.15g}</radius><length>{solid.length:.15g}</length>"
         return f"<cylinder>{size}</cylinder>", solid.middle
-    uri = f"<uri>{mesh}</uri><drake:declare_convex/>"
-    return f"<mesh>{uri}</mesh>", 0.0 * solid.middle
+
+    def hull(self, solid: ConvexHull) -> tuple[str, Array]:
+        del solid
+        uri = f"<uri>{self.mesh}</uri><drake:declare_convex/>"
+        return f"<mesh>{uri}</mesh>", np.zeros(3)
 
 
 def urdf_text(body: RigidBody, mesh: str) -> str:
@@ -193,7 +222,8 @@ def urdf_text(body: RigidBody, mesh: str) -> str:
         _urdf_collision(place, f'<sphere radius="{FOOT}"/>', body, weight)
         for place, weight in zip(body.feet, body.weights, strict=True)
     )
-    shapes = [_urdf_shape(solid, mesh) for solid in body.solids]
+    written = _UrdfGeometry(mesh)
+    shapes = [solid.accept(written) for solid in body.solids.values()]
     visuals = "\n".join(_urdf_visual(place, shape) for shape, place in shapes)
     solids = "\n".join(_urdf_collision(place, shape, body, None) for shape, place in shapes)
     return f"""<?xml version="1.0"?>
@@ -242,11 +272,19 @@ def _urdf_collision(place: Array, shape: str, body: RigidBody, weight: float | N
     </collision>"""
 
 
-def _urdf_shape(solid: Solid, mesh: str) -> tuple[str, Array]:
-    """Geometry of a solid, and where its own frame is."""
-    x, _, z = solid.size.tolist()
-    if solid.shape == "box":
+@dataclass(frozen=True)
+class _UrdfGeometry:
+    """Geometry of a solid, and where its own frame is; a hull's is in a mesh file."""
+
+    mesh: str
+
+    def cuboid(self, solid: Cuboid) -> tuple[str, Array]:
         return f'<box size="{numbers_text(solid.size)}"/>', solid.middle
-    if solid.shape == "cylinder":
-        return f'<cylinder radius="{x / 2.0:.15g}" length="{z:.15g}"/>', solid.middle
-    return f'<mesh filename="{mesh}"><drake:declare_convex/></mesh>', 0.0 * solid.middle
+
+    def cylinder(self, solid: UprightCylinder) -> tuple[str, Array]:
+        size = f'radius="{solid.radius:.15g}" length="{solid.length:.15g}"'
+        return f"<cylinder {size}/>", solid.middle
+
+    def hull(self, solid: ConvexHull) -> tuple[str, Array]:
+        del solid
+        return f'<mesh filename="{self.mesh}"><drake:declare_convex/></mesh>', np.zeros(3)

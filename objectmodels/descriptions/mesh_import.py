@@ -19,20 +19,12 @@ from pydantic import ValidationError
 
 from objectmodels.errors import ModelError, printable
 from objectmodels.files.yaml_documents import LIMITS, first_fault, read_bytes
-from objectmodels.geometry.base_shapes import Array, hull_polygon, is_within
+from objectmodels.geometry.base_shapes import Array, hull_polygon
+from objectmodels.geometry.solids import hull_facets, lowest_places, turning_down, volume_and_centre
+from objectmodels.models.kinds import BoxModel, CylinderModel, HullModel, PrismModel
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.parameters import Provenance
-from objectmodels.models.shapes import (
-    WIDE,
-    BoxModel,
-    CylinderModel,
-    HullModel,
-    PrismModel,
-    hull_facets,
-    lowest_places,
-    turning_down,
-    volume_and_centre,
-)
+from objectmodels.models.shapes import WIDE
 
 # The plain solid that a convex hull nearly is: a box, a cylinder or a prism.
 #
@@ -397,7 +389,7 @@ def _rests_on(face: tuple[Array, Array], com: Array) -> bool:
     normal, corners = face
     R = turning_down(normal)
     base = hull_polygon((corners @ R.T)[:, :2])
-    return is_within(base, (R @ com)[None, :2], -0.02 * base.size)
+    return base.contains((R @ com)[None, :2], -0.02 * base.size)
 
 
 def thin_vertices(points: Array) -> Array:

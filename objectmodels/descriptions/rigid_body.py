@@ -10,7 +10,7 @@ box.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -21,9 +21,8 @@ from numpy.typing import ArrayLike
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array, support_points
+from objectmodels.geometry.solids import Solid
 from objectmodels.mechanics.push_thresholds import GRAVITY
-from objectmodels.models.object_parts import open_box_parts
-from objectmodels.models.shapes import BoxModel, CylinderModel, HullModel
 
 if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel
@@ -44,34 +43,6 @@ RELAXATION = 0.002
 _NO_NAME = re.compile(r"\W+")
 
 
-Shape = Literal["box", "cylinder", "hull"]
-
-
-@dataclass(frozen=True)
-class Solid:
-    """A convex part that a finger touches, in B.
-
-    Attributes:
-        name: among the parts of a body.
-        shape: of it.
-        vertices: its corners, or those of what encloses it, shape (n, 3) [m].
-    """
-
-    name: str
-    shape: Shape
-    vertices: Array
-
-    @property
-    def size(self) -> Array:
-        """Extents, shape (3,) [m]."""
-        return np.asarray(np.ptp(self.vertices, axis=0))
-
-    @property
-    def middle(self) -> Array:
-        """Middle of its extents, shape (3,) [m]."""
-        return np.asarray((self.vertices.min(axis=0) + self.vertices.max(axis=0)) / 2.0)
-
-
 @dataclass(frozen=True)
 class RigidBody:
     """A rigid body on feet, in B: origin in the middle of the base, z up.
@@ -85,7 +56,7 @@ class RigidBody:
         weights: shares of the feet in the stiffness, shape (k,).
         friction: static coefficient at the table.
         finger_friction: static coefficient at the solids.
-        solids: of which it consists; a hull is the only one.
+        solids: of which it consists, by their names; a hull is the only one.
     """
 
     name: str
@@ -96,7 +67,7 @@ class RigidBody:
     weights: Array
     friction: float
     finger_friction: float
-    solids: tuple[Solid, ...]
+    solids: Mapping[str, Solid]
 
     @property
     def stiffness(self) -> float:
@@ -112,6 +83,8 @@ def numbers_text(values: Array) -> str:
 def rigid_body(model: ObjectModel) -> RigidBody:
     """The rigid body that a model describes; standard deviations are left behind."""
     points, weights = support_points(model.support, model.footprint)
+    solids = [solid.raised_to(GAP) for solid in model.solids]
+    names = [f"part_{k}" for k in range(len(solids))] if len(solids) > 1 else ["solid"]
     return RigidBody(
         name=_NO_NAME.sub("_", model.name).strip("_") or "object",
         mass=model.mass,
@@ -121,37 +94,8 @@ def rigid_body(model: ObjectModel) -> RigidBody:
         weights=weights,
         friction=model.friction,
         finger_friction=model.finger_friction,
-        solids=tuple(_solids(model)),
+        solids=dict(zip(names, solids, strict=True)),
     )
-
-
-def _solids(model: ObjectModel) -> Iterator[Solid]:
-    """Solids that a finger touches; each ends at least so much above the table as `GAP` says."""
-    outline, shape = model.outline, _shape(model)
-    if isinstance(model, HullModel):
-        vertices = np.array(model.vertices)
-    elif isinstance(model, BoxModel) and model.inside is not None:
-        for k, (low, high) in enumerate(open_box_parts(model.extents, model.inside)):
-            yield Solid(f"part_{k}", "box", _raised(np.array([low, high])))
-        return
-    else:
-        if isinstance(model, CylinderModel):
-            r = model.radius
-            outline = np.array([[-r, -r], [r, -r], [r, r], [-r, r]])
-        ends = [np.column_stack((outline, np.full(len(outline), z))) for z in (0.0, model.top)]
-        vertices = np.vstack(ends)
-    yield Solid("solid", shape, _raised(vertices))
-
-
-def _shape(model: ObjectModel) -> Shape:
-    if isinstance(model, BoxModel):
-        return "box"
-    return "cylinder" if isinstance(model, CylinderModel) else "hull"
-
-
-def _raised(vertices: Array) -> Array:
-    """Corners, shape (n, 3) [m], none of which is lower than the gap above the table."""
-    return np.column_stack((vertices[:, :2], np.maximum(vertices[:, 2], GAP)))
 
 
 # One link as a simulator's file describes it, before it is known what model that is.

@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 from objectmodels.errors import ModelError
 from objectmodels.exact.slide_search import CERTAIN, SlideSearch, Standing, push_blocks
 from objectmodels.exact.support_springs import Springs
-from objectmodels.geometry.base_shapes import Array, Disc, Polygon, friction_radius, support_points
+from objectmodels.geometry.base_shapes import Array, Polygon, friction_radius, support_points
 from objectmodels.geometry.rotations import cross
 from objectmodels.lazy import remember_answers
 from objectmodels.mechanics.friction_limit import friction_limit
@@ -246,7 +246,7 @@ def exact_near_the_border(model: PushedBody, p: Array, u: Array, friction: Frict
     with np.errstate(invalid="ignore"):
         close = np.abs(t.slide - t.topple) <= BORDER * t.onset
     # Near tipping a round base stands on one point, which does not keep it from turning.
-    if isinstance(model.base, Disc):
+    if model.base.is_round:
         close |= t.topple < t.slide
     (i,) = np.nonzero(close)
     slide = t.slide.copy()
@@ -268,10 +268,8 @@ def best_case_onset(t: ExactThresholds) -> Array:
     _require_known(t)
     (p, u), (base, c, _, weight) = t.push, t.body
     # Loads anywhere on the base hold no more than loads at its corners do.
-    points = base.corners
-    if isinstance(base, Disc):
-        # A polygon around the rim, so that no push that the rim holds is left out.
-        points = points / np.cos(np.pi / len(points))
+    # Of a round base those around the rim, so that no push that the rim holds is left out.
+    points = base.enclosing_corners
     found: Array = np.full(len(p), np.inf)
     h = np.hypot(u[:, 0], u[:, 1])
     (level,) = np.nonzero(h > 0.0)
@@ -383,7 +381,7 @@ def worst_case_onset(t: ExactThresholds) -> Array:
         tips = ratio_at(t.topple[b], u[b, 2], weight)
         worst[b] = _smallest_ratio(points, threes, c[:2], p[b], u[b], t.coefficient, tips)
     found = force_at(worst, u[:, 2], weight)
-    if isinstance(base, Disc):
+    if base.is_round:
         # Between the points and the rim the load rests on an edge of theirs, or on none.
         leaves = Polygon(points).topple_force(weight * c[:2], push_moment(p, u), u[:, 2], weight)
         found = np.minimum(found, leaves)

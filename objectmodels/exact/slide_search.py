@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels.exact.support_springs import Springs
-from objectmodels.geometry.base_shapes import Array, Base, Disc, hull_polygon
+from objectmodels.geometry.base_shapes import Array, Base, hull_polygon
 from objectmodels.geometry.rotations import total
 from objectmodels.mechanics.friction_limit import (
     Limit,
@@ -282,8 +282,7 @@ class SlideSearch:
         self.scale, self.mu = np.broadcast_to(body.scale, n), np.broadcast_to(body.mu, n)
         self.scaled = bool((body.scale != 1.0).any())
         # On a round base the points are a polygon; the centre of pressure is kept on that.
-        round_ = isinstance(body.base, Disc)
-        self.inside = hull_polygon(self.springs.points) if round_ else None
+        self.inside = hull_polygon(self.springs.points) if body.base.is_round else None
         self.h, self.along, across = push_axes(u)
         self.line = np.sum(p[:, :2] * across, axis=1)
         self.across = across

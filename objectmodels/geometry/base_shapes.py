@@ -23,7 +23,7 @@ from pydantic import BeforeValidator
 
 from objectmodels.errors import ModelError
 from objectmodels.files.yaml_documents import Coordinate, Weight, length_of
-from objectmodels.geometry.rotations import as_tuples, cross, dot, unique_rows
+from objectmodels.geometry.rotations import as_tuples, cross, dot, left_of, unique_rows
 
 Array = NDArray[np.float64]
 
@@ -51,8 +51,34 @@ class Base(Protocol):
     def size(self) -> float:
         """Largest distance of its points from the origin [m]."""
 
+    @property
+    def area(self) -> float:
+        """Its area [m²]."""
+
+    @property
+    def is_round(self) -> bool:
+        """Whether it is a disc around the origin, which has no edges."""
+
+    @property
+    def enclosing_corners(self) -> Array:
+        """Corners of a convex polygon that encloses it, counter-clockwise, shape (k, 2) [m]."""
+
     def extent(self, normals: Array) -> Array:
         """Reach along unit vectors (..., 2), shape (...) [m]."""
+
+    def contains(self, points: Array, tolerance: float = 0.0) -> bool:
+        """Return True if all points (n, 2) lie in it, or beyond it by at most a tolerance [m]."""
+
+    def chords(self, along: Array, u: Array) -> tuple[Array, Array]:
+        """Widths across unit directions u (..., 2) and their middles, shape (..., k) [m].
+
+        Args:
+            along: distances from the origin along u at which it is cut, shape (..., k) [m].
+            u: unit directions, shape (..., 2).
+        """
+
+    def inset(self, wall: float) -> Base | None:
+        """What is left of it within walls so thick [m]; None if nothing is."""
 
     def topple_force(
         self, m: Array, e: Array, w: Array, weight: float, shift: ArrayLike = 0.0
@@ -159,6 +185,16 @@ class Polygon(Base):
         """Its vertices."""
         return self.vertices
 
+    @property
+    def is_round(self) -> bool:
+        """No."""
+        return False
+
+    @property
+    def enclosing_corners(self) -> Array:
+        """Its vertices."""
+        return self.vertices
+
     @cached_property
     def centroid(self) -> Array:
         """Centre of its area, shape (2,) [m]."""
@@ -193,6 +229,28 @@ class Polygon(Base):
     def extent(self, normals: Array) -> Array:
         """See `Base`."""
         return np.asarray((np.asarray(normals) @ self.vertices.T).max(axis=-1))
+
+    def contains(self, points: Array, tolerance: float = 0.0) -> bool:
+        """See `Base`."""
+        return bool((points @ self.normals.T <= self.offsets + tolerance).all())
+
+    def chords(self, along: Array, u: Array) -> tuple[Array, Array]:
+        """See `Base`: each edge n·q ≤ d bounds the chord s·u + t·left(u) on one side."""
+        ahead, aside = (w @ self.normals.T for w in (u, left_of(u)))
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            bound = (self.offsets - along[..., None] * ahead[..., None, :]) / aside[..., None, :]
+        left = np.where(aside[..., None, :] > 1e-12, bound, np.inf).min(axis=-1)
+        right = np.where(aside[..., None, :] < -1e-12, bound, -np.inf).max(axis=-1)
+        return np.maximum(left - right, 0.0), 0.5 * (left + right)
+
+    def inset(self, wall: float) -> Polygon | None:
+        """See `Base`: what the edges leave, each moved inwards."""
+        corners = self.vertices
+        for normal, offset in zip(self.normals, self.offsets - wall, strict=True):
+            corners = _cut_polygon(corners, corners @ normal - offset)
+            if len(corners) < 3:
+                return None
+        return Polygon(corners)
 
     def topple_force(
         self, m: Array, e: Array, w: Array, weight: float, shift: ArrayLike = 0.0
@@ -313,9 +371,37 @@ class Disc(Base):
         """Its radius."""
         return self.radius
 
+    @property
+    def area(self) -> float:
+        """π R²."""
+        return float(np.pi * self.radius**2)
+
+    @property
+    def is_round(self) -> bool:
+        """Yes."""
+        return True
+
+    @property
+    def enclosing_corners(self) -> Array:
+        """Corners of a polygon whose edges touch the rim."""
+        return np.asarray(self.corners / np.cos(np.pi / len(self.corners)))
+
     def extent(self, normals: Array) -> Array:
         """See `Base`."""
         return np.full(np.shape(normals)[:-1], self.radius)
+
+    def contains(self, points: Array, tolerance: float = 0.0) -> bool:
+        """See `Base`."""
+        return bool((np.hypot(*points.T) <= self.radius + tolerance).all())
+
+    def chords(self, along: Array, u: Array) -> tuple[Array, Array]:
+        """See `Base`."""
+        half = np.sqrt(np.maximum(self.radius**2 - along * along, 0.0))
+        return 2.0 * half, np.zeros_like(half)
+
+    def inset(self, wall: float) -> Disc | None:
+        """See `Base`."""
+        return Disc(self.radius - wall) if self.radius > wall else None
 
     def topple_force(
         self, m: Array, e: Array, w: Array, weight: float, shift: ArrayLike = 0.0
@@ -377,6 +463,19 @@ def without_collinear(vertices: Array) -> Array:
     return np.asarray(vertices[np.abs(cross(before, after)) > _FLAT * lengths])
 
 
+def _cut_polygon(corners: Array, outside: Array) -> Array:
+    """The part of a convex polygon at whose points `outside` is not positive."""
+    kept = []
+    for a, b, p, q in zip(
+        corners, np.roll(corners, -1, axis=0), outside, np.roll(outside, -1), strict=True
+    ):
+        if p <= 0.0:
+            kept.append(a)
+        if p * q < 0.0:
+            kept.append(a + p / (p - q) * (b - a))
+    return np.array(kept).reshape(-1, 2)
+
+
 def _first_crossing(holding: Array, growing: Array) -> Array:
     """Holding / growing where that is positive, else never."""
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -420,7 +519,7 @@ def carrying_base(support: Support, base: Base) -> Base:
     if isinstance(support, str):
         return base
     points, _ = support_points(support, base)
-    if not is_within(base, points, 1e-6 * base.size):
+    if not base.contains(points, 1e-6 * base.size):
         raise ModelError(
             "bad_value",
             "a support point lies outside of the base",
@@ -451,13 +550,6 @@ def friction_radius(support: Support, base: Base) -> float:
 def mean_distance(points: Array, weights: Array) -> float:
     """Friction radius of points (k, 2) with weights (k,): mean distance from their middle [m]."""
     return float(weights @ np.hypot(*(points - weights @ points).T))
-
-
-def is_within(base: Base, points: Array, tolerance: float = 0.0) -> bool:
-    """Return True if all points (n, 2) lie in a base, or beyond it by at most a tolerance [m]."""
-    if isinstance(base, Polygon):
-        return bool((points @ base.normals.T <= base.offsets + tolerance).all())
-    return bool((np.hypot(*points.T) <= base.size + tolerance).all())
 
 
 def hull_polygon(points: Array) -> Polygon:

@@ -23,7 +23,6 @@ from objectmodels.geometry.base_shapes import (
     SupportPoint,
     carrying_base,
     friction_radius,
-    is_within,
     mean_distance,
     support_points,
 )
@@ -96,7 +95,7 @@ def pressure_points(model: ObjectModel, trials: Sequence[Trial]) -> tuple[Suppor
         (float(x), float(y), float(w)) for (x, y), w in zip(points + c, share, strict=True)
     )
     try:
-        stands = is_within(carrying_base(found, model.footprint), c[None], -1e-6 * radius)
+        stands = carrying_base(found, model.footprint).contains(c[None], -1e-6 * radius)
     except ModelError:  # the points are on a line
         return None
     return found if stands else None

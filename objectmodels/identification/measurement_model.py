@@ -40,7 +40,7 @@ from numpy.typing import NDArray
 from objectmodels.errors import ModelError
 from objectmodels.exact.exact_thresholds import ExactThresholds
 from objectmodels.exact.support_springs import Springs
-from objectmodels.geometry.base_shapes import Array, Base, Disc, hull_polygon
+from objectmodels.geometry.base_shapes import Array, Base, hull_polygon
 from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.geometry.rotations import dot
 from objectmodels.identification.trial import Touches, Trial
@@ -339,7 +339,7 @@ def topple_force(base: Base, n: Array, p: Array, u: Array, tilt: Array, values: 
     Edges that it is tilted about have outward normals n (n, 2); a round base has its own.
     """
     weight, c = GRAVITY * values[..., MASS, None], values[..., None, COM_X:]
-    if isinstance(base, Disc):
+    if base.is_round:
         # Directions in which the load reaches the rim, n where it never does, shape (..., n, 2).
         s = base.topple_force(c[..., :2], push_moment(p, u), u[:, 2], 1.0)
         q = c[..., :2] + np.where(np.isfinite(s), s, 0.0)[..., None] * push_moment(p, u)
@@ -435,7 +435,7 @@ def _limits_around(
     ratio, scales = r + change[:, 0], scale * np.exp(change[:, 3])  # (9, n)
     q = (1.0 + ratio * u[:, 2])[:, None] * com + ratio[:, None] * push_moment(p, u).T
     q = q.transpose(1, 0, 2).reshape(2, -1)
-    if isinstance(model.base, Disc):
+    if model.base.is_round:
         inside = hull_polygon(points)
         q = q / np.maximum((inside.normals @ q / inside.offsets[:, None]).max(axis=0), 1.0)
     springs = Springs(points, weights)

@@ -5,8 +5,9 @@ and at the finger; see `objectmodels.mechanics.push_thresholds` for the formulae
 origin at the centre of the base, z up. Forces are slow: classes are those at the onset of motion,
 without inertia, unless a method says otherwise.
 
-A kind of model is a subclass that says what shape it has: `footprint`, `top` and `faces` (see
-docs/models.md). Everything else follows from those and from the parameters.
+A kind of model is a subclass that says what shape it has, by a class of
+`objectmodels.models.shapes` or by `footprint`, `top` and `faces` of its own (see docs/models.md).
+Everything else follows from those and from the parameters.
 
 It may lie on another face than the one its model stands on. Frame N belongs to the face below, as B
 does to the base: origin at its centre on the table, z up. A pose of B picks the face.
@@ -14,7 +15,6 @@ does to the base: origin at its centre on the table, z up. A pose of B picks the
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from math import inf, sqrt
 from typing import TYPE_CHECKING, Any, Literal, Self, TypeGuard, overload
@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike
 from pydantic import model_validator
 
 from objectmodels.errors import ModelError
-from objectmodels.geometry.base_shapes import Array, Base, carrying_base, friction_radius, is_within
+from objectmodels.geometry.base_shapes import Array, Base, carrying_base, friction_radius
 from objectmodels.geometry.pushed_body import Friction, contact_room
 from objectmodels.geometry.rotations import (
     UNIT,
@@ -34,7 +34,6 @@ from objectmodels.geometry.rotations import (
     require_normals,
     require_units,
 )
-from objectmodels.geometry.side_faces import Face
 from objectmodels.lazy import cached_property
 from objectmodels.mechanics import push_thresholds
 from objectmodels.mechanics.friction_cone import ConeThresholds, cone_thresholds
@@ -44,8 +43,9 @@ from objectmodels.mechanics.push_outcomes import (
     closed_form_thresholds,
     size_and_direction,
 )
-from objectmodels.models.object_parts import Vessel
+from objectmodels.models.object_parts import Vessel, cavity_error
 from objectmodels.models.parameters import RADIUS_SHARE_SD, Parameters
+from objectmodels.models.shapes import Shape
 
 if TYPE_CHECKING:
     from objectmodels.exact.exact_thresholds import ExactThresholds
@@ -201,58 +201,11 @@ _OF_ITS_BASE = (
 )
 
 
-class ObjectModel(Parameters, ABC):
-    """Belief about an object, and its predictions for pushes.
+class ObjectModel(Parameters, Shape):
+    """Belief about an object of some shape, and its predictions for pushes.
 
     Attributes: see `objectmodels.models.parameters.Parameters`.
     """
-
-    @property
-    @abstractmethod
-    def footprint(self) -> Base:
-        """The flat base on which the shape stands, in B."""
-
-    @property
-    @abstractmethod
-    def top(self) -> float:
-        """Height of its highest point [m]."""
-
-    @abstractmethod
-    def faces(self, headings: ArrayLike | None = None) -> tuple[Face, ...]:
-        """Places on its sides where a finger may push, in B.
-
-        Args:
-            headings: directions in which a round side is to be pushed, as angles from B's x axis,
-                shape (k,) [rad]; along the axes of B if not given. Flat faces do not depend on it.
-        """
-
-    @property
-    def outline(self) -> Array:
-        """Convex polygon that it covers of the table seen from above, shape (k, 2) [m]."""
-        return self.footprint.corners
-
-    @property
-    def section(self) -> Base:
-        """Its horizontal section, the same at all heights, which a cavity inside it follows.
-
-        Raises:
-            ModelError: `bad_value` if it differs from height to height.
-        """
-        return self.footprint
-
-    @property
-    def centre(self) -> tuple[float, float, float]:
-        """Centre of mass if it is not stated: the middle [m]."""
-        return (0.0, 0.0, self.top / 2.0)
-
-    @property
-    def gyration(self) -> tuple[float, float, float]:
-        """Squared radii of gyration about axes x, y, z through the centre of mass [m²].
-
-        Those of a solid box around it, unless a kind of model knows better.
-        """
-        x2, y2, z2 = (side * side / 12.0 for side in self.extents)
-        return (y2 + z2, x2 + z2, x2 + y2)
 
     @cached_property
     def rests(self) -> tuple[Resting, ...]:
@@ -308,6 +261,16 @@ class ObjectModel(Parameters, ABC):
         return kept | changes
 
     @model_validator(mode="after")
+    def _open_above(self) -> Self:
+        if self.inside is None:
+            return self
+        if self.container is not None or self.lid is not None:
+            raise cavity_error("", "goes with neither `container` nor `lid`", "leave those out")
+        if self.cavity is None:
+            raise cavity_error("", "only a box has one", "begin the file with `format: box/1`")
+        return self
+
+    @model_validator(mode="after")
     def _fill_derived(self) -> Self:
         """Fills in what depends on the shape, and checks what must fit it."""
         base = self.base
@@ -320,7 +283,7 @@ class ObjectModel(Parameters, ABC):
             known["friction_radius_sd"] = RADIUS_SHARE_SD * known["friction_radius"]
         c = np.array(self.com)
         needed = None
-        if not is_within(base, c[None, :2], -1e-9 * base.size):
+        if not base.contains(c[None, :2], -1e-9 * base.size):
             needed = "over the base: it topples by itself"
         elif not 0.0 < c[2] < self.top:
             needed = f"inside the object, {self.top} m high"
@@ -344,12 +307,6 @@ class ObjectModel(Parameters, ABC):
     def contact_room(self) -> tuple[Array, Array]:
         """Corners of the box in which contacts may lie, each (3,) [m]."""
         return contact_room(self)
-
-    @property
-    def extents(self) -> tuple[float, float, float]:
-        """Size along x, y, z of B [m]."""
-        x, y = np.ptp(self.outline, axis=0).tolist()
-        return (x, y, self.top)
 
     @cached_property
     def vessel(self) -> Vessel | None:

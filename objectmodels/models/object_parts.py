@@ -36,8 +36,8 @@ from objectmodels.files.yaml_documents import (
     Turns,
     Volume,
 )
-from objectmodels.geometry.base_shapes import Array, Base, Disc, Polygon, is_within
-from objectmodels.geometry.rotations import as_tuple, left_of
+from objectmodels.geometry.base_shapes import Array, Base, Polygon
+from objectmodels.geometry.rotations import as_tuple
 from objectmodels.short_repr import ShortRepr
 
 Point2 = Annotated[tuple[Coordinate, Coordinate], BeforeValidator(as_tuple)]
@@ -324,16 +324,16 @@ class VesselStrips:
 
     @classmethod
     def across_headings(
-        cls, section: Disc | Polygon, u: Array, capacity: float, floor: float, top: float
+        cls, section: Base, u: Array, capacity: float, floor: float, top: float
     ) -> VesselStrips:
         """The strips of a cavity of one section all the way up, across unit vectors u (..., 2)."""
         ahead, behind = section.extent(u), section.extent(-u)
         edges = -behind[..., None] + (ahead + behind)[..., None] * _EDGES
         along = 0.5 * (edges[..., 1:] + edges[..., :-1])
         half = 0.5 * np.diff(edges)
-        width, across = _section_chords(section, along, u)
+        width, across = section.chords(along, u)
         area = 2.0 * width * half
-        area *= section_area(section) / area.sum(axis=-1, keepdims=True)
+        area *= section.area / area.sum(axis=-1, keepdims=True)
         return cls(along, across, half, area, capacity, floor, top)
 
     def at_tilt(self, tilt: Array) -> TiltedStrips:
@@ -413,24 +413,6 @@ class TiltedStrips:
         return np.asarray((level[..., None] + self._raised - self._lower) / self._steep)
 
 
-def section_area(section: Disc | Polygon) -> float:
-    """Area of a section [m²]."""
-    return float(np.pi * section.radius**2) if isinstance(section, Disc) else section.area
-
-
-def _section_chords(section: Disc | Polygon, along: Array, u: Array) -> tuple[Array, Array]:
-    """Widths of a section across unit directions u (..., 2) and their middles, shape (..., k)."""
-    if isinstance(section, Disc):
-        half = np.sqrt(np.maximum(section.radius**2 - along * along, 0.0))
-        return 2.0 * half, np.zeros_like(half)
-    ahead, aside = (w @ section.normals.T for w in (u, left_of(u)))
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        bound = (section.offsets - along[..., None] * ahead[..., None, :]) / aside[..., None, :]
-    left = np.where(aside[..., None, :] > 1e-12, bound, np.inf).min(axis=-1)
-    right = np.where(aside[..., None, :] < -1e-12, bound, -np.inf).max(axis=-1)
-    return np.maximum(left - right, 0.0), 0.5 * (left + right)
-
-
 def _strip_mean(
     integral: Callable[[Array, float], Array], x: Array, d: Array, length: float
 ) -> Array:
@@ -479,7 +461,7 @@ class Vessel:
         opening: in its top.
     """
 
-    section: Disc | Polygon
+    section: Base
     floor: float
     top: float
     opening: Opening
@@ -492,13 +474,13 @@ class Vessel:
             ModelError: `bad_value` if the walls leave no cavity, the opening lies outside it, or
                 the contents are more than it holds.
         """
-        inner = _inset_section(section, container.wall)
+        inner = section.inset(container.wall)
         if inner is None or container.wall >= top:
             raise _container_error(
                 "wall_m", f"walls of {container.wall} m leave no room inside", "give thinner walls"
             )
         opening = container.opening
-        if not is_within(inner, np.array([opening.centre]), container.wall - opening.radius):
+        if not inner.contains(np.array([opening.centre]), container.wall - opening.radius):
             raise _container_error(
                 "opening",
                 "the opening is not inside the walls",
@@ -517,7 +499,7 @@ class Vessel:
     @cached_property
     def capacity(self) -> float:
         """Volume that it holds standing upright [m³]."""
-        return section_area(self.section) * (self.top - self.floor)
+        return self.section.area * (self.top - self.floor)
 
     def lip_point(self, heading: ArrayLike) -> Array:
         """The lowest point of the opening's rim when it leans, in B, shape (..., 3) [m]."""
@@ -621,32 +603,6 @@ def _unit_vector(heading: ArrayLike) -> Array:
 
 def _broadcast_arrays(*values: ArrayLike) -> tuple[Array, ...]:
     return tuple(np.broadcast_arrays(*(np.asarray(value, dtype=np.float64) for value in values)))
-
-
-def _inset_section(section: Base, wall: float) -> Disc | Polygon | None:
-    """A section without its walls; None if nothing is left."""
-    if isinstance(section, Disc):
-        return Disc(section.radius - wall) if section.radius > wall else None
-    assert isinstance(section, Polygon)
-    corners = section.vertices
-    for normal, offset in zip(section.normals, section.offsets - wall, strict=True):
-        corners = _cut_polygon(corners, corners @ normal - offset)
-        if len(corners) < 3:
-            return None
-    return Polygon(corners)
-
-
-def _cut_polygon(corners: Array, outside: Array) -> Array:
-    """The part of a convex polygon at whose points `outside` is not positive."""
-    kept = []
-    for a, b, p, q in zip(
-        corners, np.roll(corners, -1, axis=0), outside, np.roll(outside, -1), strict=True
-    ):
-        if p <= 0.0:
-            kept.append(a)
-        if p * q < 0.0:
-            kept.append(a + p / (p - q) * (b - a))
-    return np.array(kept).reshape(-1, 2)
 
 
 def _bisect(beyond: Callable[[Array], NDArray[np.bool_]], low: Array, high: Array) -> Array:

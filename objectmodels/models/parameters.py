@@ -25,7 +25,7 @@ from objectmodels.geometry.pushed_body import UNCERTAIN, Friction
 from objectmodels.geometry.rotations import as_tuple, as_tuples
 from objectmodels.lazy import cached_property
 from objectmodels.mechanics.push_thresholds import GRAVITY
-from objectmodels.models.object_parts import Cavity, Container, Graspable, Lid, Part, cavity_error
+from objectmodels.models.object_parts import Cavity, Container, Graspable, Lid, Part
 
 RADIUS_SHARE_SD = 0.45
 """Standard deviation of an unfitted friction radius as a share of it: real objects spread so."""
@@ -132,19 +132,6 @@ class Parameters(Part):
         if wrong:
             raise ModelError("bad_value", wrong, path="correlations", suggestions=(hint,))
         return self
-
-    @model_validator(mode="after")
-    def _open_above(self) -> Self:
-        if self.inside is None:
-            return self
-        if self.container is not None or self.lid is not None:
-            raise cavity_error("", "goes with neither `container` nor `lid`", "leave those out")
-        self._require_walls(self.inside)
-        return self
-
-    def _require_walls(self, inside: Cavity) -> None:
-        """Makes sure that the shape has walls around a cavity; only that of a box has."""
-        raise cavity_error("", "only a box has one", "begin the file with `format: box/1`")
 
     def __eq__(self, other: object) -> bool:
         """Equal beliefs of one kind; what was computed from them does not count."""

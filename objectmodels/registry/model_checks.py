@@ -16,11 +16,11 @@ import numpy as np
 from objectmodels.errors import ModelError
 from objectmodels.exact.slide_search import CERTAIN
 from objectmodels.files.yaml_documents import short_text
-from objectmodels.geometry.base_shapes import Array, Polygon, is_within
+from objectmodels.geometry.base_shapes import Array, Polygon
 from objectmodels.geometry.side_faces import Face
+from objectmodels.models.kinds import BoxModel
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.predictor import own_predictions, require_calibration
-from objectmodels.models.shapes import BoxModel
 from objectmodels.registry.model_registry import kind_of, model_document, model_from_document
 
 SLOWEST = 20.0
@@ -54,7 +54,7 @@ def _fault_of(check: Callable[[ObjectModel], None], model: ObjectModel) -> Model
 
 def _require_frames(model: ObjectModel) -> None:
     """Faces are on the object, look outwards, and B's origin is in the base."""
-    if not is_within(model.footprint, np.zeros((1, 2))):
+    if not model.footprint.contains(np.zeros((1, 2))):
         raise _wrong_frame("the origin of B is not in its base", "move the shape over [0, 0]")
     faces = model.faces()
     if not faces:
@@ -73,7 +73,7 @@ def _require_frames(model: ObjectModel) -> None:
             raise _wrong_frame(
                 f"the tangent of face {k} is no level unit vector in it", "take ẑ × normal"
             )
-        if not is_within(outline, points[:, :2], NEAR) or points[:, 2].max() > model.top + NEAR:
+        if not outline.contains(points[:, :2], NEAR) or points[:, 2].max() > model.top + NEAR:
             raise _wrong_frame(f"face {k} is not on the object", "give its middle in B [m]")
         if ((points - np.array(model.com)) * normals)[:, :2].sum(axis=1).max() <= 0.0:
             raise _wrong_frame(f"the normal of face {k} looks inwards", "turn it round")

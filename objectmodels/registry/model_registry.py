@@ -38,9 +38,9 @@ from objectmodels.files.yaml_documents import (
     replace_file,
     short_text,
 )
+from objectmodels.models.kinds import KINDS
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.predictor import own_predictions, require_calibration
-from objectmodels.models.shapes import BoxModel, CylinderModel, HullModel, PrismModel
 
 # Model files: a YAML file with units in its keys, read into an object model and written again.
 #
@@ -51,15 +51,6 @@ from objectmodels.models.shapes import BoxModel, CylinderModel, HullModel, Prism
 
 Kinds = Mapping[str, type[ObjectModel]]
 
-BUILT_IN_KINDS: Kinds = {
-    "box": BoxModel,
-    "prism": PrismModel,
-    "cylinder": CylinderModel,
-    "hull": HullModel,
-}
-"""Kinds of model that a file may name without any plug-in."""
-
-
 _SUPPORTS = "corners, uniform, or three or more points [x, y] or [x, y, weight]"
 
 
@@ -69,7 +60,7 @@ def kind_of(model: ObjectModel | type[ObjectModel]) -> str:
     return str(cls.model_fields["kind"].default)
 
 
-def load_model(path: Path, kinds: Kinds = BUILT_IN_KINDS) -> ObjectModel:
+def load_model(path: Path, kinds: Kinds = KINDS) -> ObjectModel:
     """Reads a model file.
 
     Args:
@@ -83,9 +74,7 @@ def load_model(path: Path, kinds: Kinds = BUILT_IN_KINDS) -> ObjectModel:
     return model_from_document(read_mapping(path, "model_file"), str(path), kinds)
 
 
-def model_from_document(
-    content: Mapping[str, Any], path: str, kinds: Kinds = BUILT_IN_KINDS
-) -> ObjectModel:
+def model_from_document(content: Mapping[str, Any], path: str, kinds: Kinds = KINDS) -> ObjectModel:
     """The model of which `content` stands in a file, as `model_document` has it.
 
     Raises:
@@ -296,7 +285,7 @@ class Registry:
         return f"<Registry of {len(list(self))} object models>"
 
     def __init__(self) -> None:
-        self._kinds: dict[str, type[ObjectModel]] = dict(BUILT_IN_KINDS)
+        self._kinds: dict[str, type[ObjectModel]] = dict(KINDS)
         self._models: dict[str, ObjectModel] = {}
         self._places: dict[str, str] = {}
         self._replaced: dict[str, str] = {}

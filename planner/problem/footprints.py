@@ -18,7 +18,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from objectmodels.geometry.base_shapes import Array, Disc, hull_polygon
+from objectmodels.geometry.base_shapes import Array, hull_polygon
 from planner.problem.directions import heading_of, unit
 from planner.types.world_state import SeenObject, TableState, WorldState
 
@@ -64,7 +64,7 @@ def landing_area(seen: SeenObject, direction_W: Array) -> Array:
     What is round rolls on its rim as it topples, so that it may fall askew or roll aside.
     """
     strip = landing_strip(seen, direction_W)
-    if not isinstance(seen.model.footprint, Disc):
+    if not seen.model.footprint.is_round:
         return strip
     heading = heading_of(direction_W)
     aside = ROLLED_ASIDE * unit(heading + math.pi / 2.0)[:2]

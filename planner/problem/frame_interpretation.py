@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from grammar.frames import command as g
-from objectmodels.geometry.base_shapes import Disc
 from objectmodels.models.object_model import LEVEL
 from planner.problem import planning_problem
 from planner.problem.constraint_limits import apply_constraint, grasp_limits, tilt_goal
@@ -168,7 +167,7 @@ def why_not_resting(target: SeenObject) -> Blocked | None:
     if target.attitude is None:
         return None
     level = abs(target.attitude[-1]) < math.sin(LEVEL)
-    rolls = level and isinstance(target.model.footprint, Disc)
+    rolls = level and target.model.footprint.is_round
     return dead_end("rolls" if rolls else "leans", object=target.name)
 
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from grammar.frames import command as g
-from objectmodels.geometry.base_shapes import Array, Disc
+from objectmodels.geometry.base_shapes import Array
 from planner.problem.directions import (
     FACE_OF_PUSH,
     HEADINGS,
@@ -88,7 +88,7 @@ def _asked_headings(goal: g.Rotate, own: SeenObject, state: WorldState) -> tuple
 def _headings_of_sides(seen: SeenObject) -> tuple[float, ...]:
     """Headings in which the broad side faces look [rad]; none of what is round."""
     faces = seen.model.faces()
-    if isinstance(seen.model.base, Disc) or not faces:
+    if seen.model.base.is_round or not faces:
         return ()
     widest = max(face.width for face in faces)
     broad = (face for face in faces if face.width >= _BROAD * widest)
@@ -151,7 +151,7 @@ def pose_as_aim(target: SeenObject, x: float | None = None, y: float | None = No
     The heading of what is round does not matter unless it is to be turned.
     """
     pose = target.pose
-    yaw = None if isinstance(target.model.base, Disc) else pose.yaw
+    yaw = None if target.model.base.is_round else pose.yaw
     return Aim(x=pose.x if x is None else x, y=pose.y if y is None else y, yaw=yaw)
 
 

@@ -22,7 +22,6 @@ from grammar.frames import command as g
 from objectmodels.geometry.base_shapes import Array, Polygon
 from objectmodels.geometry.rotations import left_of
 from objectmodels.models.object_parts import Cavity, inner_floor
-from objectmodels.models.shapes import standing_height, top_face
 from objectmodels.safety_figure import SafetyFigure
 from planner.problem.directions import HEADINGS, heading_of, unit
 from planner.problem.footprints import footprint, gap
@@ -249,7 +248,7 @@ class InBox(Region):
         name = self.box.name
         floor = face_in_world(inner_floor(self._cavity), self.box)
         beyond = max(float((footprint(own) @ floor.normals.T - floor.offsets).max()), 0.0)
-        height = own.pose.z - self.box.pose.z - standing_height(self.box.model)
+        height = own.pose.z - self.box.pose.z - self.box.model.standing_height
         return (
             Measure(f"beyond the walls of the {name}", "at_most", 0.0, beyond, 0.0),
             Measure(f"height over the floor of the {name}", "about", 0.0, height, self.tolerance),
@@ -288,7 +287,7 @@ class OnTop(Region):
 
     def spots(self, own: SeenObject) -> list[Array]:
         """With its centre of mass over the top, the middle first; none if the top is not flat."""
-        top = top_face(self.lower.model)
+        top = self.lower.model.top_face
         if top is None:
             return []
         face = face_in_world(top, self.lower)

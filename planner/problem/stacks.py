@@ -15,7 +15,6 @@ import numpy as np
 from objectmodels.geometry.base_shapes import Polygon
 from objectmodels.mechanics.standing_balance import StackedBody
 from objectmodels.models.object_parts import inner_floor
-from objectmodels.models.shapes import standing_face, standing_height, top_face
 from planner.types.world_state import SeenObject
 
 _SAME_HEIGHT = 0.012  # heights that differ by less are one, as a biased camera sees them [m]
@@ -55,7 +54,7 @@ def with_supports(
 def put_on(seen: SeenObject, lower: SeenObject | None) -> SeenObject:
     """An object on another one, or on the table if that is None, where it is seen from above."""
     z, on = (
-        (0.0, None) if lower is None else (lower.pose.z + standing_height(lower.model), lower.name)
+        (0.0, None) if lower is None else (lower.pose.z + lower.model.standing_height, lower.name)
     )
     return replace(seen, pose=replace(seen.pose, z=z), on=on)
 
@@ -81,7 +80,7 @@ def level_top(seen: SeenObject) -> Polygon | None:
     """The face on which something may stand, in the object's frame; None if there is none."""
     if seen.attitude is not None or seen.model.lid is not None or seen.model.inside is not None:
         return None
-    return top_face(seen.model)
+    return seen.model.top_face
 
 
 def stack_with(there: SeenObject, objects: Mapping[str, SeenObject]) -> list[SeenObject]:
@@ -133,7 +132,7 @@ def face_in_world(face: Polygon, seen: SeenObject) -> Polygon:
 def _stacked_body(seen: SeenObject, below: int | None, place_sd: float) -> StackedBody:
     model, R = seen.model, seen.pose.R_WB[:2, :2]
     base = face_in_world(Polygon.convex(model.base.corners), seen)
-    top = standing_face(model)
+    top = model.standing_face
     return StackedBody(
         model.mass,
         model.mass_sd,

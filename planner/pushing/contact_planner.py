@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels import ObjectModel, Thresholds
-from objectmodels.geometry.base_shapes import Array, Disc
+from objectmodels.geometry.base_shapes import Array
 from objectmodels.mechanics.friction_cone import contact_forces
 from objectmodels.mechanics.push_motion import best_turn
 from objectmodels.mechanics.push_outcomes import OUTCOMES, circle_corners
@@ -154,7 +154,7 @@ def confirm_with_exact_tier(problem: PushProblem, step: PushStep, contact: Conta
     grip = model.finger_friction
     if contact.among.guarded:
         grip = min(problem.robot.limits.force_skew, grip)
-    if step.outcome == "topple" and isinstance(model.base, Disc):
+    if step.outcome == "topple" and model.base.is_round:
         # On one point of its rim it spins before it tips, and still tips.
         t = _exact_thresholds(model, *_place(contact), grip)
         return bool((t.slide >= (1.0 - _SPINS) * t.topple).all())
@@ -188,7 +188,7 @@ def _exact_probability(
     """
     from objectmodels.exact.exact_probability import least_probability
 
-    spins = outcome == "topple" and isinstance(model.base, Disc)
+    spins = outcome == "topple" and model.base.is_round
     topples_at = 1.0 - _SPINS if spins else 1.0
     return least_probability(
         model, np.array(point), np.array(normal), outcome, aside=turning, topples_at=topples_at
@@ -511,7 +511,7 @@ def _push_candidate(
         "displacement": _predicted_displacement(problem, step, contact, push),
     }
     # All sides of a round object are alike.
-    side = None if isinstance(problem.target.model.base, Disc) else contact.among.side.face.normal
+    side = None if problem.target.model.base.is_round else contact.among.side.face.normal
     return PushCandidate(
         PushAction.model_validate({**dict(push), **known}),
         (side, round(push.p_BC[2], 3), push.fingers, push.ends_on),

@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels import ObjectModel
-from objectmodels.geometry.base_shapes import Disc
 from planner.problem.planning_problem import PushProblem, PushStep, Side
 from planner.pushing.contact_sampling import EDGE, model_limited_by_hand
 from planner.refusals.blocked import Blocked, dead_end
@@ -165,7 +164,7 @@ def _cannot_topple(problem: PushProblem, critical: float) -> Blocked:
     numbers = {"highest_height": highest}
     spans, name = asked.spans, target.name
     # What is round falls alike to all sides.
-    other = "" if isinstance(target.model.base, Disc) else ".side"
+    other = "" if target.model.base.is_round else ".side"
     if math.isinf(critical):
         return dead_end(f"never_topples{other}", numbers, spans=spans, object=name)
     numbers["critical_height"] = critical

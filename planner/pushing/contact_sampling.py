@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels import ConeThresholds, Face, ObjectModel
-from objectmodels.geometry.base_shapes import Array, Disc
+from objectmodels.geometry.base_shapes import Array
 from objectmodels.mechanics.friction_cone import worst_probability
 from objectmodels.safety_figure import SafetyFigure
 from planner.problem.constraint_limits import why_not_tilted
@@ -342,7 +342,7 @@ def why_not_so_fast(problem: PushProblem, pushes: Sequence[PushAction]) -> Block
 
 def kept_speed(problem: PushProblem, push: PushAction) -> float:
     """Speed that a push made now keeps within its force limit [m/s]; inf if nothing limits it."""
-    if not isinstance(problem.target.model.base, Disc):
+    if not problem.target.model.base.is_round:
         return math.inf
     effort: ReachEffort = "thorough" if problem.effort.thorough else "usual"
     stiffness = problem.robot.reach(push, problem.state, effort).stiffness

@@ -17,9 +17,8 @@ from dataclasses import replace
 import numpy as np
 
 from objectmodels.exact.top_drag import drag_probability, press_range, top_drag
-from objectmodels.geometry.base_shapes import Array, is_within
+from objectmodels.geometry.base_shapes import Array
 from objectmodels.mechanics.standing_balance import TopLoad
-from objectmodels.models.shapes import top_face
 from objectmodels.safety_figure import SafetyFigure
 from planner.problem.directions import unit
 from planner.problem.overhangs import Overhang, most_overhang, overhangs, table_with_room
@@ -109,8 +108,8 @@ def _contact(problem: PushProblem) -> Array | Blocked:
     if said not in (None, "top"):
         spans, name = problem.contact.spans, problem.target.name
         return dead_end("pushed_over_edge", spans=spans, object=name, face=said)
-    face, over = top_face(model), np.array(model.com[:2])
-    if model.container is not None or face is None or not is_within(face, over[None], -_RIM):
+    face, over = model.top_face, np.array(model.com[:2])
+    if model.container is not None or face is None or not face.contains(over[None], -_RIM):
         return dead_end("no_top_to_press", object=problem.target.name)
     return np.append(over, model.top)
 
@@ -164,7 +163,7 @@ def _drag_along(problem: PushProblem, segment: PathSegment) -> PushAction | Bloc
         tier="exact",
         friction="static",
     )
-    face = top_face(model)
+    face = model.top_face
     assert face is not None, "a contact was found on it"
     lateral = float((face.offsets - face.normals @ point[:2]).min())
     margins = Margins(

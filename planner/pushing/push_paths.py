@@ -18,7 +18,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from objectmodels.geometry.base_shapes import Disc
 from planner.problem.directions import angle_between, heading_of, unit
 from planner.problem.footprints import (
     Separations,
@@ -110,7 +109,7 @@ def largest_obliqueness(target: SeenObject, sigmas: float, *, steep: bool = Fals
 def obliqueness(target: SeenObject, heading: float) -> float:
     """Angle by which an object would have to turn for a face to be square to a push [rad]."""
     inward = _inward_headings(target)
-    if isinstance(target.model.base, Disc) or not inward:
+    if target.model.base.is_round or not inward:
         return 0.0
     return min((angle_between(heading, h) for h in inward), key=abs)
 
@@ -129,7 +128,7 @@ def direct_paths(
     """
     rest = np.array([aim.x, aim.y, 0.0]) - target.pose.p_WB
     length, heading = float(np.linalg.norm(rest)), heading_of(rest)
-    if isinstance(target.model.base, Disc):
+    if target.model.base.is_round:
         yield (PathSegment(heading, length),)
         return
     inward = _inward_headings(target)
@@ -163,7 +162,7 @@ def push_headings(target: SeenObject, aim: Aim) -> tuple[float, ...]:
 
     A round object is pushed straight to the aim, and across.
     """
-    if not isinstance(target.model.base, Disc):
+    if not target.model.base.is_round:
         return tuple(_inward_headings(target))
     ahead = heading_of(np.array([aim.x, aim.y, 0.0]) - target.pose.p_WB)
     return tuple(ahead + quarter * math.pi / 2.0 for quarter in range(4))

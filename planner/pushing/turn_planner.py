@@ -29,7 +29,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from objectmodels import Face
-from objectmodels.geometry.base_shapes import Disc
 from objectmodels.mechanics.push_motion import TurningPush, best_turn
 from planner.problem.directions import heading_of
 from planner.problem.footprints import footprint, gap, room_to_edge
@@ -131,7 +130,7 @@ def _touched_side(target: SeenObject, push: Push) -> Side:
     """The side that a push touches."""
     p = np.array(push.p_BC)
     headings = np.array([math.atan2(-p[1], -p[0])])
-    faces = target.model.faces(headings if isinstance(target.model.base, Disc) else None)
+    faces = target.model.faces(headings if target.model.base.is_round else None)
     on = [abs(float((p - face.centre) @ np.array(face.normal))) for face in faces]
     beside = [abs(float((p - face.centre) @ np.array(face.tangent))) for face in faces]
     off = [o + max(b - 0.5 * f.width, 0.0) for o, b, f in zip(on, beside, faces, strict=True)]
@@ -170,7 +169,7 @@ def _turnable_sides(target: SeenObject, angle: float) -> list[tuple[TurnStroke, 
     found = []
     # Of a round object some sides, evenly around it.
     pose, model = target.pose, target.model
-    headings = _ROUND_HEADINGS - pose.yaw if isinstance(model.base, Disc) else None
+    headings = _ROUND_HEADINGS - pose.yaw if model.base.is_round else None
     for side in [_side_of_face(face, pose) for face in model.faces(headings)]:
         pair = [_turn_stroke(each, target, angle) for each in (side, _opposite_side(side, target))]
         if pair[0] is not None and pair[1] is not None:
@@ -232,7 +231,7 @@ def _opposite_side(side: Side, target: SeenObject) -> Side:
     """The side that looks the other way in B."""
     normal = np.array(side.face.normal)
     headings = None
-    if isinstance(target.model.base, Disc):
+    if target.model.base.is_round:
         headings = np.array([math.atan2(normal[1], normal[0])])
     faces = target.model.faces(headings)
     return _side_of_face(

@@ -23,7 +23,6 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from objectmodels.geometry.base_shapes import Disc
 from objectmodels.geometry.rotations import Array
 from objectmodels.safety_figure import SafetyFigure
 from planner.problem.footprints import footprint, gap
@@ -469,7 +468,7 @@ def _turn_limit(push: Push, seen: SeenObject) -> float | None:
     faster: it is pushed otherwise before it is far off. What is to be quick has no second push.
     """
     limit = push.limits.turn
-    round_ = isinstance(seen.model.base, Disc)
+    round_ = seen.model.base.is_round
     if push.fingers == 1 or push.ends_on != "stroke" or round_ or push.limits.duration is not None:
         return limit
     return _HELD if limit is None else min(limit, _HELD)

@@ -16,8 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels.geometry.rotations import Array, circle_around, rot_z
-from objectmodels.models.object_parts import open_box_parts
-from objectmodels.models.shapes import CylinderModel
+from objectmodels.geometry.solids import Column
 from objectmodels.safety_figure import SafetyFigure
 from planner.types.world_state import SeenObject, WorldState
 from sim.robots.collision_spheres import (
@@ -75,27 +74,24 @@ class Obstacle:
         outline, height = seen.bulk()
         if seen.attitude is not None:
             return replace(cls.at_origin(outline, height), name=seen.name, clearance=clearance)
-        outline = seen.model.outline
-        radius = seen.model.radius if isinstance(seen.model, CylinderModel) else 0.0
-        middle_B, around = circle_around(outline)
+        return cls._of_column(seen, replace(seen.model.column, height=height), clearance)
+
+    @classmethod
+    def _of_column(cls, seen: SeenObject, column: Column, clearance: float) -> Obstacle:
+        """A column of an object that stands where the robot sees it."""
+        middle_B, around = circle_around(column.outline)
         R_WB, p_WB = seen.pose.R_WB, seen.pose.p_WB
         middle = p_WB[:2] + R_WB[:2, :2] @ middle_B
-        return cls(seen.name, clearance, R_WB, p_WB, outline, height, middle, around, radius)
+        form = (column.outline, column.height, middle, around, column.radius)
+        return cls(seen.name, clearance, R_WB, p_WB, *form)
 
     @classmethod
     def parts_of(cls, seen: SeenObject, clearance: float) -> tuple[Obstacle, ...]:
         """An object that the robot sees; an open box is its floor and its walls."""
-        whole, inside = cls.from_seen(seen, clearance), seen.model.inside
-        if inside is None or seen.attitude is not None:
-            return (whole,)
-        parts = []
-        for (x, y, _), (u, v, top) in open_box_parts(seen.model.extents, inside):
-            outline = np.array([[x, y], [u, y], [u, v], [x, v]])
-            middle_B, around = circle_around(outline)
-            middle = whole.p_WB[:2] + whole.R_WB[:2, :2] @ middle_B
-            part = replace(whole, outline=outline, height=float(top), middle=middle, around=around)
-            parts.append(part)
-        return tuple(parts)
+        columns = seen.model.columns
+        if len(columns) == 1 or seen.attitude is not None:
+            return (cls.from_seen(seen, clearance),)
+        return tuple(cls._of_column(seen, column, clearance) for column in columns)
 
     @classmethod
     def at_origin(cls, outline: Array, height: float, radius: float = 0.0) -> Obstacle:

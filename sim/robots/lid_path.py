@@ -142,7 +142,7 @@ class LidPath:
 def lid_shape(step: FlipOver, target: SeenObject, tip_radius: float) -> LidShape:
     """The lid of an object that is seen, for a fingertip of a radius [m]."""
     lid, hinge = _lid_and_hinge(target)
-    rim = lids.lid_rim(target.model)
+    rim = target.model.rim
     across = np.array([-hinge.out[1], hinge.out[0]])
     return LidShape(
         length=round(hinge.reach, 5),
@@ -166,7 +166,7 @@ def _lid_and_hinge(target: SeenObject) -> tuple[FlipLid, lids.Hinge]:
     """Of an object that has a flip lid."""
     lid = target.model.lid
     assert isinstance(lid, FlipLid), "only a flip lid is flipped over"
-    return lid, lids.lid_hinge(lid, lids.lid_rim(target.model), target.model.top)
+    return lid, lids.lid_hinge(lid, target.model.rim, target.model.top)
 
 
 def _round_angle(angle: float) -> float:

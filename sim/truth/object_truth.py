@@ -5,49 +5,79 @@ Frame: B is the object's frame at the centre of its base.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
+from collections.abc import Mapping
 from functools import cached_property
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import model_validator
-
-from objectmodels import BoxModel, CylinderModel, HullModel, ObjectModel, PrismModel
-from objectmodels.containers import lids
-from objectmodels.files.yaml_documents import Deviation, Friction, Length, Mass, length_of
-from objectmodels.geometry.base_shapes import Array, Base, Disc, Polygon, hull_polygon
-from objectmodels.models.object_parts import (
-    Cavity,
-    Container,
-    Lid,
-    Vessel,
-    open_box_parts,
-    require_open_box,
+from pydantic import (
+    PlainSerializer,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+    model_validator,
 )
+
+from objectmodels import ObjectModel
+from objectmodels.containers import lids
+from objectmodels.files.yaml_documents import Deviation, Friction, Mass, length_of
+from objectmodels.geometry.base_shapes import Polygon
+from objectmodels.geometry.rotations import as_tuples
+from objectmodels.models.object_parts import Container, Lid, Vessel
+from objectmodels.models.shapes import SHAPES, AnyShape, ShapeKeys
 from planner.types.world_state import Colour
-from sim.robots.cell_description import Fraction, Part, Point2, Point3
+from sim.robots.cell_description import AsItIs, Fraction, Part, Point2, Point3
 
 GREY: Colour = (0.6, 0.6, 0.6)
 
-_RIM_POINTS = 16
-_FLAT = 1e-4  # heights of a hull that differ by less are one [m]
+_ALWAYS_WRITTEN = ("size_m", "radius_m", "base_radius_m", "corners_m", "height_m", "vertices_m")
+"""Keys of shapes that every document has, in this order; null if they belong to another shape."""
+
+
+def _shape_of(stated: Mapping[str, Any]) -> ShapeKeys:
+    """The shape whose keys are stated.
+
+    Raises:
+        ValueError: the keys are not those of one shape.
+    """
+    found = [shape for shape in SHAPES if _first_key(shape) in stated]
+    if len(found) != 1:
+        *some, last = map(_first_key, SHAPES)
+        raise ValueError(f"needs one shape: {', '.join(some)} or {last}")
+    (shape,) = found
+    known = shape.file_keys()
+    for key in dict.fromkeys(key for each in SHAPES for key in each.file_keys()):
+        if (key in stated and key not in known) or (key not in stated and known.get(key)):
+            raise ValueError(_belonging(key))
+    return shape.model_validate(dict(stated))
+
+
+def _first_key(shape: type[ShapeKeys]) -> str:
+    return next(iter(shape.file_keys()))
+
+
+def _belonging(key: str) -> str:
+    """The shapes to which a key belongs, in words."""
+    owners = [shape for shape in SHAPES if key in shape.file_keys()]
+    named = " or ".join(map(_first_key, owners))
+    needed = all(shape.file_keys()[key] for shape in owners)
+    return f"{key} belongs to a {named}{', and to nothing else' if needed else ''}"
+
+
+def _keys_of(shape: ShapeKeys) -> dict[str, Any]:
+    """Keys of a shape in a file."""
+    return shape.model_dump(mode="json", by_alias=True)
 
 
 class Truth(Part):
     """The truth of an object; only the simulated world and an observer of it may read this.
 
-    Its shape is one of four: a box (`size_m`), an upright cylinder (`radius_m`, `height_m`), a
-    prism over a convex polygon (`corners_m`, `height_m`) or a convex hull (`vertices_m`).
+    In a file the keys of its shape stand among the others: those of a box (`size_m`, `inside`), an
+    upright cylinder (`radius_m`, `height_m`, `base_radius_m`), a prism over a convex polygon
+    (`corners_m`, `height_m`), a convex hull (`vertices_m`), or of another one of `SHAPES`.
 
     Attributes:
-        size_m: of a box along B's axes.
-        radius_m: of a cylinder.
-        base_radius_m: of the circle on which a cylinder stands, if that is smaller.
-        corners_m: of a prism's base in B's x, y, in order.
-        height_m: of a cylinder or prism.
-        vertices_m: of a convex hull in B; it stands on those at z = 0.
+        shape: true shape.
         mass_kg: true mass.
         friction_table: the one coefficient of the contact between base and table. A discrete
             simulation has no separate static coefficient; this is the sliding one.
@@ -59,17 +89,11 @@ class Truth(Part):
         support_m: points of the base on which the object stands, in B's x, y; its corners (of a
             cylinder: points of its rim) if not given.
         container: what it really holds; `mass_kg` includes the contents.
-        inside: of a box that is open above, where other objects may stand.
         lid: what really covers it; `mass_kg` includes the lid.
         colour: red, green, blue in 0…1, for the camera and for pictures.
     """
 
-    size_m: tuple[Length, Length, Length] | None = None
-    radius_m: Length | None = None
-    base_radius_m: Length | None = None
-    corners_m: Annotated[tuple[Point2, ...], length_of("corners")] | None = None
-    height_m: Length | None = None
-    vertices_m: Annotated[tuple[Point3, ...], length_of("vertices")] | None = None
+    shape: Annotated[AnyShape, AsItIs(), PlainSerializer(_keys_of)]
     mass_kg: Mass
     friction_table: Friction
     friction_finger: Friction
@@ -77,35 +101,47 @@ class Truth(Part):
     contents_shift_m: Deviation = 0.0
     support_m: Annotated[tuple[Point2, ...], length_of("support")] | None = None
     container: Container | None = None
-    inside: Cavity | None = None
     lid: Lid | None = None
     colour: tuple[Fraction, Fraction, Fraction] = (0.8, 0.7, 0.4)
 
+    @model_validator(mode="before")
+    @classmethod
+    def _read_shape(cls, document: Any) -> Any:
+        """Makes a shape of its keys in a file."""
+        if not isinstance(document, dict) or "shape" in document:
+            return document
+        of_shapes = {key for shape in SHAPES for key in shape.file_keys()}
+        stated = {key: document[key] for key in of_shapes if document.get(key) is not None}
+        # Lists of JSON are no tuples by themselves once a document was looked into.
+        others = {key: as_tuples(v) for key, v in document.items() if key not in of_shapes}
+        # A key that is unknown is told first: it may be one of a shape, misspelt.
+        if others.keys() <= cls.model_fields.keys():
+            others["shape"] = _shape_of(stated)
+        return others
+
+    @model_serializer(mode="wrap")
+    def _document(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """The form that it has in a file."""
+        document: dict[str, Any] = write(self)
+        shape: dict[str, Any] = document.pop("shape")
+        inside = {"inside": shape.pop("inside", None)}
+        # A cavity stands between container and lid.
+        after = {key: document.pop(key) for key in ("lid", "colour") if key in document}
+        unstated: dict[str, Any] = dict.fromkeys(_ALWAYS_WRITTEN)
+        return unstated | shape | document | inside | after
+
     @model_validator(mode="after")
-    def _one_shape(self) -> Truth:
-        upright = (self.radius_m, self.corners_m)
-        shapes = (self.size_m, *upright, self.vertices_m)
-        if sum(shape is not None for shape in shapes) != 1:
-            raise ValueError("needs one shape: size_m, radius_m, corners_m or vertices_m")
-        if any(shape is not None for shape in upright) == (self.height_m is None):
-            raise ValueError("height_m belongs to a radius_m or corners_m, and to nothing else")
-        if self.vertices_m is not None and (self.container is not None or self.lid is not None):
+    def _check_shape(self) -> Truth:
+        shape, holds = self.shape, self.container is not None or self.lid is not None
+        if holds and not shape.has_upright_walls:
             raise ValueError("a hull of vertices_m has neither container nor lid")
-        if self.inside is not None and (
-            self.size_m is None or self.container is not None or self.lid is not None
-        ):
+        if holds and shape.cavity is not None:
             raise ValueError("inside belongs to a size_m that has neither container nor lid")
-        if self.inside is not None and self.size_m is not None:
-            require_open_box(self.size_m, self.inside)
-        if self.base_radius_m is not None and self.radius_m is None:
-            raise ValueError("base_radius_m belongs to a radius_m")
-        if self.corners_m is not None:
-            Polygon.convex(self.corners_m)
-        if self.vertices_m is not None:
-            if min(z for _, _, z in self.vertices_m) != 0.0:
-                raise ValueError("the lowest of vertices_m are at z = 0")
-            if len(self.support) < 3 or not self.upper_points:
-                raise ValueError("vertices_m has a base of three or more at z = 0")
+        Polygon.convex(shape.silhouette)
+        if shape.hull_corners[:, 2].min() != 0.0:
+            raise ValueError("the lowest of vertices_m are at z = 0")
+        if len(self.support) < 3 or not shape.crown:
+            raise ValueError("vertices_m has a base of three or more at z = 0")
         return self
 
     @model_validator(mode="after")
@@ -134,12 +170,24 @@ class Truth(Part):
         """Its cavity, as a function of how it leans; None if it is not hollow."""
         if self.container is None:
             return None
-        return Vessel.from_shape(self.rim, self.height, self.container)
+        return Vessel.from_shape(self.shape.rim, self.shape.top, self.container)
 
     def _contains(self, p_B: Point3) -> bool:
         x, y, z = p_B
-        outline = Polygon.convex(self.outline)
-        return bool((outline.normals @ [x, y] < outline.offsets).all() and 0 < z < self.height)
+        outline = Polygon.convex(self.shape.silhouette)
+        return bool((outline.normals @ [x, y] < outline.offsets).all() and 0 < z < self.shape.top)
+
+    def scaled(self, *, mass: float, friction: float, finger_friction: float) -> Truth:
+        """The same with so many times the mass, contents included, and the coefficients."""
+        changed: dict[str, object] = {
+            "mass_kg": self.mass_kg * mass,
+            "friction_table": self.friction_table * friction,
+            "friction_finger": self.friction_finger * finger_friction,
+        }
+        if self.container is not None:
+            litres = self.container.contents_l * mass
+            changed["container"] = self.container.model_copy(update={"contents_l": litres})
+        return self.model_copy(update=changed)
 
     def with_shift(self, shift: ArrayLike) -> Truth:
         """The same with its centre of mass shifted in B, shape (3,) [m].
@@ -153,50 +201,9 @@ class Truth(Part):
         return self
 
     @property
-    def cuboids(self) -> tuple[tuple[Array, Array], ...]:
-        """Opposite corners in B of the cuboids of which a box consists, shape (3,) each [m]."""
-        assert self.size_m is not None, "only a box consists of cuboids"
-        if self.inside is not None:
-            return open_box_parts(self.size_m, self.inside)
-        x, y, z = self.size_m
-        return ((np.array([-x / 2, -y / 2, 0.0]), np.array([x / 2, y / 2, z])),)
-
-    @property
-    def height(self) -> float:
-        """Of its top above the table [m]."""
-        if self.size_m is not None:
-            return self.size_m[2]
-        if self.vertices_m is not None:
-            return max(z for _, _, z in self.vertices_m)
-        assert self.height_m is not None
-        return self.height_m
-
-    @property
-    def outline(self) -> tuple[Point2, ...]:
-        """Corners of its sides in B's x, y [m]; points around a round one."""
-        if self.size_m is not None:
-            a, b = self.size_m[0] / 2, self.size_m[1] / 2
-            return ((a, b), (-a, b), (-a, -b), (a, -b))
-        if self.vertices_m is not None:
-            return _outline(self.vertices_m)
-        return self.corners_m or _circle(self.radius_m or 0.0)
-
-    @property
-    def corners(self) -> Array:
-        """Corners of its hull in B, points around those of round ends, shape (k, 3) [m]."""
-        if self.vertices_m is not None:
-            return np.array(self.vertices_m)
-        return np.array([(x, y, z) for z in (0.0, self.height) for x, y in self.outline])
-
-    @property
     def centre_of_mass(self) -> Point3:
         """Centre of mass in B [m]."""
-        return self.centre_of_mass_m or (0.0, 0.0, self.height / 2)
-
-    @property
-    def rim(self) -> Base:
-        """Outline of its top in B."""
-        return Polygon.convex(self.outline) if self.radius_m is None else Disc(self.radius_m)
+        return self.centre_of_mass_m or (0.0, 0.0, self.shape.top / 2)
 
     @property
     def without_lid(self) -> Truth:
@@ -204,7 +211,7 @@ class Truth(Part):
         if self.lid is None:
             return self
         left = self.mass_kg - self.lid.mass
-        p_BL = lids.lid_centre(self.lid, self.rim, self.height)
+        p_BL = lids.lid_centre(self.lid, self.shape.rim, self.shape.top)
         com = (self.mass_kg * np.array(self.centre_of_mass) - self.lid.mass * p_BL) / left
         return self.model_copy(
             update={"mass_kg": left, "centre_of_mass_m": tuple(com.tolist()), "lid": None}
@@ -213,18 +220,7 @@ class Truth(Part):
     @property
     def support(self) -> tuple[Point2, ...]:
         """Support points in B's x, y [m]."""
-        if self.support_m is not None:
-            return self.support_m
-        if self.vertices_m is not None:
-            return _thinned(_outline([point for point in self.vertices_m if point[2] <= _FLAT]))
-        return self.outline if self.base_radius_m is None else _circle(self.base_radius_m)
-
-    @property
-    def upper_points(self) -> tuple[Point2, ...]:
-        """Points of its top in B's x, y [m], on which it lies if it has fallen over."""
-        if self.vertices_m is None:
-            return self.outline
-        return _thinned(_outline([p for p in self.vertices_m if p[2] >= self.height - _FLAT]))
+        return self.shape.feet if self.support_m is None else self.support_m
 
 
 def _is_surrounded(point: Point2, points: tuple[Point2, ...]) -> bool:
@@ -234,61 +230,23 @@ def _is_surrounded(point: Point2, points: tuple[Point2, ...]) -> bool:
     return bool(np.diff(angles, append=angles[0] + 2.0 * np.pi).max() < np.pi)
 
 
-def _outline(points: Sequence[Point3]) -> tuple[Point2, ...]:
-    """Corners of points as seen from above; one or two are their own."""
-    seen = np.array(points)[:, :2]
-    if len(seen) < 3:
-        return tuple(map(tuple, seen.tolist()))
-    return tuple(map(tuple, hull_polygon(seen).vertices.tolist()))
-
-
-def _thinned(corners: tuple[Point2, ...]) -> tuple[Point2, ...]:
-    """Corners of which there are no more than of a rim."""
-    return corners[:: math.ceil(len(corners) / _RIM_POINTS)]
-
-
-def _circle(radius: float) -> tuple[Point2, ...]:
-    """Points of a rim on which a round object stands."""
-    turns = (2.0 * math.pi * k / _RIM_POINTS for k in range(_RIM_POINTS))
-    return tuple((radius * math.cos(phi), radius * math.sin(phi)) for phi in turns)
-
-
 def truth_as_believed(model: ObjectModel, colour: Colour = GREY) -> Truth:
     """The truth of an object that is exactly as its model says, without contents and lid.
 
-    Of a kind that a plug-in brings it has the hull of its base and, at its top, of its outline.
+    Of a kind that a plug-in brings, with a shape of its own, it has the hull of its base and, at
+    its top, of its outline.
     """
-    return Truth.model_validate(_shape(model) | _figures(model, colour))
+    return Truth(shape=model.bare_shape(), **_figures(model, colour))
 
 
 def whole_truth(model: ObjectModel) -> Truth:
     """The same with its contents and its lid; a hull has neither."""
-    shape = _shape(model)
-    parts = {} if "vertices_m" in shape else {"container": model.container, "lid": model.lid}
-    return Truth.model_validate(shape | _figures(model, GREY) | parts)
+    shape = model.bare_shape()
+    held = {"container": model.container, "lid": model.lid} if shape.has_upright_walls else {}
+    return Truth(shape=shape, **(_figures(model, GREY) | held))
 
 
-def _shape(model: ObjectModel) -> dict[str, object]:
-    match model:
-        case BoxModel():
-            return {"size_m": model.size, "inside": model.inside}
-        case CylinderModel():
-            return {
-                "radius_m": model.radius,
-                "height_m": model.height,
-                "base_radius_m": model.base_radius,
-            }
-        case PrismModel():
-            return {"corners_m": model.corners, "height_m": model.height}
-        case HullModel():
-            return {"vertices_m": model.vertices}
-        case _:
-            ends = ((model.footprint.corners, 0.0), (model.outline, model.top))
-            vertices = [(x, y, z) for corners, z in ends for x, y in corners.tolist()]
-            return {"vertices_m": tuple(vertices)}
-
-
-def _figures(model: ObjectModel, colour: Colour) -> dict[str, object]:
+def _figures(model: ObjectModel, colour: Colour) -> dict[str, Any]:
     feet = None if isinstance(model.support, str) else tuple(p[:2] for p in model.support)
     return {
         "support_m": feet,

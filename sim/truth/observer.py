@@ -56,7 +56,7 @@ def first_motion(truth: Truth, poses: Array, *, bound: float = BOUND) -> Verdict
             keep them.
         bound: displacement that counts as motion [m].
     """
-    p_BC = np.pad(np.array(truth.outline), ((0, 0), (0, 1)))
+    p_BC = np.pad(np.array(truth.shape.silhouette), ((0, 0), (0, 1)))
     R_WB = from_quaternion(poses[:, :4])
     corners = poses[:, None, 4:] + p_BC @ np.swapaxes(R_WB, -1, -2)
     moved = corners - corners[0]

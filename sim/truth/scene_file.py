@@ -173,13 +173,13 @@ class SceneObject(CellObject):
     @property
     def p_WB(self) -> Array:
         """Place of B's origin in W at the start, as high as it must be to stand there, (3,) [m]."""
-        lowest = float((self.truth.corners @ self.pose.R_WB[2]).min())
+        lowest = float((self.truth.shape.hull_corners @ self.pose.R_WB[2]).min())
         return np.array([self.pose.x_m, self.pose.y_m, self.pose.z_m - lowest])
 
     @property
     def corners_W(self) -> Array:
         """Corners of its hull in W, shape (k, 3) [m]."""
-        return self.truth.corners @ self.pose.R_WB.T + self.p_WB
+        return self.truth.shape.hull_corners @ self.pose.R_WB.T + self.p_WB
 
     @property
     def covered(self) -> Array:
@@ -196,7 +196,7 @@ class SceneObject(CellObject):
 
     def _stands_inside(self, box: SceneObject) -> bool:
         """Return True if it stands between the walls of an open box, over its floor."""
-        inside = box.truth.inside
+        inside = box.truth.shape.cavity
         if inside is None:
             return False
         in_B = (self.corners_W - box.p_WB) @ box.pose.R_WB
@@ -443,19 +443,12 @@ def sample_world(scene: Scene, seed: int) -> Scene:
     objects = []
     for item in scene.objects:
         mass, friction, finger, *shift = clipped_normal(rng, 6).tolist()
-        truth = item.truth.model_copy(
-            update={
-                "mass_kg": item.truth.mass_kg * (1.0 + hidden.mass * mass),
-                "friction_table": item.truth.friction_table * (1.0 + hidden.friction * friction),
-                "friction_finger": item.truth.friction_finger
-                * (1.0 + hidden.finger_friction * finger),
-            }
+        scaled = item.truth.scaled(
+            mass=1.0 + hidden.mass * mass,
+            friction=1.0 + hidden.friction * friction,
+            finger_friction=1.0 + hidden.finger_friction * finger,
         )
-        if truth.container is not None:
-            litres = truth.container.contents_l * (1.0 + hidden.mass * mass)
-            container = truth.container.model_copy(update={"contents_l": litres})
-            truth = truth.model_copy(update={"container": container})
-        shifted = truth.with_shift([hidden.centre_of_mass_m * z for z in shift])
+        shifted = scaled.with_shift([hidden.centre_of_mass_m * z for z in shift])
         objects.append(item.model_copy(update={"truth": shifted}))
     return scene.model_copy(update={"objects": tuple(objects), "hidden": Hidden()})
 

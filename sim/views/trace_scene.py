@@ -7,7 +7,7 @@ them exists for the physics, the planner or the camera.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -16,10 +16,10 @@ import numpy as np
 
 from objectmodels.containers.pour_dynamics import exit_velocity, fall_time
 from objectmodels.geometry.rotations import Array, from_quaternion, quaternion, rot_z
+from objectmodels.geometry.solids import ConvexHull, Cuboid, UprightCylinder
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.models.object_model import ObjectModel
-from objectmodels.models.object_parts import Vessel, open_box_parts
-from objectmodels.models.shapes import BoxModel, CylinderModel, HullModel
+from objectmodels.models.object_parts import Vessel
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Scene, SceneObject
 from sim.worlds.drake.contents import lean_of
@@ -283,19 +283,19 @@ def view(trace: Trace, at: Array, off: Array) -> tuple[Array, Array]:
 
 def object_shapes(item: SceneObject, shapes: list[Shape]) -> list[Shape]:
     """The shapes of an object, with what makes it recognisable to the eye alone."""
-    truth, vessel = item.truth, item.truth.vessel
+    truth, form, vessel = item.truth, item.truth.shape, item.truth.vessel
     drawn = []
     for shape in shapes:
-        if shape["name"] == "solid" and vessel is not None and truth.radius_m is not None:
+        if shape["name"] == "solid" and vessel is not None and form.rim.is_round:
             drawn.append(_hollow(shape, truth, vessel))
         elif shape["name"] == "solid" and vessel is not None:
             drawn.append(shape | {"colour": (*shape["colour"][:3], _SHELL)})
         else:
             drawn.append(shape)
-    if item.model in _WITH_HANDLE and truth.radius_m is not None:
-        drawn.append(_handle(truth.radius_m, truth.height, drawn[0]["colour"]))
-    if truth.size_m is not None:
-        drawn += _labels(item.name, truth.size_m)
+    if item.model in _WITH_HANDLE and form.rim.is_round:
+        drawn.append(_handle(form.rim.size, form.top, drawn[0]["colour"]))
+    if form.is_labelled:
+        drawn += _labels(item.name, form.extents)
         if truth.container is not None and truth.lid is None:
             drawn.append(_spout(truth))
     return drawn
@@ -303,47 +303,47 @@ def object_shapes(item: SceneObject, shapes: list[Shape]) -> list[Shape]:
 
 def believed_shapes(name: str, model: ObjectModel) -> list[Shape]:
     """The shapes of an object as it is believed to be, with its name on the sides of a box."""
-    if isinstance(model, BoxModel):
-        x, y, z = model.extents
-        cuboids: Iterable[tuple[Sequence[float], Sequence[float]]] = [
-            ((x, y, z), (0.0, 0.0, z / 2))
-        ]
-        if model.inside is not None:
-            parts = open_box_parts((x, y, z), model.inside)
-            cuboids = [((b - a).tolist(), ((a + b) / 2.0).tolist()) for a, b in parts]
+    drawn = [solid.accept(_BelievedSolid(model)) for solid in model.solids]
+    if model.name in _WITH_HANDLE and model.rim.is_round:
+        drawn.append(_handle(model.rim.size, model.top, _WHITE))
+    return [*drawn, *(_labels(name, model.extents) if model.is_labelled else ())]
+
+
+@dataclass(frozen=True)
+class _BelievedSolid:
+    """The shape of a solid of a model."""
+
+    model: ObjectModel
+
+    def cuboid(self, solid: Cuboid) -> Shape:
+        """Of cardboard."""
         cardboard = (0.72, 0.62, 0.48, 1.0)
-        boxes = [_box("solid", size, middle, cardboard) for size, middle in cuboids]
-        return [*boxes, *_labels(name, (x, y, z))]
-    if isinstance(model, CylinderModel):
-        round_shapes = [_turned(model)]
-        if model.name in _WITH_HANDLE:
-            round_shapes.append(_handle(model.radius, model.top, _WHITE))
-        return round_shapes
-    corners = np.array([(x, y, z) for z in (0.0, model.top) for x, y in model.outline])
-    if isinstance(model, HullModel):
-        corners = np.array(model.vertices)
-    points, faces = triangles([corners])
-    measures = {"corners": points.ravel().round(5).tolist(), "faces": faces.ravel().tolist()}
-    return [{"name": "solid", "kind": "mesh", "pose": _HERE, "colour": _WHITE, **measures}]
+        return _box("solid", tuple(solid.size.tolist()), tuple(solid.middle.tolist()), cardboard)
 
+    def cylinder(self, solid: UprightCylinder) -> Shape:
+        """On its foot; hollow if it is a wide container without a lid."""
+        container, radius, top = self.model.container, solid.radius, solid.high
+        base = self.model.footprint.size
+        profile = [(0.0, 0.0), (base, 0.0), (radius, radius - base), (radius, top)]
+        if container and self.model.lid is None and container.opening.radius > _WIDE * radius:
+            inner, floor = radius - container.wall, container.wall
+            profile += [(inner, top), (inner, floor), (0.0, floor)]
+        else:
+            profile.append((0.0, top))
+        rounded = [(round(r, 5), round(z, 5)) for r, z in profile]
+        return {
+            "name": "solid",
+            "kind": "lathe",
+            "pose": _HERE,
+            "colour": _WHITE,
+            "profile": rounded,
+        }
 
-def _turned(model: CylinderModel) -> Shape:
-    """A cylinder on its foot; hollow if it is a wide container without a lid."""
-    radius, base = model.radius, model.base_radius or model.radius
-    profile = [(0.0, 0.0), (base, 0.0), (radius, radius - base), (radius, model.top)]
-    container = model.container
-    if container and model.lid is None and container.opening.radius > _WIDE * radius:
-        inner, floor = radius - container.wall, container.wall
-        profile += [(inner, model.top), (inner, floor), (0.0, floor)]
-    else:
-        profile.append((0.0, model.top))
-    return {
-        "name": "solid",
-        "kind": "lathe",
-        "pose": _HERE,
-        "colour": _WHITE,
-        "profile": [(round(r, 5), round(z, 5)) for r, z in profile],
-    }
+    def hull(self, solid: ConvexHull) -> Shape:
+        """Its triangles."""
+        points, faces = triangles([solid.vertices])
+        measures = {"corners": points.ravel().round(5).tolist(), "faces": faces.ravel().tolist()}
+        return {"name": "solid", "kind": "mesh", "pose": _HERE, "colour": _WHITE, **measures}
 
 
 def furniture(scene: Scene, shapes: list[Shape]) -> list[Shape]:
@@ -354,11 +354,10 @@ def furniture(scene: Scene, shapes: list[Shape]) -> list[Shape]:
 
 def _hollow(shape: Shape, truth: Truth, vessel: Vessel) -> Shape:
     """A round container as a shell: outer side, rim, inner side and floor."""
-    assert truth.radius_m is not None
     assert truth.container is not None
-    radius, height, floor = truth.radius_m, truth.height, vessel.floor
+    radius, height, floor = truth.shape.rim.size, truth.shape.top, vessel.floor
     wall, opening = truth.container.wall, truth.container.opening.radius
-    base = truth.base_radius_m or radius
+    base = truth.shape.footprint.size
     wide = opening > _WIDE * radius
     seen_into = wide and truth.lid is None
     off_table = 2e-4  # of the lower side [m]
@@ -404,7 +403,7 @@ def _spout(truth: Truth) -> Shape:
         "name": "spout",
         "kind": "lathe",
         "profile": [(inner, 0.0), (outer, 0.0), (outer, up), (inner, up), (inner, 0.0)],
-        "pose": (*_UPRIGHT, *opening.centre, truth.height),
+        "pose": (*_UPRIGHT, *opening.centre, truth.shape.top),
         "colour": _WHITE,
     }
 

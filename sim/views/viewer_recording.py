@@ -215,9 +215,10 @@ def _form(shape: Shape) -> dict[str, Any]:
             return {"kind": "box", "size": rounded_values(shape.size())}
         case Sphere():
             return {"kind": "sphere", "radius": shape.radius()}
-        case Cylinder() | Capsule():
-            kind = "cylinder" if isinstance(shape, Cylinder) else "capsule"
-            return {"kind": kind, "radius": shape.radius(), "length": shape.length()}
+        case Cylinder():
+            return {"kind": "cylinder", "radius": shape.radius(), "length": shape.length()}
+        case Capsule():
+            return {"kind": "capsule", "radius": shape.radius(), "length": shape.length()}
     hull = shape.GetConvexHull()
     corners = np.array([hull.vertex(i) for i in range(hull.num_vertices())])
     corners, faces = triangles([corners])

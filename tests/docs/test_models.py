@@ -12,6 +12,7 @@ import pytest
 
 from objectmodels import Registry
 from objectmodels.files.yaml_documents import file_keys
+from objectmodels.models.kinds import KINDS
 from objectmodels.models.object_parts import (
     Container,
     FlipLid,
@@ -21,7 +22,7 @@ from objectmodels.models.object_parts import (
     ScrewCap,
 )
 from objectmodels.models.predictor import PREDICTIONS
-from objectmodels.registry.model_registry import BUILT_IN_KINDS, load_model
+from objectmodels.registry.model_registry import load_model
 from tests.docs.guide_blocks import only_block
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "models.md").read_text(encoding="utf-8")
@@ -134,5 +135,5 @@ def _told(table: str) -> dict[str, str]:
 
 
 def test_every_key_of_the_format_is_explained() -> None:
-    wanted = {key for cls in BUILT_IN_KINDS.values() for key in file_keys(cls)}
+    wanted = {key for cls in KINDS.values() for key in file_keys(cls)}
     assert {key for key in wanted if key not in GUIDE} == set()

@@ -352,8 +352,7 @@ def _base_text(model: ObjectModel) -> str:
     if not isinstance(model.support, str):
         return f"{len(model.support)} points"
     how = {"uniform": "evenly pressed", "corners": "on its corners"}[model.support]
-    from objectmodels.geometry.base_shapes import Disc
 
-    if isinstance(model.base, Disc):
+    if model.base.is_round:
         return f"a round base, {'on its rim' if model.support == 'corners' else how}"
     return f"{len(model.base.corners)} edges, {how}"

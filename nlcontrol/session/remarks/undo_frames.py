@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING
 from grammar.frames import command as g
 from nlcontrol.errors import error
 from nlcontrol.text_format import quantity
-from objectmodels.geometry.base_shapes import Disc
 from planner.problem.directions import angle_between, heading_of, phrase
 
 if TYPE_CHECKING:
@@ -102,7 +101,7 @@ def undo_frames(pushed: Sequence[UndoEntry], state: WorldState, defaults: Defaul
             here[push.object] = before
             continue
         turn = abs(angle_between(now.pose.yaw, push.before.yaw))
-        turns = not isinstance(now.model.base, Disc) or _was_to_turn(push)
+        turns = not now.model.base.is_round or _was_to_turn(push)
         if not turns and turn > defaults.no_turn:
             notes.append(f"that the {push.object} turned by {quantity(turn, 'rad')} is not undone")
         if now.on != before.on:

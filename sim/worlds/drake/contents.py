@@ -14,10 +14,9 @@ import numpy as np
 
 from objectmodels.containers.pour_dynamics import landing_distance, outflow_rate
 from objectmodels.geometry.rotations import Array
-from objectmodels.models.object_parts import FlipLid, LiftOffLid, section_area
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Scene
-from sim.worlds.drake.drake_bodies import LidBody, shared_inertia
+from sim.worlds.drake.drake_bodies import LidBody
 from sim.worlds.drake.drake_plant import Standing, pose_row
 
 if TYPE_CHECKING:
@@ -44,9 +43,7 @@ class Lids:
         self._off: set[str] = set()
         self._objects = {body.index() for body in model.bodies.values()}
         self._snapping = {
-            name: each
-            for name, each in model.lids.items()
-            if isinstance(each.lid, FlipLid) and each.lid.snap_torque > 0.0
+            name: each for name, each in model.lids.items() if each.catch_torque > 0.0
         }
         for each in model.lids.values():
             port = self._plant.get_desired_state_input_port(each.model)
@@ -63,10 +60,7 @@ class Lids:
             if each.seat is None:
                 continue
             if name not in self._off:
-                lid = each.lid
-                assert not isinstance(lid, FlipLid)
-                most = lid.travel if isinstance(lid, LiftOffLid) else 2.0 * np.pi * lid.turns
-                if self._joint_position(each) > most:
+                if self._joint_position(each) > each.off_from:
                     self._take_off(name, each)
             elif self._is_seated(each) and not self._is_touched(each):
                 self._seat(each)
@@ -84,7 +78,7 @@ class Lids:
         """Opening of each lid, as in `sim.traces.trace.Trace.lids`."""
         return {
             name: float(np.linalg.norm(self._from_seat(each).translation()))
-            if name in self._off and isinstance(each.lid, LiftOffLid)
+            if name in self._off and each.slides
             else self._joint_position(each)
             for name, each in self._lids.items()
         }
@@ -92,7 +86,7 @@ class Lids:
     def is_open(self, name: str) -> bool:
         """True if the opening of an object with a lid is free."""
         each = self._lids[name]
-        if isinstance(each.lid, FlipLid):
+        if each.seat is None:
             return bool(self._joint_position(each) > np.radians(30.0))  # lets the contents out
         return name in self._off
 
@@ -115,9 +109,8 @@ class Lids:
     def _snap(self) -> None:
         tau = np.zeros(self._plant.num_velocities())
         for each in self._snapping.values():
-            assert isinstance(each.lid, FlipLid)
-            left = max(0.0, 1.0 - max(0.0, self._joint_position(each)) / each.lid.snap_angle)
-            tau[each.joint.velocity_start()] = -each.lid.snap_torque * left
+            left = max(0.0, 1.0 - max(0.0, self._joint_position(each)) / each.catch_angle)
+            tau[each.joint.velocity_start()] = -each.catch_torque * left
         self._plant.get_applied_generalized_force_input_port().FixValue(self._context, tau)
 
     def _joint_position(self, each: LidBody) -> float:
@@ -147,7 +140,7 @@ class Lids:
         """The lid becomes free where it is; its seat waits for it."""
         self._plant.SetConstraintActiveStatus(self._context, each.weld, False)
         self._share(each, on=False)
-        if isinstance(each.lid, LiftOffLid):
+        if each.slides:
             each.joint.set_translation(self._context, 0.0)
             each.joint.set_translation_rate(self._context, 0.0)
         self._touch_own(each, touches=True)
@@ -159,11 +152,8 @@ class Lids:
         self._plant.SetFreeBodyPose(self._context, each.body, X_WS)
 
     def _share(self, each: LidBody, *, on: bool) -> None:
-        assert each.seat is not None
-        assert not isinstance(each.lid, FlipLid)
-        for body, inertia in zip(
-            (each.seat, each.body), shared_inertia(each.lid, on=on), strict=True
-        ):
+        inertias = each.on if on else each.off
+        for body, inertia in zip((each.seat, each.body), inertias, strict=True):
             body.SetSpatialInertiaInBodyFrame(self._context, inertia)
 
     def _touch_own(self, each: LidBody, *, touches: bool) -> None:
@@ -253,7 +243,7 @@ class Liquid:
     def levels(self, poses: Mapping[str, tuple[Array, Array]]) -> dict[str, float]:
         """Heights of the liquids over the bottoms of open containers that stand upright [m]."""
         return {
-            name: filled.volume / section_area(filled.vessel.section)
+            name: filled.volume / filled.vessel.section.area
             for name, filled in self._filled.items()
             if name in poses
             and poses[name][0][2, 2] > math.cos(math.radians(5.0))

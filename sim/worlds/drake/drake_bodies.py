@@ -34,16 +34,16 @@ that the table has below them, and on the rim.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+import math
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from objectmodels.containers import lids
-from objectmodels.geometry.base_shapes import Disc
 from objectmodels.geometry.rotations import Array, rot_z
-from objectmodels.models.object_parts import FlipLid, Lid, LiftOffLid, ScrewCap, inner_floor
+from objectmodels.models.object_parts import FlipLid, LiftOffLid, ScrewCap
 from sim.robots.cell_description import Point3, Table
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import SceneObject
@@ -175,26 +175,36 @@ class LidBody:
     """A lid in a plant.
 
     Attributes:
-        lid: how it is.
         body: its body.
         model: the model instance of lid and seat.
         joint: hinge, slide or thread.
+        solids: what touches fingers and other objects.
+        own: the solid of its object.
         seat: on which one lies that comes off; else None.
         weld: that holds it to its seat.
-        solids: what touches fingers and other objects.
         feet: what touches the table, and its own object once it is off.
-        own: the solid of its object.
+        off_from: position of the joint beyond which it comes off [m], [rad].
+        slides: whether it slides off along the joint.
+        on: inertia in L of seat and lid while it is on.
+        off: the same once it is off.
+        catch_torque: of the closed catch of one that snaps shut [N·m].
+        catch_angle: opening at which the catch no longer holds [rad].
     """
 
-    lid: Lid
     body: RigidBody
     model: ModelInstanceIndex
     joint: Joint
-    seat: RigidBody | None
-    weld: MultibodyConstraintId | None
     solids: list[GeometryId]
-    feet: list[GeometryId]
     own: GeometryId
+    seat: RigidBody | None = None
+    weld: MultibodyConstraintId | None = None
+    feet: Sequence[GeometryId] = ()
+    off_from: float = math.inf
+    slides: bool = False
+    on: Sequence[SpatialInertia] = ()
+    off: Sequence[SpatialInertia] = ()
+    catch_torque: float = 0.0
+    catch_angle: float = math.inf
 
 
 def add_lid(
@@ -210,16 +220,19 @@ def add_lid(
     model = plant.AddModelInstance(name)
     if isinstance(lid, FlipLid):
         return _add_flip_lid(plant, item, lid, body, solid, model)
-    on_seat, on_lid = shared_inertia(lid, on=True)
-    seat = plant.AddRigidBody(f"{name} seat", model, on_seat)
-    covering = plant.AddRigidBody(name, model, on_lid)
-    rim = _rim_frame(plant, name, body, (0.0, 0.0, item.truth.height))
+    on, off = (_shared_inertia(lid, on=is_on) for is_on in (True, False))
+    seat = plant.AddRigidBody(f"{name} seat", model, on[0])
+    covering = plant.AddRigidBody(name, model, on[1])
+    rim = _rim_frame(plant, name, body, (0.0, 0.0, item.truth.shape.top))
     joint = _add_seat(plant, lid, rim, seat)
     weld = plant.AddWeldConstraint(seat, RigidTransform(), covering, RigidTransform())
     shapes = _shapes(lid)
     solids = [_add_solid(plant, covering, item, part, shape) for part, shape in shapes.items()]
     feet = _add_feet(plant, covering, item, lid.radius - _FOOT_RADIUS)
-    return LidBody(lid, covering, model, joint, seat, weld, solids, feet, solid)
+    slides = isinstance(lid, LiftOffLid)
+    off_from = lid.travel if isinstance(lid, LiftOffLid) else 2.0 * np.pi * lid.turns
+    body_on_seat = (covering, model, joint, solids, solid, seat, weld, feet)
+    return LidBody(*body_on_seat, off_from=off_from, slides=slides, on=on, off=off)
 
 
 def _add_flip_lid(
@@ -234,8 +247,8 @@ def _add_flip_lid(
     from pydrake.math import RigidTransform, RotationMatrix
     from pydrake.multibody.tree import RevoluteJoint
 
-    name, rim = lids.lid_name(item.name), item.truth.rim
-    hinge = lids.lid_hinge(lid, rim, item.truth.height)
+    name, rim = lids.lid_name(item.name), item.truth.shape.rim
+    hinge = lids.lid_hinge(lid, rim, item.truth.shape.top)
     p_LLcm = hinge.centre_of_mass(0.0) - hinge.p_BH
     disc_inertia = _cylinder_inertia(lid.mass, 0.5 * hinge.reach, lids.THICKNESS, p_LLcm)
     covering = plant.AddRigidBody(name, model, disc_inertia)
@@ -254,8 +267,8 @@ def _add_flip_lid(
     across = rim.extent(np.array([axis[:2], -axis[:2]])).tolist()
     R_LT = rot_z(lid.tab_heading)
     plate: Shape = Box(hinge.reach, sum(across), lids.THICKNESS)
-    if isinstance(rim, Disc):
-        plate = Cylinder(rim.radius, lids.THICKNESS)
+    if rim.is_round:
+        plate = Cylinder(rim.size, lids.THICKNESS)
     tab_middle = hinge.reach + 0.5 * lid.tab
     shapes = {
         "disc": (plate, 0.5 * hinge.reach),
@@ -266,7 +279,8 @@ def _add_flip_lid(
         p = distance * hinge.out + [0.0, 0.0, 0.5 * lids.THICKNESS]
         X_LG = RigidTransform(RotationMatrix(R_LT), p)
         solids.append(_add_solid(plant, covering, item, part, (shape, X_LG)))
-    return LidBody(lid, covering, model, joint, None, None, solids, [], solid)
+    hinged = (covering, model, joint, solids, solid)
+    return LidBody(*hinged, catch_torque=lid.snap_torque, catch_angle=lid.snap_angle)
 
 
 def _rim_frame(plant: MultibodyPlant, name: str, body: RigidBody, p_B: Iterable[float]) -> Frame:
@@ -350,7 +364,7 @@ def _add_feet(
     return feet
 
 
-def shared_inertia(
+def _shared_inertia(
     lid: LiftOffLid | ScrewCap, *, on: bool
 ) -> tuple[SpatialInertia, SpatialInertia]:
     """Inertia in L of the seat and of the lid, whether it is on or off."""
@@ -447,11 +461,7 @@ def _add_compliant(
 def hull_points(truth: Truth) -> Iterator[Point3]:
     """Corners in B of the hull of what it stands on, and of what others stand on [m]."""
     yield from ((x, y, 0.0) for x, y in truth.support)
-    if truth.inside is not None:
-        floor = inner_floor(truth.inside)
-        yield from ((x, y, truth.inside.floor) for x, y in floor.vertices.tolist())
-        return
-    yield from truth.vertices_m or ((x, y, truth.height) for x, y in truth.upper_points)
+    yield from truth.shape.bearing_points
 
 
 def add_rims(plant: MultibodyPlant, table: Table) -> list[GeometryId]:

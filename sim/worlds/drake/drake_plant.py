@@ -20,6 +20,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from objectmodels.geometry.rotations import Array
+from objectmodels.geometry.solids import ConvexHull, Cuboid, UprightCylinder
+from objectmodels.models.shapes import Shape as TrueShape
 from sim.robots.arm import ArmKinematics
 from sim.robots.hand import Hand
 from sim.robots.robots import ARM, HAND
@@ -108,8 +110,7 @@ def add_plant(
     bodies = {}
     lids = {}
     for item in scene.objects:
-        bare = item.model_copy(update={"truth": item.truth.without_lid})
-        body, own, feet[item.name] = add_object(plant, bare)
+        body, own, feet[item.name] = add_object(plant, item.name, item.truth.without_lid)
         bodies[item.name] = body
         solids += own
         lid = add_lid(plant, item, body, own[0])
@@ -178,14 +179,13 @@ def add_table(plant: MultibodyPlant, scene: Scene) -> GeometryId:
 
 
 def add_object(
-    plant: MultibodyPlant, item: SceneObject
+    plant: MultibodyPlant, name: str, truth: Truth
 ) -> tuple[RigidBody, list[GeometryId], Feet]:
     """Adds an object; returns its body, its solids and the spheres on which it stands or lies."""
     from pydrake.geometry import Sphere
     from pydrake.math import RigidTransform
 
-    truth = item.truth
-    body = plant.AddRigidBody(item.name, plant.AddModelInstance(item.name), inertia(truth))
+    body = plant.AddRigidBody(name, plant.AddModelInstance(name), inertia(truth))
     # A container is a shell through which one sees what is inside. Its floor, seen so, must
     # not lie in the plane of the table top.
     opacity, off_table = (1.0, 0.0) if truth.container is None else (0.35, 5e-4)
@@ -193,13 +193,13 @@ def add_object(
     colour = np.array([*truth.colour, opacity])
     skin = surface(truth.friction_finger / 2)
     solids = []
-    for k, (shape, X_BG) in enumerate(_shapes(truth)):
-        name = f"wall_{k - 1}" if k else "solid"
-        plant.RegisterVisualGeometry(body, X_BV @ X_BG, shape, name, colour)
-        solids.append(plant.RegisterCollisionGeometry(body, X_BG, shape, name, skin))
+    for k, (shape, X_BG) in enumerate(_geometries(truth.shape)):
+        part = f"wall_{k - 1}" if k else "solid"
+        plant.RegisterVisualGeometry(body, X_BV @ X_BG, shape, part, colour)
+        solids.append(plant.RegisterCollisionGeometry(body, X_BG, shape, part, skin))
     r = 1e-4  # of the spheres
     base = [(*_drawn_in(point, r), r) for point in truth.support]
-    top = [(*_drawn_in(point, r), truth.height - r) for point in truth.upper_points]
+    top = [(*_drawn_in(point, r), truth.shape.top - r) for point in truth.shape.crown]
     feet = [
         plant.RegisterCollisionGeometry(
             body,
@@ -220,10 +220,9 @@ def _hold(plant: MultibodyPlant, item: SceneObject, body: RigidBody) -> None:
 
     plant.WeldFrames(plant.world_frame(), body.body_frame(), initial_pose(item))
     thickness, height, colour = 0.008, 0.03, np.array([0.35, 0.37, 0.40, 1.0])
-    outline = np.array(item.truth.outline)
+    outline, rim = np.array(item.truth.shape.silhouette), item.truth.shape.rim
     x, y = np.ptp(outline, axis=0) + 2.0 * thickness
-    radius = item.truth.radius_m
-    shape = Box(x, y, height) if radius is None else Cylinder(radius + thickness, height)
+    shape = Cylinder(rim.size + thickness, height) if rim.is_round else Box(x, y, height)
     X_BH = RigidTransform(np.array([*outline.mean(axis=0), height / 2]))
     plant.RegisterVisualGeometry(body, X_BH, shape, "holder", colour)
 
@@ -234,29 +233,38 @@ def _drawn_in(point: tuple[float, float], r: float) -> tuple[float, float]:
     return x - r * float(np.sign(x)), y - r * float(np.sign(y))
 
 
-def _shapes(truth: Truth) -> list[tuple[Shape, RigidTransform]]:
-    """The solids, and where they are in B; of an open box the floor first."""
-    from pydrake.geometry import Box, Convex, Cylinder
-    from pydrake.math import RigidTransform
+class _DrakeGeometry:
+    """A solid in Drake, and where its own frame is in B."""
 
-    middle = RigidTransform(np.array([0.0, 0.0, truth.height / 2]))
-    if truth.size_m is not None:
-        return [
-            (Box(*(high - low)), RigidTransform((low + high) / 2.0)) for low, high in truth.cuboids
-        ]
-    if truth.radius_m is not None:
-        return [(Cylinder(truth.radius_m, truth.height), middle)]
-    if truth.vertices_m is not None:
-        return [(Convex(np.array(truth.vertices_m).T, "hull"), RigidTransform())]
-    ends = [[(x, y, z) for x, y in truth.outline] for z in (0.0, truth.height)]
-    return [(Convex(np.array(ends[0] + ends[1]).T, "prism"), RigidTransform())]
+    def cuboid(self, solid: Cuboid) -> tuple[Shape, RigidTransform]:
+        from pydrake.geometry import Box
+        from pydrake.math import RigidTransform
+
+        return Box(*solid.size), RigidTransform(solid.middle)
+
+    def cylinder(self, solid: UprightCylinder) -> tuple[Shape, RigidTransform]:
+        from pydrake.geometry import Cylinder
+        from pydrake.math import RigidTransform
+
+        return Cylinder(solid.radius, solid.length), RigidTransform(solid.middle)
+
+    def hull(self, solid: ConvexHull) -> tuple[Shape, RigidTransform]:
+        from pydrake.geometry import Convex
+        from pydrake.math import RigidTransform
+
+        return Convex(solid.vertices.T, "hull"), RigidTransform()
+
+
+def _geometries(shape: TrueShape) -> list[tuple[Shape, RigidTransform]]:
+    """The solids of a shape, and where they are in B."""
+    return [solid.accept(_DrakeGeometry()) for solid in shape.solids]
 
 
 def inertia(truth: Truth) -> SpatialInertia:
     """Mass spread evenly over the solids, about the true centre of mass."""
     from pydrake.multibody.tree import CalcSpatialInertia, SpatialInertia
 
-    (first, X_BG), *others = _shapes(truth)
+    (first, X_BG), *others = _geometries(truth.shape)
     solid = CalcSpatialInertia(first, 1.0)
     for shape, X_BH in others:
         p_HG = X_BG.translation() - X_BH.translation()

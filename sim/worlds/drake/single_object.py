@@ -45,7 +45,7 @@ class SingleObjectWorld:
         self._plant, scene_graph = add_empty_plant(builder, self.step_time, stiction=1e-6)
         table = add_table(self._plant, scene)
         item = scene.object(name)
-        self._body, solids, feet = add_object(self._plant, item)
+        self._body, solids, feet = add_object(self._plant, name, item.truth)
         self._plant.Finalize()
         X_WB = initial_pose(item)
         self._plant.SetDefaultFloatingBaseBodyPose(self._body, X_WB)

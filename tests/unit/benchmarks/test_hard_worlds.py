@@ -47,7 +47,7 @@ def test_a_fallen_target_lies_on_a_side_and_is_seen_so() -> None:
         seen = Controller(scene, registry=beliefs_of(job)).look().objects[sentence.target]
         assert seen.lies_on == standing(scene)[sentence.target].lies_on
         item = scene.object(sentence.target)
-        heights = (item.truth.corners @ item.pose.R_WB.T + item.p_WB)[:, 2]
+        heights = (item.truth.shape.hull_corners @ item.pose.R_WB.T + item.p_WB)[:, 2]
         assert heights.min() == pytest.approx(0.0, abs=ROUNDING)
 
 

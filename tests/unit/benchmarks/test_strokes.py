@@ -125,9 +125,9 @@ def test_goals_know_when_they_are_reached() -> None:
 def test_what_is_believed_has_the_shape_of_the_model() -> None:
     for model in Registry.built_in():
         truth = truth_as_believed(model)
-        assert truth.height == model.top
+        assert truth.shape.top == model.top
         assert truth.mass_kg == model.mass
-        assert truth.height > HAND.tip_radius
+        assert truth.shape.top > HAND.tip_radius
 
 
 @pytest.mark.parametrize(("gap", "free"), [(0.067, True), (0.055, False), (0.04, False)])

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from objectmodels.geometry.rotations import Array
+from objectmodels.models.kinds import BoxModel, CylinderModel
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.object_parts import Container, Opening
-from objectmodels.models.shapes import BoxModel, CylinderModel
+from objectmodels.models.shapes import Box, Cylinder
 from planner.types.actions import Action, Grasp
 from planner.types.plan import Plan
 from planner.types.world_state import Held, PlanarPose, SeenObject, WorldState
@@ -56,14 +57,17 @@ def scene(
 ) -> Scene:
     """The same table as it really is; the carton's contents are a solid here."""
     carton = Truth(
-        size_m=(0.06, 0.08, 0.16),
+        shape=Box(size=(0.06, 0.08, 0.16)),
         mass_kg=mass,
         friction_table=0.33,
         friction_finger=friction,
         centre_of_mass_m=(0.0, 0.0, 0.05),
     )
     round_one = Truth(
-        radius_m=0.04, height_m=0.082, mass_kg=0.118, friction_table=0.3, friction_finger=0.6
+        shape=Cylinder(radius=0.04, height=0.082),
+        mass_kg=0.118,
+        friction_table=0.3,
+        friction_finger=0.6,
     )
     objects = (
         SceneObject(

@@ -20,9 +20,8 @@ ICE_TEA, CEREAL = "ice tea box", "cereal box"
 
 def true_model(name: str, scene: Scene = SCENE) -> BoxModel:
     truth = scene.object(name).truth
-    assert truth.size_m is not None
     return BoxModel(
-        name=name, size=truth.size_m, mass=truth.mass_kg, friction=truth.friction_table,
+        name=name, size=truth.shape.extents, mass=truth.mass_kg, friction=truth.friction_table,
         com=truth.centre_of_mass, support="corners",
     )  # fmt: skip
 

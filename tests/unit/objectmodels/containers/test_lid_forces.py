@@ -17,7 +17,6 @@ from objectmodels.containers.lids import (
     grip_distance,
     lid_height,
     lid_hinge,
-    lid_rim,
 )
 from objectmodels.models.object_parts import FlipLid, LiftOffLid, ScrewCap
 from sim.robots.robots import HAND
@@ -108,7 +107,7 @@ def test_closing_is_helped_by_the_lids_weight_and_by_its_catch() -> None:
 def test_the_tab_of_a_box_lies_over_the_side_that_it_looks_to() -> None:
     lid = LID.model_copy(update={"tab_heading_deg": 90.0})
     box = BoxModel(name="box", size=(0.06, 0.08, 0.1), mass=0.3, friction=0.4, lid=lid)
-    hinge = lid_hinge(lid, lid_rim(box), box.top)
+    hinge = lid_hinge(lid, box.rim, box.top)
     np.testing.assert_allclose(hinge.p_BH, [0.0, -0.04, 0.1], atol=1e-15)
     assert hinge.reach == pytest.approx(0.08)
     assert grip_distance(lid, hinge) == pytest.approx(0.094)
@@ -207,7 +206,7 @@ def test_built_in_lids_open_as_their_scenes_need_it() -> None:
 
 
 def test_a_flip_lid_is_a_plate_with_a_tab_for_a_fingertip() -> None:
-    hinge = lid_hinge(LID, lid_rim(cup()), H)
+    hinge = lid_hinge(LID, cup().rim, H)
     assert lid_height(LID) == pytest.approx(0.003)
     np.testing.assert_allclose(hinge.centre_of_mass(0.0), [0.0, 0.0, H + 0.0015], atol=1e-15)
     fingertip = 2.0 * HAND.tip_radius

@@ -23,7 +23,7 @@ from objectmodels.descriptions.description_reading import (
 )
 from objectmodels.descriptions.description_writing import obj_text
 from objectmodels.descriptions.rigid_body import FOOT, rigid_body
-from objectmodels.models.shapes import volume_and_centre
+from objectmodels.geometry.solids import ConvexHull, volume_and_centre
 
 BOX = BoxModel(
     name="tea box",
@@ -121,7 +121,8 @@ def test_pushes_end_there_as_the_exact_tier_says(form: Format) -> None:
 
 
 def test_a_mesh_encloses_the_volume_of_the_hull() -> None:
-    (solid,) = rigid_body(HULL).solids
+    (solid,) = rigid_body(HULL).solids.values()
+    assert isinstance(solid, ConvexHull)
     vertices = solid.vertices
     lines = [line.split() for line in obj_text(vertices).splitlines()]
     points = np.array([[float(x) for x in line[1:]] for line in lines if line[0] == "v"])

@@ -14,7 +14,6 @@ from objectmodels.geometry.base_shapes import (
     Base,
     carrying_base,
     friction_radius,
-    is_within,
     support_points,
 )
 from objectmodels.geometry.rotations import unique_rows
@@ -113,7 +112,7 @@ def test_nodes_stand_for_uniform_pressure(name: str) -> None:
     centre = base.centroid if isinstance(base, Polygon) else np.zeros(2)
     assert weights.sum() == pytest.approx(1.0, rel=1e-12)  # rounding
     np.testing.assert_allclose(weights @ points, centre, atol=1e-12)
-    assert is_within(base, points, 1e-12)
+    assert base.contains(points, 1e-12)
     # Cells are a sixteenth of the base: 3 % of the mean distance at most.
     mean = weights @ np.hypot(*(points - centre).T)
     assert mean == pytest.approx(base.uniform_radius, rel=0.03)

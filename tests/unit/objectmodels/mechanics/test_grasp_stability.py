@@ -15,7 +15,7 @@ from objectmodels.mechanics.grasp_stability import (
     Lifted,
     least_squeezes,
 )
-from objectmodels.models.shapes import BoxModel
+from objectmodels.models.kinds import BoxModel
 
 HALF = 0.027
 CONTACTS = Contacts.from_arrays(

@@ -7,7 +7,6 @@ import pytest
 
 from objectmodels import ModelError, Registry
 from objectmodels.models.object_parts import Cavity, open_box_parts
-from objectmodels.models.shapes import standing_face, standing_height
 from objectmodels.registry.model_registry import model_document, model_from_document
 
 ROUNDING = 1e-12  # of sums of a few products of centimetres
@@ -29,10 +28,10 @@ def test_its_parts_fill_the_box_but_for_the_cavity() -> None:
 
 
 def test_others_stand_on_its_floor() -> None:
-    face, book = standing_face(BIN), Registry.built_in().get("book")
+    face, book = BIN.standing_face, Registry.built_in().get("book")
     assert face is not None
     np.testing.assert_allclose(np.ptp(face.vertices, axis=0), INSIDE.size, atol=ROUNDING)
-    assert (standing_height(BIN), standing_height(book)) == (INSIDE.floor, book.top)
+    assert (BIN.standing_height, book.standing_height) == (INSIDE.floor, book.top)
 
 
 def test_it_is_read_and_written_and_not_open_on_its_side() -> None:

@@ -18,7 +18,7 @@ from objectmodels import (
     Registry,
     Thresholds,
 )
-from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.base_shapes import Array, Polygon
 
 COMMON: dict[str, Any] = {
     "name": "x", "mass": 0.8, "friction": 0.35, "com": (0.006, -0.004, 0.07),
@@ -244,3 +244,24 @@ def test_a_can_lies_nowhere_else_than_on_its_base() -> None:
     for wrong in (np.eye(2), 2 * np.eye(3), np.diag([1.0, 1.0, -1.0])):
         with pytest.raises(ModelError, match="rotation matrix"):
             CAN.resting_face(wrong)
+
+
+@pytest.mark.parametrize("model", list(Registry.built_in()), ids=lambda model: model.name)
+def test_bare_shape_is_the_models_without_its_figures(model: ObjectModel) -> None:
+    bare = model.bare_shape()
+    assert not isinstance(bare, ObjectModel)
+    assert (bare.extents, bare.gyration, bare.top) == (model.extents, model.gyration, model.top)
+    np.testing.assert_array_equal(bare.outline, model.outline)
+    assert [face.centre for face in bare.faces()] == [face.centre for face in model.faces()]
+
+
+@pytest.mark.parametrize("model", list(Registry.built_in()), ids=lambda model: model.name)
+def test_points_and_columns_of_a_shape_keep_to_it(model: ObjectModel) -> None:
+    outline, rounding = Polygon.convex(model.outline), 1e-12
+    assert outline.contains(np.array(model.silhouette), rounding)
+    assert outline.contains(np.array(model.crown), rounding)
+    assert model.footprint.contains(np.array(model.feet), rounding)
+    for column in model.columns:
+        assert outline.contains(column.outline, rounding)
+        assert column.height <= model.top
+    assert max(column.height for column in model.columns) == model.top

@@ -33,6 +33,7 @@ def _points(vessel: Vessel, count: int) -> Array:
     p = rng.uniform([-size, -size, vessel.floor], [size, size, vessel.top], (count, 3))
     if isinstance(vessel.section, Disc):
         return p[np.hypot(p[:, 0], p[:, 1]) < vessel.section.radius]
+    assert isinstance(vessel.section, Polygon)
     return p[(p[:, :2] @ vessel.section.normals.T < vessel.section.offsets).all(axis=1)]
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from nlcontrol.checks.trace_measures import largest_held_speed
-from objectmodels.models.shapes import CylinderModel
+from objectmodels.models.kinds import CylinderModel
 from planner.types.actions import Aim, Carry, Grasp, LiftUp, SetDown
 from planner.types.plan import Plan
 from sim.motion.held_object_path import CARRY_SPEED

@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from objectmodels import Registry
 from objectmodels.containers.lids import THICKNESS
+from objectmodels.models.shapes import Cylinder
 from planner.types.actions import FlipOver
 from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer
@@ -193,9 +194,7 @@ def _scene(*, yaw_deg: float, mass: float = 0.3, snap: float = 0.03) -> Scene:
     lid = Registry.built_in().get(CUP).lid
     assert lid is not None
     truth = Truth(
-        radius_m=0.035,
-        base_radius_m=0.033,
-        height_m=0.12,
+        shape=Cylinder(radius=0.035, base_radius=0.033, height=0.12),
         mass_kg=mass,
         friction_table=0.36,
         friction_finger=0.6,

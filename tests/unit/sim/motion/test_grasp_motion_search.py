@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from objectmodels.models.shapes import BoxModel
+from objectmodels.models.kinds import BoxModel
 from planner.types.actions import Aim, Carry, Grasp, LiftUp, PourOut, SetDown
 from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from objectmodels.geometry.side_faces import SidePress
-from objectmodels.models.shapes import CylinderModel
+from objectmodels.models.kinds import CylinderModel
 from sim.robots.finger_kinematics import (
     FINGERS,
     JOINT_STIFFNESS,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from objectmodels.models.shapes import Box
 from sim import load_scene
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Hidden, Scene, sample_world
@@ -62,7 +63,9 @@ def test_the_world_is_as_drawn(scene: Scene) -> None:
 
 
 def test_nothing_is_shifted_so_far_that_it_falls() -> None:
-    post = Truth(size_m=(0.02, 0.02, 0.3), mass_kg=1.0, friction_table=0.3, friction_finger=0.5)
+    post = Truth(
+        shape=Box(size=(0.02, 0.02, 0.3)), mass_kg=1.0, friction_table=0.3, friction_finger=0.5
+    )
     assert post.with_shift([0.004, 0.0, 0.0]).centre_of_mass == (0.004, 0.0, 0.15)
     assert post.with_shift([0.016, 0.0, 0.0]).centre_of_mass == (0.008, 0.0, 0.15)
     assert post.with_shift([0.05, 0.0, 0.0]) == post

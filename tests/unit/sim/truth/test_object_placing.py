@@ -32,10 +32,10 @@ def hull(height: float = 0.1) -> HullModel:
 @pytest.mark.parametrize("model", [*Registry.built_in(), hull()], ids=lambda model: model.name)
 def test_truth_is_as_believed(model: ObjectModel) -> None:
     truth = truth_as_believed(model)
-    assert truth.height == pytest.approx(model.top)
+    assert truth.shape.top == pytest.approx(model.top)
     assert (truth.mass_kg, truth.friction_table) == (model.mass, model.friction)
     assert truth.centre_of_mass == tuple(model.com)
-    base = np.array(truth.outline)
+    base = np.array(truth.shape.silhouette)
     radius = np.linalg.norm(base, axis=1).max()
     outline = np.linalg.norm(np.array(model.outline), axis=1).max()
     # The outline that a model has of a round side lies around it, by 1 / cos(π / 16).
@@ -63,9 +63,9 @@ def test_a_kind_of_a_plug_in_is_put_there(kitchen: Scene) -> None:
 
     scene = scene_with_object(kitchen, Bucket(name="bucket", mass=0.5, friction=0.3), FREE)
     truth = scene.objects[-1].truth
-    assert truth.height == 0.12
-    assert np.ptp(truth.outline, axis=0) == pytest.approx([0.1, 0.1])
-    base = [(x, y) for x, y, z in truth.vertices_m or () if z == 0.0]
+    assert truth.shape.top == 0.12
+    assert np.ptp(truth.shape.silhouette, axis=0) == pytest.approx([0.1, 0.1])
+    base = [(x, y) for x, y, z in truth.shape.hull_corners if z == 0.0]
     assert np.hypot(*np.array(base).T) == pytest.approx(0.03)
 
 
@@ -106,7 +106,7 @@ def test_a_free_place_is_found_or_there_is_none(kitchen: Scene) -> None:
 def test_hulls_are_read_strictly() -> None:
     figures = {"mass_kg": 0.4, "friction_table": 0.35, "friction_finger": 0.6}
     vertices = hull().vertices
-    assert Truth.model_validate({"vertices_m": vertices, **figures}).height == 0.1
+    assert Truth.model_validate({"vertices_m": vertices, **figures}).shape.top == 0.1
     raised = tuple((x, y, z + 0.01) for x, y, z in vertices)
     for wrong in ({"vertices_m": raised}, {"vertices_m": vertices, "height_m": 0.1}):
         with pytest.raises(ValueError, match=r"vertices_m|height_m"):

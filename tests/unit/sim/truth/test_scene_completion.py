@@ -37,7 +37,11 @@ def test_a_truth_that_is_left_out_is_what_the_model_says(tmp_path: Path) -> None
     )
     scene = load_scene(write(tmp_path, "table.yaml", HEAD + objects))
     truth = scene.object("box of mine").truth
-    assert (truth.size_m, truth.mass_kg, truth.friction_table) == ((0.1, 0.1, 0.16), 0.8, 0.4)
+    assert (truth.shape.extents, truth.mass_kg, truth.friction_table) == (
+        (0.1, 0.1, 0.16),
+        0.8,
+        0.4,
+    )
     assert scene.object("jar").truth == whole_truth(Registry.built_in().get("jar"))
     assert scene.object("jar").truth.lid is not None
     assert scene.robot == load_scene("kitchen").robot
@@ -59,7 +63,7 @@ def test_a_scene_extends_another_key_by_key(tmp_path: Path) -> None:
     assert scene.object("mug").truth == kitchen.object("mug").truth
     assert scene.object("mug").pose.x_m == 0.3
     # Another model is another thing: nothing of the old one's truth is left.
-    assert scene.object("cereal box").truth.height == Registry.built_in().get("tea tin").top
+    assert scene.object("cereal box").truth.shape.top == Registry.built_in().get("tea tin").top
     assert scene.vision == kitchen.vision.model_copy(update={"position_noise_m": 0.005})
     assert scene.defaults.distance == 0.07
 

@@ -71,6 +71,15 @@ def test_a_fault_names_its_key(old: str, new: str, key: str) -> None:
     assert key in raised.value.message
 
 
+def test_a_misspelt_key_of_a_shape_gets_a_suggestion() -> None:
+    for key in ("size_m", "radius_m", "vertices_m"):
+        wrong = SCENE.replace("size_m: [0.1, 0.1, 0.2]", f"{key[:-3]}_m: [0.1, 0.1, 0.2]")
+        with pytest.raises(SceneError) as raised:
+            parse_scene(wrong)
+        assert f"{key[:-3]}_m" in raised.value.message
+        assert f"did you mean '{key}'?" in raised.value.suggestions
+
+
 def test_numbers_with_an_exponent_are_numbers() -> None:
     scene = parse_scene(SCENE.replace("mass_kg: 1.0", "mass_kg: 1e0"))
     assert scene.object("crate").truth.mass_kg == 1.0
@@ -172,7 +181,7 @@ def test_a_default_that_is_none_is_named(text: str, message: str, suggestion: st
 def test_what_has_fallen_lies_on_the_table() -> None:
     fallen = SCENE.replace("y_m: 0.0}", "y_m: 0.0, yaw_deg: 30.0, roll_deg: 90.0}")
     item = parse_scene(fallen).object("crate")
-    corners = item.truth.corners @ item.pose.R_WB.T + item.p_WB
+    corners = item.truth.shape.hull_corners @ item.pose.R_WB.T + item.p_WB
     # On its side it is as high as it is deep.
     assert corners[:, 2].min() == pytest.approx(0.0, abs=1e-12)
     assert corners[:, 2].max() == pytest.approx(0.1, abs=1e-12)

@@ -84,18 +84,16 @@ def test_a_mug_has_a_handle_that_reaches_out_of_it() -> None:
     (handle,) = [shape for shape in shapes if shape["name"] == "handle"]
     points = np.array(handle["points"])
     out = np.hypot(*points[:, :2].T)
-    radius = scene.object("mug").truth.radius_m
-    assert radius is not None
+    radius = scene.object("mug").truth.shape.rim.size
     assert out.min() < radius < out.max() - 0.02
     assert points[:, 2].min() > 0.0
-    assert points[:, 2].max() < scene.object("mug").truth.height
+    assert points[:, 2].max() < scene.object("mug").truth.shape.top
 
 
 def test_labels_lie_on_the_sides_of_their_box_and_read_upright() -> None:
     scene = load_scene("kitchen")
     shapes = _shapes(viewer_scene(scene, _stage(scene).model), "object")["coffee box"]
-    size = scene.object("coffee box").truth.size_m
-    assert size is not None
+    size = scene.object("coffee box").truth.shape.extents
     labels = [shape for shape in shapes if shape["kind"] == "label"]
     assert len(labels) == 4
     for label in labels:

@@ -62,7 +62,7 @@ def test_its_mass_is_in_floor_and_walls(scene: Scene) -> None:
     M = inertia(truth)
     np.testing.assert_allclose(M.get_com(), truth.centre_of_mass, atol=1e-12)
     # About z a frame of thin walls has more than the solid box: its mass is farther out.
-    x, y, _ = truth.size_m or (0.0, 0.0, 0.0)
+    x, y, _ = truth.shape.extents
     about_z = M.CalcRotationalInertia().get_moments()[2]
     solid = truth.mass_kg * (x * x + y * y) / 12.0
     assert 1.3 * solid < about_z < 2.0 * solid

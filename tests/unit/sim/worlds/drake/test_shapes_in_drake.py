@@ -52,7 +52,7 @@ def test_things_stand_where_the_scene_puts_them(world: DrakeWorld, name: str) ->
 )  # fmt: skip
 def test_shapes_are_read(shape: str, corners: int, height: float) -> None:
     truth = scene(shape).object("thing").truth
-    assert (len(truth.outline), truth.height) == (corners, height)
+    assert (len(truth.shape.silhouette), truth.shape.top) == (corners, height)
     rim = 0.02 if "base_radius" in shape else None
     if rim:
         np.testing.assert_allclose(np.hypot(*np.array(truth.support).T), rim)

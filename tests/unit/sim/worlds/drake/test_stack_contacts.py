@@ -5,11 +5,16 @@ from __future__ import annotations
 import pytest
 
 from benchmarks.engines.pressed_things import Stack
+from objectmodels.models.shapes import Box, Cylinder
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Pose, SceneObject
 
-POST = Truth(radius_m=0.03, height_m=0.06, mass_kg=0.4, friction_table=0.4, friction_finger=0.6)
-BEAM = Truth(size_m=(0.24, 0.03, 0.02), mass_kg=0.3, friction_table=0.4, friction_finger=0.6)
+POST = Truth(
+    shape=Cylinder(radius=0.03, height=0.06), mass_kg=0.4, friction_table=0.4, friction_finger=0.6
+)
+BEAM = Truth(
+    shape=Box(size=(0.24, 0.03, 0.02)), mass_kg=0.3, friction_table=0.4, friction_finger=0.6
+)
 
 
 def stack(*members: tuple[Truth, float, float]) -> list[SceneObject]:
@@ -18,7 +23,7 @@ def stack(*members: tuple[Truth, float, float]) -> list[SceneObject]:
     for number, (truth, x, yaw) in enumerate(members):
         pose = Pose(x_m=x, y_m=0.0, z_m=z, yaw_deg=yaw)
         items.append(SceneObject(name=f"{number}", model="box", pose=pose, truth=truth))
-        z += truth.height
+        z += truth.shape.top
     return items
 
 
