@@ -24,14 +24,11 @@ from grammar.frames.vocabulary import Direction
 from nlcontrol.errors import ControlError, ErrorInfo, refusal_error
 from nlcontrol.results.result import Result, result_with
 from nlcontrol.session.executor import CancellableRobot
+from nlcontrol.session.foresight import BudgetedPlanner, Foresight
 from nlcontrol.session.remarks.follow_up_frames import correct_frame
 from nlcontrol.session.remarks.follow_up_targets import without_spans
-from planner import plan
 from planner.affordances import frame_with_less
-from planner.problem.planning_problem import SearchBudget
-from planner.problem.predicted_states import state_after
 from planner.types.cure import Cure
-from planner.types.refusal import Refusal
 from sim.supervision import Stopped, StopToken
 
 if TYPE_CHECKING:
@@ -139,11 +136,14 @@ class _Trials:
     def __init__(self, controller: Controller, stop: StopToken | None) -> None:
         self._controller, self._stop = controller, stop
         self._state = controller.last_look.state
-        self._left = MOST_WORK
         # A plan that is found with less effort is the one that is found with all of it: at most
         # 30 grasps are tried for each.
         most = min(controller.defaults.most_grasps, 30)
-        self._defaults = replace(controller.defaults, most_grasps=most)
+        defaults = replace(controller.defaults, most_grasps=most)
+        # The robot is asked anew for each sentence, whose time counts by itself.
+        self._planner = BudgetedPlanner(
+            controller, controller.robot, MOST_WORK, MOST_EACH, defaults=defaults
+        )
 
     def words(self, frames: Frames) -> str | None:
         """The frames said so that they are read again; None if the language has no words."""
@@ -203,32 +203,22 @@ class _Trials:
         try:
             with self._controller.last_look.kept():
                 command = self._controller.resolve(self._controller.parse(said))
-            return self._dead_end_of(command.frames, self._state)
+            robot = CancellableRobot(
+                self._controller.robot, self._stop, self._controller.time_limit
+            )
+            foresight = Foresight(partial(self._planner, robot=robot))
+            refused = foresight.dead_end(command.frames, self._state, self._explored)
+            return None if refused is None else (refused[0], refusal_error(refused[1]))
         except ControlError as raised:
             return 0, raised.info
         except Stopped:
             return 0, ErrorInfo(code="interrupted", message="it was told to stop")
 
-    def _dead_end_of(self, frames: Frames, state: WorldState) -> tuple[int, ErrorInfo] | None:
-        """The first frame without a plan, and why; None if there is none before what is unknown."""
-        robot = CancellableRobot(self._controller.robot, self._stop, self._controller.time_limit)
-        for step, frame in enumerate(frames):
-            if frame.action == "explore":
-                from nlcontrol.session.exploration_commands import state_once_explored
+    def _explored(self, frame: Frame, state: WorldState) -> WorldState:
+        """The belief after a touch."""
+        from nlcontrol.session.exploration_commands import state_once_explored
 
-                state = state_once_explored(self._controller, frame, state)
-            elif frame.query is None:
-                budget = SearchBudget(min(self._left, MOST_EACH))
-                planner = self._controller.planner or partial(plan, budget=budget)
-                made = planner(frame, state, robot, defaults=self._defaults)
-                self._left -= budget.done
-                if isinstance(made, Refusal):
-                    return step, refusal_error(made)
-                foreseen = state_after(made, state)
-                if foreseen is None:
-                    return None
-                state = foreseen
-        return None
+        return state_once_explored(self._controller, frame, state)
 
 
 def _cures_of(info: ErrorInfo) -> tuple[Cure, ...]:
