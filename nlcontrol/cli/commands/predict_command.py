@@ -29,8 +29,8 @@ from nlcontrol.cli.console.console_output import json_option, print_answer
     type=Numbers(2),
     required=True,
     metavar="LATERAL,HEIGHT",
-    help="Contact: distance from the middle of the face, positive to the viewer's right, and height "
-    "[m]; on the top face x and y.",
+    help="Contact: distance from the middle of the face, positive to the viewer's right, and "
+    "height [m]; on the top face x and y.",
 )
 @click.option(
     "--direction",

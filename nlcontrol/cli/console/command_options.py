@@ -157,8 +157,8 @@ put_option = click.option(
 motion_option = click.option(
     "--motion",
     type=click.Choice(["never", "simulate"]),
-    help="never: nothing moves, as with --plan-only. simulate: questions may touch objects too, for "
-    "better answers.",
+    help="never: nothing moves, as with --plan-only. simulate: questions may touch objects too, "
+    "for better answers.",
 )
 
 
