@@ -171,7 +171,7 @@ class PlanIdBody(RequestBody):
     """A plan to be executed.
 
     Attributes:
-        plan_id: of an offer.
+        plan_id: name of an offered plan.
         text: that was shown to whoever approved the plan; it is refused (`other_sentence`) unless
             it is the text that was planned. Not compared if not given.
     """
