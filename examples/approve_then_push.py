@@ -3,7 +3,7 @@
     python examples/approve_then_push.py          # asks
     python examples/approve_then_push.py --yes
 
-A run goes on in a thread of its own; its events arrive as they happen.
+`start` returns a run that goes on in a thread of its own; its events arrive as they happen.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ with Session("kitchen", approval="plan") as session:
     print(offer.result.report())
     if offer.plan_id is None or ("--yes" not in sys.argv and input("do it? [y/n] ") != "y"):
         sys.exit("nothing was moved")
-    run = session.execute(offer.plan_id)
+    run = session.start(offer)
     for numbered in run.events():
         event = numbered.event
         if event.kind == "force":

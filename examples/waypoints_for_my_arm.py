@@ -11,7 +11,7 @@ import sys
 import numpy as np
 
 from nlcontrol import Session
-from nlcontrol.service.documents import StatedObject
+from nlcontrol.types import StatedObject
 
 table = [
     StatedObject(name="ice tea box", x=0.45, y=0.0, yaw=0.2),

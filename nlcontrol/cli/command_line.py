@@ -25,10 +25,10 @@ from nlcontrol.errors import OK, USAGE, ErrorInfo, exception_info
 from nlcontrol.interruption import SIGNALS, Terminated
 
 _EXIT_CODES = (
-    "Exit codes: 0 done and every clause held, 1 internal failure, 2 usage, 3 not understood, "
-    "4 no plan (refused with its numbers) or a capability that this robot lacks, "
-    "5 executed, but a clause did not hold, 6 executed, but a clause can be neither confirmed nor "
-    "denied, 130 interrupted by control-C, 143 by SIGTERM, 129 by SIGHUP."
+    "Exit codes: 0 done, every clause held; 1 internal failure; 2 wrong usage; 3 not understood; "
+    "4 refused with its numbers, or beyond what this robot can do; 5 executed, a clause did not "
+    "hold; 6 executed, a clause can be neither confirmed nor denied; 130 interrupted by control-C, "
+    "143 by SIGTERM, 129 by SIGHUP."
 )
 
 
@@ -72,13 +72,13 @@ class _Commands(click.Group):
 
 
 _GREETING = """\
-nlcontrol tells a robot arm what should become of an object.
+nlcontrol tells a robot arm what to do with an object.
 Three things to try:
 
   nlcontrol plan "push the ice tea box away without toppling it"
-      tells what it would do, and why
+      shows the plan and the reasons for it
   nlcontrol say "push the mug 3 cm to the left" --replay run.html
-      does it, checks it, and writes a page to watch it on
+      carries it out, checks it, and writes a page with the replay
   nlcontrol shell
       takes one sentence after another
 
@@ -94,7 +94,7 @@ Three things to try:
 @click.version_option(__version__, prog_name="nlcontrol")
 @click.pass_context
 def cli(ctx: click.Context) -> None:
-    """Say what should become of an object; it is predicted, carried out and checked."""
+    """Say what to do with an object: nlcontrol predicts it, carries it out and checks it."""
     if ctx.invoked_subcommand is None:
         click.echo(_GREETING)
 

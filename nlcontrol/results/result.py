@@ -43,11 +43,11 @@ class Execution(DocumentPart):
     Attributes:
         end: why the push ended.
         detail: the same in words.
-        duration: of the whole execution, simulated [s].
-        displacement: of the pushed object in W [m].
+        duration: duration of the whole execution, simulated [s].
+        displacement: displacement of the pushed object in W [m].
         turned: angle by which it turned about the vertical [rad], counter-clockwise; None if it
             lies at the end, where a heading says nothing.
-        largest_tilt: on the way [rad].
+        largest_tilt: largest tilt on the way [rad].
         largest_force: felt along the push, averaged against the sensors' noise [N]; None if nothing
             was felt.
     """
@@ -82,21 +82,21 @@ class Step(DocumentPart):
 
     Attributes:
         frame: its place in `Result.frames`, from 0.
-        status: as in `Result`.
-        before: where the robot saw the object before it planned.
+        status: status as in `Result`.
+        before: pose in which the robot saw the object before it planned.
         plan: the pushes, or what the hand does, as they were planned at first.
         plans: every plan that was made; the first push of each was carried out, or all steps of
             the hand.
         stuck: why nothing more was done before the aim was reached.
         execution: the trace in a few numbers.
         checks: a verdict per clause of this frame.
-        lessons: what the pushes taught about the object, in their order.
-        exploration: what touching the object found out, if the frame asked for that.
-        answer: if the frame is a question.
+        lessons: lessons of the pushes about the object, in their order.
+        exploration: findings by touch, if the frame asked for them.
+        answer: answer, if the frame is a question.
         error: why it went no further.
         marks: of a refusal: where its numbers are on the table; an offer bears them, the JSON
             document of a result does not.
-        basis: what was known then; not a part of the JSON document.
+        basis: knowledge at that time; not a part of the JSON document.
     """
 
     frame: int
@@ -137,10 +137,10 @@ class Result(Document):
             `unsupported` (a capability that this robot lacks), `not_understood`, `cancelled`
             (told to stop).
         text: the sentence as given.
-        paraphrase: what was understood, in words.
+        paraphrase: the understanding in words.
         left_out: words of the sentence that set nothing: courtesy, and what was taken back.
         frames: the same as data.
-        planned: how many of the frames were planned.
+        planned: number of planned frames.
         plan: the pushes or the steps of the hand, with what was predicted, of the last frame
             planned.
         guide: what is committed of the plan, for a controller that carries it out; only where it
@@ -149,17 +149,17 @@ class Result(Document):
         checks: a verdict per clause.
         steps: what came of each frame, in the order in which they were carried out; those after
             the first that failed are missing.
-        answer: to the last question of the sentence, or to a remark.
+        answer: answer to the last question of the sentence, or to a remark.
         notes: plain sentences on how a remark was taken, and on what was left out.
-        defaults: what the sentence left open and the table of defaults supplied.
+        defaults: defaults for what the sentence left open.
         error: why it is not ok.
         scene: name of the scene.
-        seed: what everything random was drawn from.
+        seed: seed of all randomness.
         explanation: which words became which parameters, if that was asked for.
-        files: what was written, by kind (`replay`, `trace`, `picture`).
+        files: written files by kind (`replay`, `trace`, `picture`).
         aside: those of the frames that move something out of the way of others; not a part of the
             JSON document.
-        trace: what happened over time; not a part of the JSON document.
+        trace: record over time; not a part of the JSON document.
     """
 
     model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid", allow_inf_nan=False)

@@ -52,13 +52,13 @@ class Difference(DocumentPart):
     """Something that came out otherwise.
 
     Attributes:
-        part: of the bundle.
+        part: part of the bundle that differs.
         place: in it: a version's name, a field such as `steps[0].status`, an array such as
             `poses/mug`.
-        recorded: in the bundle, as text; null if there was nothing.
+        recorded: value in the bundle, as text; null if there was none.
         repeated: now.
         largest: difference of numbers, in `unit`.
-        unit: of it, where it is known; `""` for a number without one.
+        unit: unit of the numbers, where it is known; `""` for a number without one.
         begins: time of the trace from which on it differs [s].
     """
 
@@ -225,9 +225,9 @@ def repeat_recipe(
     """The same, and the result of the last deed; None if that was a look, or there is none.
 
     Args:
-        recipe: of a controller.
-        exact: whether every deed has to begin at its time.
-        progress: told what happens during the simulation.
+        recipe: recipe of a controller.
+        exact: whether every deed must begin at its recorded time.
+        progress: called with what happens in the simulation.
 
     Raises:
         ControlError: `bad_recipe`.
@@ -306,7 +306,7 @@ class RerunReport(Document):
     Attributes:
         ok: result and trace are the same to the digit.
         text: the sentence.
-        samples: of the trace; 0 if nothing moved.
+        samples: number of samples of the trace; 0 if nothing moved.
         differences: versions that are others, fields and arrays that came out otherwise; the first
             of each.
         found: number of fields and arrays that came out otherwise.
@@ -325,8 +325,8 @@ def rerun(bundle: RunBundle, progress: Progress | None = None) -> RerunReport:
     """Does all again that led to a run, and the run, in simulation; then compares.
 
     Args:
-        bundle: of the run.
-        progress: told what happens during the simulation.
+        bundle: bundle of the run.
+        progress: called with what happens in the simulation.
 
     Raises:
         ControlError: `not_repeatable`, `bad_recipe`.
@@ -406,14 +406,14 @@ class RunRequest(Document):
     """Request of a run, with all that it takes to repeat it.
 
     Attributes:
-        format: of the bundle, and its version.
+        format: format of the bundle, with its version.
         text: the sentence.
         scene: name of the scene.
-        seed: of everything random.
-        digest: of what was believed when it was planned; null if nobody asked.
-        versions: of nlcontrol, Python and the libraries that decide on numbers.
+        seed: seed of all randomness.
+        digest: digest of the beliefs at planning; null if it was not planned first.
+        versions: versions of nlcontrol, Python and the numerical libraries.
         platform: system, processor and C library.
-        recipe: of the controller, with the run as its last deed; null if it cannot be repeated.
+        recipe: recipe of the session, with the run as its last deed; null if it cannot be repeated.
         why_not: the reason then.
     """
 
@@ -432,9 +432,9 @@ def run_request(controller: Controller, result: Result, digest: str | None = Non
     """The request of a run that has just ended, which was the last that the controller did.
 
     Args:
-        controller: that carried it out.
-        result: of the run.
-        digest: of what was believed when it was planned.
+        controller: controller that carried the run out.
+        result: result of the run.
+        digest: digest of the beliefs at planning.
     """
     recipe, why_not = None, None
     try:
@@ -471,9 +471,9 @@ class RunBundle:
     """A bundle, as it was read.
 
     Attributes:
-        request: of the run.
-        result: of it, as JSON; empty if it has none.
-        trace: of it; None if nothing moved.
+        request: request of the run.
+        result: result of the run, as JSON; empty if it has none.
+        trace: trace of the run; None if nothing moved.
     """
 
     request: RunRequest
@@ -487,10 +487,10 @@ def bundle_run(
     """Writes the bundle of the run that a controller has just done, with trace and replay.
 
     Args:
-        controller: that carried it out.
-        result: of the run.
-        path: of the bundle.
-        events: of the run.
+        controller: controller that carried the run out.
+        result: result of the run.
+        path: path of the bundle.
+        events: events of the run.
 
     Raises:
         ModelError: `cannot_write`.
@@ -518,12 +518,12 @@ def write_bundle(
     """Writes the bundle of a run, whole or not at all.
 
     Args:
-        path: of the bundle.
-        request: of the run.
-        result: of it; None if it has none.
-        events: of it.
-        trace: file of its trace.
-        replay: file of its replay.
+        path: path of the bundle.
+        request: request of the run.
+        result: result of the run; None if it has none.
+        events: events of the run.
+        trace: file of the run's trace.
+        replay: file of the run's replay.
 
     Raises:
         ModelError: `cannot_write`.

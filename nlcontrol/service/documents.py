@@ -48,7 +48,7 @@ class StatedObject(DocumentPart):
     """An object, and where a caller's own camera says that it stands.
 
     Attributes:
-        name: what it is called on this table; unique.
+        name: unique name on this table.
         model: name of the registry's model; the object's name if not given.
         x, y: position of B's origin in W [m].
         yaw: heading of B's x axis, counter-clockwise from W's [rad].
@@ -76,7 +76,7 @@ class TableSpec(DocumentPart):
     Attributes:
         scene: name of a scene of the host. Where objects are stated, its mount, table top and
             sensors count, and its own objects do not.
-        seed: of everything random; the same seed gives the same trace.
+        seed: seed of all randomness; the same seed gives the same trace.
         defaults: what a clause means when a sentence does not say more, by the names that
             `nlcontrol defaults` lists, on top of the scene's.
         objects: all that stands on the caller's own table; null for the simulated one.
@@ -130,11 +130,11 @@ class SessionInfo(Document):
     """A session that is open.
 
     Attributes:
-        session_id: of it.
-        spec: as it was asked for.
+        session_id: name of the session.
+        spec: specification with which it was opened.
         has_robot: plans can be carried out here; not on a table that was stated.
         state: `idle`, `running` (a run is under way or queued) or `lost` (its process has ended).
-        run_id: of the run that is under way or queued.
+        run_id: name of the run that is under way or queued.
         expires_in: time until it is closed if nothing is asked of it [s].
     """
 
@@ -150,7 +150,7 @@ class SessionList(Document):
     """Sessions.
 
     Attributes:
-        sessions: that are open.
+        sessions: open sessions.
     """
 
     sessions: tuple[SessionInfo, ...]
@@ -160,16 +160,16 @@ class TableObject(DocumentPart):
     """An object as it is believed to stand, or as it was stated.
 
     Attributes:
-        name: of the object on this table; text that others wrote.
+        name: name of the object on this table; text that others wrote.
         model: name of the registry's model that it is taken for.
         x, y: position of B's origin in W [m].
         yaw: heading of B's x axis [rad].
         lies_on: name of the face that is below; `bottom` if it stands as its model does.
-        size: of a box around it as it lies, along its own axes [m].
+        size: size of a box around it as it lies, along its own axes [m].
         fragile: whether hand and other objects keep well away from it.
         fixed: whether a holder keeps it where it stands.
-        lid: how far its lid is seen to be open; null without one.
-        mass, mass_sd: as believed now, and the standard deviation of that [kg].
+        lid: opening of its lid as seen; null without one.
+        mass, mass_sd: present belief, and its standard deviation [kg].
         friction, friction_sd: coefficient at the table, likewise.
     """
 
@@ -194,11 +194,11 @@ class TableView(Document):
 
     Attributes:
         source: `camera` if a robot looked, `stated` if the caller said where everything stands.
-        time: of the robot [s].
+        time: time of the robot's clock [s].
         scene: name of the cell.
-        objects: that stand there.
+        objects: objects on the table.
         held: name of the object in the hand; null if it is empty.
-        digest: of all that is believed; see `nlcontrol.service.offers`.
+        digest: digest of all beliefs; see `nlcontrol.service.offers`.
     """
 
     source: Source
@@ -218,8 +218,8 @@ class Drawing(DocumentPart):
             the one that looks at the robot most.
         lines: what is done, what that does and why it is safe, in words.
         ghosts: objects and the poses in which they should end.
-        contacts: where fingertips touch at first: places and outward normals in B.
-        marks: where the numbers of a refusal are.
+        contacts: first contacts of the fingertips: points and outward normals in B.
+        marks: places of a refusal's numbers.
     """
 
     object: str
@@ -238,7 +238,7 @@ class Understanding(Document):
         text: the sentence as given.
         frames: what is to be done, one after the other.
         paraphrase: the frames in plain words, which are read as the same frames.
-        asides: where words stand that set nothing.
+        asides: places of words that set nothing.
         left_out: these words.
         error: why it was not understood.
         explanation: which words set which part of a frame; parameters follow with a plan.
@@ -269,11 +269,11 @@ class Offer(Document):
     """A plan that waits to be approved, or the reason why there is none.
 
     Attributes:
-        plan_id: with which it is executed, once; null where nothing is to be executed.
+        plan_id: name with which the plan is executed, once; null if there is nothing to execute.
         expires_in: time for which that is possible [s]; null without a plan id.
-        digest: of what was believed when it was planned.
-        result: of the sentence so far: `planned`, or refused, not understood, answered.
-        drawing: of it; null if it is about no object on the table.
+        digest: digest of the beliefs at planning.
+        result: result of the sentence so far: `planned`, or refused, not understood, answered.
+        drawing: drawing of the plan; null if it is about no object on the table.
     """
 
     plan_id: str | None = None
@@ -311,8 +311,8 @@ class NumberedEvent(DocumentPart):
     """An event of a run.
 
     Attributes:
-        number: of the event in its run, from 1.
-        event: what happened.
+        number: number of the event in its run, from 1.
+        event: the event.
     """
 
     number: int
@@ -323,18 +323,18 @@ class RunInfo(Document):
     """A run: something that is carried out.
 
     Attributes:
-        run_id: of it.
-        session_id: in which it is carried out.
+        run_id: name of the run.
+        session_id: name of its session.
         kind: `execute` (a plan that was approved) or `say` (planned and executed at one go).
         state: `queued`, `running`, `ended` (its `result` says how), `aborted` (its process was
             ended on request), `cut_off` (the service or its process died) or `defect`.
-        place: in the queue, from 1; null if it is not queued.
+        place: place in the queue, from 1; null if it is not queued.
         text: the sentence.
-        plan_id: that was approved; null for `say`.
-        scene, seed: of the session's table; null in runs of earlier versions.
-        asked_at, begun_at, ended_at: on the clock, in seconds since 1970 (UTC).
-        events: how many there are so far.
-        result: of the sentence, once it has ended.
+        plan_id: name of the approved plan; null for `say`.
+        scene, seed: scene and seed of the session; null in runs of earlier versions.
+        asked_at, begun_at, ended_at: times in seconds since 1970 (UTC).
+        events: number of events so far.
+        result: result of the sentence, once the run has ended.
         error: why there is no result.
     """
 
@@ -359,8 +359,8 @@ class RunPage(Document):
     """Some of the runs, the newest first.
 
     Attributes:
-        runs: on this page.
-        cursor: of the next page; null on the last one.
+        runs: runs on this page.
+        cursor: cursor of the next page; null on the last one.
     """
 
     runs: tuple[RunInfo, ...]
@@ -391,11 +391,11 @@ class MapContact(DocumentPart):
 
     Attributes:
         lateral, height: place on the face [m].
-        point: in B [m].
+        point: the same point in B [m].
         outcome: `slide`, `topple`, `undecided` or `none`.
-        force: at which it begins [N]; null if never.
+        force: force at which the outcome begins [N]; null if never.
         slide, topple: thresholds [N]; null if never.
-        probability_slide, probability_topple: of these outcomes.
+        probability_slide, probability_topple: probabilities of these outcomes.
     """
 
     lateral: float
@@ -414,11 +414,11 @@ class FaceMap(Document):
 
     Attributes:
         object: name of the object.
-        face: as it was named.
+        face: name of the face, as in the request.
         normal: outward unit normal of the face in B.
         band: forces that lie closer together, as a share, leave the outcome undecided.
         level: probability that an outcome must have, instead of the band; null without.
-        friction: which coefficient at the table decided.
+        friction: coefficient at the table that decided.
         probabilities: which tier they are of, `exact tier` or `closed form`, and whether they are
             interpolated.
         contacts: all over the face.
@@ -447,8 +447,8 @@ class DrawnBody(DocumentPart):
     """A body with its shapes.
 
     Attributes:
-        name: of the body, as in a `PoseFrame`.
-        kind: of the body.
+        name: name of the body, as in a `PoseFrame`.
+        kind: kind of the body.
         object: name of the object on the table that it is, or whose lid it is; null for others.
         shapes: each with `kind`, `pose` in the body, `colour` (red, green, blue and opacity, 0…1)
             and the measures of its kind [m]; see `sim.views.viewer_recording`.
@@ -464,12 +464,12 @@ class SceneGeometry(Document):
     """All that a viewer draws of a session.
 
     Attributes:
-        source: of the shapes: what an observer sees, or boxes as they are believed to be.
-        format: of the shapes, and its version.
-        name: of the scene.
+        source: source of the shapes: an observer's view, or the believed boxes.
+        format: format of the shapes, with its version.
+        name: name of the scene.
         floor: height of the ground below the table top [m].
         liquid: colour of liquid.
-        bodies: with their shapes.
+        bodies: bodies with their shapes.
     """
 
     source: PoseSource
@@ -484,9 +484,9 @@ class PoseFrame(DocumentPart):
     """Places of all bodies at one time.
 
     Attributes:
-        time: of the robot [s].
-        source: what an observer of the simulated world sees, or what is believed.
-        poses: by the names of the bodies: quaternion (w, x, y, z) and position in W [m].
+        time: time of the robot's clock [s].
+        source: source of the poses: an observer of the simulated world, or the beliefs.
+        poses: poses by the names of the bodies: quaternion (w, x, y, z) and position in W [m].
     """
 
     time: float
@@ -501,11 +501,11 @@ class Health(Document):
     """Numbers of what there is and what waits.
 
     Attributes:
-        version: of nlcontrol.
-        sessions: that are open.
-        planners: processes that plan for those who have no session.
+        version: version of nlcontrol.
+        sessions: open sessions.
+        planners: processes that plan without a session.
         running: runs that are under way.
-        queued: runs that wait for their turn.
+        queued: runs in the queue.
     """
 
     version: str
@@ -519,8 +519,8 @@ class SceneSummary(DocumentPart):
     """A scene of the host.
 
     Attributes:
-        name: of it.
-        objects: names of all that stands there.
+        name: name of the scene.
+        objects: names of its objects.
     """
 
     name: str
@@ -531,7 +531,7 @@ class SceneList(Document):
     """Scenes.
 
     Attributes:
-        scenes: that may be asked for.
+        scenes: scenes that a session may have.
     """
 
     scenes: tuple[SceneSummary, ...]
@@ -541,11 +541,11 @@ class ObjectSummary(DocumentPart):
     """An object model in a few figures.
 
     Attributes:
-        name: of the model; text that others wrote.
+        name: name of the model; text that others wrote.
         synonyms: further names.
-        kind: of shape.
-        size: of a box around it as it stands [m].
-        mass, mass_sd: and its standard deviation [kg].
+        kind: kind of shape.
+        size: size of a box around it as it stands [m].
+        mass, mass_sd: mass and its standard deviation [kg].
         friction, friction_sd: coefficient at the table, and its standard deviation.
     """
 
@@ -563,7 +563,7 @@ class ObjectList(Document):
     """Object models of the host.
 
     Attributes:
-        objects: in the order of their names.
+        objects: object models in the order of their names.
     """
 
     objects: tuple[ObjectSummary, ...]
@@ -573,7 +573,7 @@ class ObjectDescription(Document):
     """An object model.
 
     Attributes:
-        summary: in a few figures.
+        summary: the model in a few figures.
         model: every figure, as docs/models.md names them.
         geometry: its shapes, for a viewer.
     """

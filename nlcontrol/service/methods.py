@@ -197,8 +197,8 @@ class MapBody(ObjectBody):
     """A face to be mapped.
 
     Attributes:
-        face: name of the face, as the robot sees it.
-        spacing: between contacts [m].
+        face: name of the face, as the robot calls it.
+        spacing: distance between contacts [m].
     """
 
     face: ObjectName = "front"
@@ -243,16 +243,16 @@ class Question:
     """A question of a session.
 
     Attributes:
-        name: name of the method of a session, and of the operation.
+        name: name of the session's method and of the operation.
         asks: body of a request to a session; it may be left out if nothing in it has to be said.
-        answers: kind of the document.
-        told: what it does, in the document of the service.
-        path: route below a session.
+        answers: kind of the document that answers it.
+        told: description in the document of the service.
+        path: path of the session's route.
         alone: body of a request without a session; None if it takes one.
-        told_alone: what it does then.
+        told_alone: description of the request without a session.
         reads: makes what the method returns from the document.
         example: fields of a body in which its example is another than that of the fields.
-        tool: for language models; None if they have no use for it.
+        tool: tool for language models; None if they have no use for it.
     """
 
     name: str
@@ -419,9 +419,9 @@ class Questions:
         """Predicts pushes all over a face.
 
         Args:
-            name: name of the object, as it lies and is turned on the table.
-            face: name of the face, as the robot sees it.
-            spacing: between contacts [m].
+            name: name of the object, which is taken as it lies and is turned on the table.
+            face: name of the face, as the robot calls it.
+            spacing: distance between contacts [m].
 
         Raises:
             ControlError: `unknown_object`, `unknown_face`, `bad_value`.
@@ -540,7 +540,7 @@ class PlanningSession(Questions, ABC):
 
         Args:
             said: a sentence, frames, or what `plan` offered.
-            plan_id: plan id of an offer, in its place.
+            plan_id: name of an offered plan, in its place.
             text: under which the plan was approved, such as the sentence that a person saw beside
                 it; not compared if not given.
             motion: `simulate` also lets a question move something, `never` nothing at all.
@@ -571,8 +571,8 @@ class PlanningSession(Questions, ABC):
 
         Args:
             said: a sentence, or frames.
-            motion: as for `start`.
-            on_event: as for `start`.
+            motion: permission as for `start`.
+            on_event: callback as for `start`.
 
         Raises:
             ControlError: as for `start`.
@@ -592,8 +592,8 @@ class PlanningSession(Questions, ABC):
 
         Args:
             plan: what `plan` offered, or its plan id.
-            text: as for `start`.
-            on_event: as for `start`.
+            text: approved text as for `start`.
+            on_event: callback as for `start`.
 
         Raises:
             ControlError: as for `start`; what was offered without a plan is `unknown_plan`.

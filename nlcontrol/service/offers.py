@@ -46,9 +46,9 @@ class Tolerances:
     """Differences that are no change.
 
     Attributes:
-        move: of a position [m].
-        turn: of an attitude [rad].
-        lid: of how far a lid is open [rad or m].
+        move: tolerance of a position [m].
+        turn: tolerance of an attitude [rad].
+        lid: tolerance of the opening of a lid [rad or m].
     """
 
     move: float
@@ -219,7 +219,7 @@ class OfferedPlan(NamedTuple):
     Attributes:
         proposal: the sentence as it was planned.
         text: the sentence as it was given; "" if frames came without one.
-        state: what was believed then.
+        state: beliefs at that time.
         until: when it expires, on the clock [s].
     """
 
@@ -235,7 +235,7 @@ class OfferedPlans:
     Threads may share it; no method waits.
 
     Args:
-        clock: by which they expire [s].
+        clock: clock by which they expire [s].
 
     Attributes:
         era: how often all of them were dropped; a plan that was asked for in an earlier one is

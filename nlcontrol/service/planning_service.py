@@ -50,8 +50,8 @@ class RunFiles:
     """Files of the runs of a store.
 
     Args:
-        store: of the runs.
-        time_limit: for a replay to be made [s].
+        store: store of the runs.
+        time_limit: longest time for making a replay [s].
     """
 
     def __init__(self, store: RunStore, time_limit: float) -> None:
@@ -122,7 +122,7 @@ class PlanningService:
     """The service, from `start` to `close`.
 
     Args:
-        settings: of the service.
+        settings: settings of the service.
 
     Attributes:
         waiting_room: threads for those who wait for a process, a disk or a run; nobody else's.
@@ -180,8 +180,8 @@ class PlanningService:
 
         Args:
             method: `parse`, `ask`, `predict`, `map`, `affordances`, `plan` or `look`.
-            table: to be planned for.
-            arguments: of the method.
+            table: table to plan for.
+            arguments: arguments of the method.
 
         Raises:
             ControlError: `unknown_scene`, `queue_full`; the future also what the method raises,
@@ -312,11 +312,11 @@ class PlanningService:
         """Begins to carry out a plan that was approved, or a sentence; it may have to queue.
 
         Args:
-            session_id: in which.
-            plan_id: of an `Offer` of the session.
+            session_id: name of the session.
+            plan_id: name of the plan of an `Offer` of the session.
             said: a sentence, or frames; with a plan id the text under which it was approved, if
                 that is to be compared.
-            motion: that a sentence may make; see `PlanningSession.say`.
+            motion: motion that a sentence may make; see `PlanningSession.say`.
             idempotency_key: asked twice under it, the run is begun once.
 
         Raises:

@@ -175,9 +175,9 @@ def store_error(path: Path, what: str, raised: sqlite3.Error) -> ControlError:
     """The error of a database that does not do what is asked, by the cause that SQLite names.
 
     Args:
-        path: of the database.
-        what: did not go.
-        raised: by SQLite.
+        path: path of the database.
+        what: what failed.
+        raised: exception of SQLite.
     """
     cause = getattr(raised, "sqlite_errorcode", None)
     cause = None if cause is None else cause & 0xFF  # without what extends it
@@ -211,8 +211,8 @@ def file_error(path: Path, raised: ModelError) -> ControlError:
     """The error of a file of a store that cannot be written, by the cause that the system names.
 
     Args:
-        path: of the store.
-        raised: as the file was written.
+        path: path of the store.
+        raised: exception of the system as the file was written.
     """
     cause = getattr(raised.__cause__, "errno", None)
     full = cause in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
@@ -271,8 +271,8 @@ class RunStore:
     """A store, open in this process alone; threads may share it.
 
     Args:
-        folder: of it; it is made if need be.
-        keep_bytes: of the runs that have ended.
+        folder: folder of the store; it is made if need be.
+        keep_bytes: space for runs that have ended.
 
     Raises:
         ControlError: `store_in_use`, `bad_store`.
@@ -315,7 +315,7 @@ class RunStore:
 
         Args:
             info: the run.
-            key: under which the caller asks for it, once per session; None for none.
+            key: idempotency key of the caller, unique in the session; None for none.
             request: a digest of what is asked for; the same for the same key.
 
         Returns:
@@ -391,7 +391,7 @@ class RunStore:
         Runs that are added or removed meanwhile make no other run appear twice or never.
 
         Args:
-            session_id: of whose runs; of all if not given.
+            session_id: session whose runs are meant; all if not given.
             cursor: `RunPage.cursor` of the page before.
             limit: number of runs on the page.
 

@@ -16,17 +16,17 @@ class ServiceSettings(BaseModel):
     """Settings of the planning service.
 
     Attributes:
-        workers: runs that may simulate at once; one processor is left for plans by default.
-        sessions: that may be open at once, each a process.
-        planners: processes that plan for those who have no session, at most.
-        queue: runs that may wait for their turn, and as many calls for a planner.
+        workers: most runs that simulate at once; by default one processor is left for plans.
+        sessions: most open sessions, each in a process of its own.
+        planners: most processes that plan without a session.
+        queue: most waiting runs, and most calls that wait for a planner.
         store: folder of the runs; a temporary one if not given, where `serve` takes the user's own.
-        keep_bytes: of runs that are kept; the oldest go first.
-        scenes: names of the host's scenes that may be asked for; all built-in ones if not given.
-        executor: `module:Class` of the robot to be driven, instead of the simulated one.
-        idle_time: after which a session of which nothing is asked is closed [s].
-        request_time: after which a plan or an answer is given up [s].
-        stop_time: which a run has to come to rest when its session is closed [s].
+        keep_bytes: space for finished runs; the oldest are deleted first.
+        scenes: names of the scenes that clients may open; all built-in ones if not given.
+        executor: `module:Class` of the robot to drive instead of the simulated one.
+        idle_time: time after which an idle session is closed [s].
+        request_time: longest time for a plan or an answer [s].
+        stop_time: longest time for a run to come to rest when its session is closed [s].
         sentence_length: longest sentence [characters].
         body_bytes: largest body of a request.
     """

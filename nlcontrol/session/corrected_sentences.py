@@ -61,8 +61,8 @@ def result_with_corrections(
     A suggestion that leads to no plan gives way to a sentence for which there is one.
 
     Args:
-        result: of the sentence; what was carried out already is not said again.
-        controller: that reads and plans sentences.
+        result: result of the sentence; what was carried out already is not said again.
+        controller: controller that reads and plans sentences.
         stop: asked whether to go on.
     """
     info = result.error
@@ -153,8 +153,8 @@ class _Trials:
         """The frames in words if there is a plan, else changed so that there is one.
 
         Args:
-            frames: that may do.
-            chain: how often what the refusal of a change suggests is followed.
+            frames: frames to try.
+            chain: number of suggestions in a chain that are followed.
         """
         said = self.words(frames)
         dead_end = self._dead_end(said) if said is not None else None
@@ -174,7 +174,7 @@ class _Trials:
         """The frames in words with a smaller amount for which there is a plan.
 
         Args:
-            frames: that have none.
+            frames: frames that have none.
             step: the first of them that may ask too much.
         """
         moving = (i for i, each in enumerate(frames) if i >= step and each.action != "explore")

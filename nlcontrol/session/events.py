@@ -54,17 +54,17 @@ class Event(DocumentPart):
 
     Attributes:
         kind: see `KINDS`.
-        time: of the robot [s].
+        time: time of the robot's clock [s].
         wall_time: since the sentence was said [s].
         text: the same in words.
         left_out: words of the sentence that set nothing.
         frame: place of the frame in the sentence that it is about, from 0.
-        phase: that begins.
+        phase: phase that begins.
         forces: per finger [N].
-        plan: that was made.
-        lesson: that was learned.
+        plan: plan that was made.
+        lesson: lesson that was learned.
         check: the verdict.
-        status: of the result.
+        status: status of the result.
     """
 
     kind: EventKind
@@ -97,14 +97,14 @@ class Supervisor(Monitor):
     """The supervision of one sentence.
 
     Args:
-        progress: told of the phases.
+        progress: called at each phase.
         stop: the caller's.
-        on_event: told of every event, in the thread that carries the sentence out.
+        on_event: called with every event, in the thread that carries the sentence out.
         force_rate: events of kind `force` per second of the robot's time; none if 0 [Hz].
         clock: the robot's time [s].
 
     Attributes:
-        frame: that is on its way.
+        frame: frame that is carried out.
     """
 
     def __init__(
@@ -149,10 +149,10 @@ class Supervisor(Monitor):
         """Tells of an event.
 
         Args:
-            kind: of it.
-            text: in words.
-            time: of the robot [s]; now, if not given.
-            details: its own field.
+            kind: kind of the event.
+            text: the event in words.
+            time: time of the robot's clock [s]; now, if not given.
+            details: field of its kind.
         """
         now = self._clock() if time is None else time
         wall = wall_clock.monotonic() - self._began

@@ -38,7 +38,7 @@ class Perception(Protocol):
         """Looks at the table and returns what the robot believes then.
 
         Args:
-            models: what is believed of every object, by its name in the cell.
+            models: believed model of every object, by its name in the cell.
             duration: over which camera frames are averaged [s].
         """
 
@@ -48,7 +48,7 @@ class Executor(Perception, Protocol):
 
     Attributes:
         cell: what the robot is told: objects by name, table, mount, data sheets of the sensors.
-        seed: seed of everything random; 0 where nothing is drawn.
+        seed: seed of all randomness; 0 where nothing is drawn.
     """
 
     cell: CellDescription
@@ -75,8 +75,8 @@ class Executor(Perception, Protocol):
         """Carries out a plan and returns the trace, also if it ended early.
 
         Args:
-            plan: what to do.
-            models: what is believed of every object, by its name in the cell.
+            plan: plan to carry out.
+            models: believed model of every object, by its name in the cell.
             progress: called while something happens; a `Monitor`, whose `stop` is to be asked at
                 least every 0.2 s whether to let go and come to rest.
         """
@@ -86,7 +86,7 @@ class Executor(Perception, Protocol):
 
         Args:
             name: name of the object that the trace is about.
-            duration: how long to look [s].
+            duration: duration of the look [s].
         """
 
     def touch(
@@ -96,7 +96,7 @@ class Executor(Perception, Protocol):
 
         Args:
             experiment: which.
-            state: what is believed, from a look since which nothing has moved.
+            state: believed state, from a look since which nothing has moved.
             progress: called while something happens; a `Monitor`, whose `stop` is to be asked at
                 least every 0.2 s whether to let go and come to rest.
         """
@@ -126,7 +126,7 @@ class CancellableRobot:
     a `ControlError` of code `time_limit`.
 
     Args:
-        robot: the robot that answers.
+        robot: robot that answers.
         stop: asked whether to go on.
         time_limit: wall-clock time for all answers from now on [s].
     """

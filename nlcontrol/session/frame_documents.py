@@ -79,7 +79,7 @@ def command_of(said: str | Frames, parser: Parser, before: Sequence[str] | None 
 
     Args:
         said: the sentence or the frames.
-        parser: that reads sentences.
+        parser: parser of sentences.
         before: sentences said before, the last first; see `grammar.parser.Parser.parse`.
 
     Raises:

@@ -35,8 +35,8 @@ class JournalEntry(DocumentPart):
 
     Attributes:
         said: the sentence, or the frames in its place as JSON has them.
-        conversation: in which it was said, by number.
-        motion: as in `Controller.say`; `never` if it was only planned.
+        conversation: number of the conversation in which it was said.
+        motion: permission to move as in `Session.say`; `never` if it was only planned.
         begun: simulated time at its beginning [s]; None before there was a world.
         proposes: number of the proposal in its conversation, if it was planned as one.
         executes: number of the proposal that was carried out; `said` is its text.
@@ -71,11 +71,11 @@ class Recipe(Document):
 
     Attributes:
         scene: the scene as it is, without the defaults that it sets.
-        seed: of everything random.
+        seed: seed of all randomness.
         defaults: values by their names [SI].
         registry: every model that is known, as in a model file.
         beliefs: the models of the objects at the beginning, by the names of the objects.
-        deeds: what was done, in order.
+        deeds: deeds in their order.
     """
 
     model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid")
@@ -93,10 +93,10 @@ class Journal:
 
     Args:
         executor: the robot; of one that is not simulated nothing is kept.
-        models: what is believed, as it changes.
+        models: believed models, as they change.
 
     Attributes:
-        deeds: what was done.
+        deeds: deeds so far.
         beliefs: the models before that.
         conversations: number of those that were begun.
     """

@@ -97,4 +97,4 @@ def test_its_python_runs() -> None:
     out = io.StringIO()
     with contextlib.redirect_stdout(out):
         exec(compile(code_blocks(GUIDE, "python")[0], "exploring.md", "exec"), {})
-    assert out.getvalue() == "1 it was moved by 12 mm\nTrue\n"
+    assert out.getvalue() == "1 it was moved by 12 mm\nplanned\n"

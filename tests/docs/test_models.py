@@ -66,7 +66,7 @@ def test_the_learned_model_of_the_guide_is_taken_and_one_that_is_too_sure_is_not
         exec(compile(only_block(GUIDE, "python learned"), "models.md", "exec"), names)
     assert out.getvalue().strip() == "not_calibrated"
     assert "oiled crate" in names["registry"]
-    assert set(re.findall(r"`(\w+)`", _section("A model that was learned"))) >= set(PREDICTIONS)
+    assert set(re.findall(r"`(\w+)`", _section("A learned model"))) >= set(PREDICTIONS)
 
 
 def _section(title: str) -> str:

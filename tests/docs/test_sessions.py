@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import io
 import re
+from operator import attrgetter
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from nlcontrol import Client, Session
 from nlcontrol.errors import CODES
-from nlcontrol.service.session import Session
 from tests.docs.guide_blocks import code_blocks
+from tests.service_process import serving
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "sessions.md").read_text(encoding="utf-8")
 BLOCKS = code_blocks(GUIDE, "python")
@@ -25,13 +29,13 @@ def printed(block: str) -> str:
 
 
 def test_a_stated_table() -> None:
-    told = printed(BLOCKS[2])
+    told = printed(BLOCKS[5])
     assert "stop when nothing is felt within 45 mm" in told
     assert "Plan: push the ice tea box" in told.rpartition("stop when")[2]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("block", BLOCKS[:2])
+@pytest.mark.parametrize("block", [*BLOCKS[:3], BLOCKS[4]])
 def test_what_is_approved_is_done(block: str) -> None:
     told = printed(block)
     assert not told or "Done: every clause held." in told
@@ -47,6 +51,27 @@ def test_table_of_codes() -> None:
 
 
 def test_table_of_methods() -> None:
-    methods = re.findall(r"^\| `(\w+)\(", GUIDE, re.MULTILINE)
-    public = {name for name in vars(Session) if not name.startswith("_")}
-    assert set(methods) == public - {"executes"}
+    methods = re.findall(r"^\| `(\w+)\(", GUIDE.partition("## At a server")[0], re.MULTILINE)
+    public = {name for name in dir(Session) if not name.startswith("_")}
+    inner = {"answer_question"}
+    assert set(methods) == public - {"has_robot"} - inner
+
+
+def test_a_client_has_what_the_table_names() -> None:
+    table = GUIDE.partition("| of a client | answer |")[2].partition("\n\n")[0]
+    names = re.findall(r"`([\w.]+)\(", table)
+    assert len(names) == 11
+    with Client("http://127.0.0.1:9") as client:  # nothing is called
+        found = [attrgetter(name)(client) for name in names]
+    assert all(map(callable, found))
+
+
+@pytest.mark.slow
+def test_the_programs_at_a_server_push(capsys: pytest.CaptureFixture[str]) -> None:
+    names: dict[str, Any] = {}
+    exec(BLOCKS[3], names)
+    with serving("--workers", "1") as server:
+        names["push_at"](server.url)
+        asyncio.run(names["push_at_once"](server.url))
+    printed_lines = capsys.readouterr().out.splitlines()
+    assert printed_lines == ["done", "['push the ice tea box 5 cm away']", "done"]

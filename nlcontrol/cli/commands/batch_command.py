@@ -50,20 +50,24 @@ _picture = click.option("--picture", type=FILE, help="Draw the summary (PNG, SVG
 
 @group.command("run")
 @click.argument("file", type=click.Path(path_type=Path, allow_dash=True))
-@click.option("--output", type=FILE, help="Add the results to this file; else they are printed.")
-@click.option("--resume", is_flag=True, help="Go on after the results that --output holds.")
-@click.option("--workers", type=click.IntRange(1), help="Processes; one per processor by default.")
-@click.option("--dask", metavar="ADDRESS", help="Work on the Dask cluster of this scheduler.")
-@click.option("--plan-only", is_flag=True, help="Carry nothing out, whatever the rows say.")
-@click.option("--brief", is_flag=True, help="Leave out the whole results: digests and codes do.")
+@click.option(
+    "--output", type=FILE, help="Append the results to this file instead of printing them."
+)
+@click.option("--resume", is_flag=True, help="Continue after the results in --output.")
+@click.option(
+    "--workers", type=click.IntRange(1), help="Number of processes; default: one per processor."
+)
+@click.option("--dask", metavar="ADDRESS", help="Run on the Dask cluster of this scheduler.")
+@click.option("--plan-only", is_flag=True, help="Plan only, whatever the rows say.")
+@click.option("--brief", is_flag=True, help="Write digests and codes instead of whole results.")
 @click.option(
     "--on-error",
     type=click.Choice(["skip", "stop"]),
     default="skip",
     show_default=True,
-    help="What becomes of the batch where a row has no result.",
+    help="Skip a row without a result, or stop the batch.",
 )
-@click.option("--events", is_flag=True, help="Tell the progress as JSON lines on standard error.")
+@click.option("--events", is_flag=True, help="Write the progress to standard error as JSON lines.")
 @_picture
 @json_option
 def run(
@@ -81,7 +85,7 @@ def run(
 ) -> int:
     """Carry out the rows of FILE, JSON lines (docs/batch.md); - is standard input.
 
-    At the end stands a summary, with --json as one document.
+    A summary follows at the end; with --json it is one document.
     """
     from nlcontrol.batches.batch import (
         Tally,
@@ -143,7 +147,7 @@ def _row_count(file: Path) -> int:
 
 
 def _tell(bar: Progress | None, event: BatchProgress) -> None:
-    """Tell how far a batch is: on its bar, or as a line of JSON where there is none."""
+    """Report the progress of a batch: on its bar, or as a line of JSON where there is none."""
     if bar is None:
         click.echo(event.model_dump_json(), err=True)
         return
@@ -157,7 +161,7 @@ def _tell(bar: Progress | None, event: BatchProgress) -> None:
 @_picture
 @json_option
 def summary(results: Path, picture: Path | None, as_json: bool) -> int:
-    """Summarise RESULTS, a file that `batch --output` has written."""
+    """Summarise RESULTS, a file written by `batch --output`."""
     from nlcontrol.batches.batch import read_outcomes, summarise
 
     require_writable(picture)

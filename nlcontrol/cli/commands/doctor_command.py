@@ -27,7 +27,7 @@ _EGL_VENDORS = (Path("/usr/share/glvnd/egl_vendor.d"), Path("/etc/glvnd/egl_vend
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that was looked at.
+    """The finding of one check.
 
     Attributes:
         name: what.
@@ -45,10 +45,10 @@ class Finding:
 
 
 @click.command("doctor")
-@click.option("--run", "runs", is_flag=True, help="Carry out a sentence too: half a minute.")
+@click.option("--run", "runs", is_flag=True, help="Also carry out a sentence (half a minute).")
 @json_option
 def command(runs: bool, as_json: bool) -> int:
-    """Check that everything a run needs is there."""
+    """Check that everything a run needs is installed."""
     findings = list(examine_all())
     if runs:
         findings.append(_examine_by_use("simulation", _use_simulation))
@@ -66,7 +66,7 @@ def command(runs: bool, as_json: bool) -> int:
 
 
 def examine_all() -> Iterator[Finding]:
-    """Look at everything, in the order in which a run needs it."""
+    """Check everything, in the order in which a run needs it."""
     yield Finding("nlcontrol", True, True, __version__)
     version = ".".join(map(str, sys.version_info[:3]))
     yield Finding(

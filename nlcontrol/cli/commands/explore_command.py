@@ -46,26 +46,26 @@ if TYPE_CHECKING:
     default=10,
     show_default=True,
     type=click.IntRange(1, 1000),
-    help="Repetitions of the experiments.",
+    help="Number of repetitions of the experiments.",
 )
 @click.option(
     "--parameters",
     type=ParameterNames(),
     metavar="NAME,NAME",
-    help="What to find: mass, friction, finger_friction, friction_radius, centre_of_mass (or "
-    "com_x, com_y, com_z). All of them by default.",
+    help="Parameters to identify: mass, friction, finger_friction, friction_radius, "
+    "centre_of_mass (or com_x, com_y, com_z); default: all.",
 )
 @click.option(
     "--precision",
     type=click.FloatRange(0.0, 1.0, min_open=True),
-    help="Do what tells most until everything asked is known with this relative standard "
-    "deviation, e.g. 0.02; of the centre of mass as a share of the object's size.",
+    help="Repeat the most informative experiment until every parameter has this relative standard "
+    "deviation, e.g. 0.02; of the centre of mass, as a share of the object's size.",
 )
 @click.option(
     "--guess",
     type=click.FloatRange(1.0, min_open=True),
     metavar="FACTOR",
-    help="Take what is believed of mass and friction as a guess that may be off by this factor.",
+    help="Treat the believed mass and friction as a guess that may be off by this factor.",
 )
 @world_options
 @put_option
@@ -87,11 +87,11 @@ def command(
     output: Path | None,
     as_json: bool,
 ) -> int:
-    """Find the parameters of OBJECT by touching it, in simulation.
+    """Identify the parameters of OBJECT by touching it, in simulation.
 
-    The finger tilts, slides and rubs it again and again; at the end stand the figures of every
-    repetition by itself, those of all together, and how the object really is in the scene. Stopped
-    by control-C, it tells what the touches until then have shown; --save then saves nothing.
+    The finger tilts, slides and rubs it again and again. The report has the estimates of each
+    repetition, the joint estimate, and the true values of the scene. Control-C stops the hand and
+    reports what the touches have shown so far; --save then saves nothing.
     """
     from nlcontrol.learning.exploration_session import ExplorationStopped, explore
     from nlcontrol.outcome_maps.face_experiment import object_on_table

@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     "--parameters",
     type=ParameterNames(),
     metavar="NAME,NAME",
-    help="What to find: mass, friction, finger_friction, friction_radius, centre_of_mass (or "
-    "com_x, com_y, com_z). By default all that the data tell.",
+    help="Parameters to identify: mass, friction, finger_friction, friction_radius, "
+    "centre_of_mass (or com_x, com_y, com_z); default: all that the data determine.",
 )
 @keep_options
 @json_option
@@ -39,7 +39,7 @@ def command(
     output: Path | None,
     as_json: bool,
 ) -> int:
-    """Find the parameters of OBJECT from data of a real robot.
+    """Identify the parameters of OBJECT from data of a real robot.
 
     OBJECT is a model that the robot knows, or a model file: its shape and what is not found are
     taken from there. The columns of the data files are explained in docs/fitting.md.

@@ -41,48 +41,56 @@ _PICTURES = (".png", ".svg", ".pdf")
 @object_argument
 @face_option
 @click.option(
-    "--direction", type=Numbers(3), metavar="X,Y,Z", help="Of the pushes; straight in by default."
+    "--direction",
+    type=Numbers(3),
+    metavar="X,Y,Z",
+    help="Direction of the pushes; default: straight in.",
 )
-@click.option("--spacing", default=10.0, show_default=True, help="Between contacts [mm].")
+@click.option("--spacing", default=10.0, show_default=True, help="Distance between contacts [mm].")
 @click.option(
-    "--band", default=5.0, show_default=True, help="Undecided: thresholds so close together [%]."
+    "--band",
+    default=5.0,
+    show_default=True,
+    help="Undecided if both thresholds are this close [%].",
 )
 @click.option(
     "--level",
     type=click.FloatRange(0.5, 1.0),
-    help="Undecided: where no outcome has this probability, instead of the band.",
+    help="Undecided if no outcome has this probability; replaces the band.",
 )
-@click.option("--straight", is_flag=True, help="The object cannot turn, as in the paper.")
-@click.option("--shade", is_flag=True, help="Paler circles where the outcome is less probable.")
-@click.option("--3d", "solid", is_flag=True, help="In three dimensions, the force as height.")
+@click.option("--straight", is_flag=True, help="Keep the object from turning, as in the paper.")
+@click.option("--shade", is_flag=True, help="Draw less probable outcomes paler.")
+@click.option("--3d", "solid", is_flag=True, help="Draw it in 3-D, with the force as height.")
 @click.option(
     "--output",
     "outputs",
     multiple=True,
     type=FILE,
-    help="Write it as PNG, SVG, PDF, CSV or JSON, by the ending; may be repeated.",
+    help="Write the map as PNG, SVG, PDF, CSV or JSON, by the ending. May be repeated.",
 )
-@click.option("--model", "model_file", type=FILE, help="A model file to predict with.")
+@click.option("--model", "model_file", type=FILE, help="Model file to predict with.")
 @click.option(
     "--experiment",
     is_flag=True,
-    help="Carry the pushes out in simulation too, and compare: experiment left, prediction right.",
+    help="Also simulate the pushes and compare: experiment left, prediction right.",
 )
 @click.option(
     "--by",
     type=click.Choice(["force", "robot", "both"]),
     default="force",
     show_default=True,
-    help="What pushes in the experiment: a force applied directly, the robot where it reaches, or "
-    "one after the other.",
+    help="Pusher in the experiment: a force applied directly, the robot within its reach, or one "
+    "after the other.",
 )
 @scene_option
 @seed_option
-@click.option("--workers", type=click.IntRange(1), help="Processes; one per processor by default.")
+@click.option(
+    "--workers", type=click.IntRange(1), help="Number of processes; default: one per processor."
+)
 @click.option(
     "--record",
     type=FILE,
-    help="Keep the experiment's results here and go on from them; beside the output by default.",
+    help="Record of the experiment, to continue from; default: beside the output.",
 )
 @lying_option
 @json_option
@@ -109,10 +117,10 @@ def command(
     lying_on: str,
     as_json: bool,
 ) -> int:
-    """Show what pushes all over a face of OBJECT do.
+    """Map the outcomes of pushes all over a face of OBJECT.
 
-    The map shows the force that they need as well. With --experiment they are carried out, on the
-    object as it really is in the scene.
+    The map also shows the force of each push. --experiment simulates the pushes on the true object
+    of the scene.
     """
     # Refuse options that say nothing, with the experiment or without it.
     apart = ("straight", "solid", "lying_on")

@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 @click.command("mcp")
 @world_options
 @click.option("--allow-motion", is_flag=True, help="Offer the tool that carries out a plan.")
-@click.option("--url", help="Work at a session of this server, in place of one of its own.")
+@click.option("--url", help="Use a session at this server instead of a local one.")
 @click.option(
     "--token-file",
     type=click.Path(exists=True, dir_okay=False, path_type=Path),
-    help="File with the token of that server.",
+    help="File holding the token of that server.",
 )
 def command(
     scene: str,
@@ -33,9 +33,9 @@ def command(
     url: str | None,
     token_file: Path | None,
 ) -> None:
-    """Serve a language model over standard input and output (MCP).
+    """Serve tools to a language model over standard input and output (MCP).
 
-    Its tools look, ask, predict and plan, and with --allow-motion execute.
+    The tools look, ask, predict and plan; with --allow-motion they also execute.
     """
     try:
         from nlcontrol.mcp.stdio_server import serve, take_standard_output

@@ -28,13 +28,13 @@ _name_argument = click.argument("name", shell_complete=complete_objects)
 
 @click.group("objects")
 def group() -> None:
-    """The object models that the robot knows."""
+    """List, show, add and check the object models that the robot knows."""
 
 
 @group.command("list")
 @json_option
 def list_models(as_json: bool) -> int:
-    """List the models of the registry and where they come from."""
+    """List the models of the registry with their sources."""
     registry = open_registry()
     document = {"objects": [_document(registry, model) for model in registry]}
     lines = (
@@ -49,7 +49,7 @@ def list_models(as_json: bool) -> int:
 @_name_argument
 @json_option
 def show_model(name: str, as_json: bool) -> int:
-    """Show what is believed about the object NAME, and where the figures come from."""
+    """Show what is believed about the object NAME, with the source of each figure."""
     registry = open_registry()
     model = registry.find_one(name)
     lines = _model_lines(model, _origin_text(registry, model.name))
@@ -89,10 +89,10 @@ def validate_files(files: tuple[Path, ...], as_json: bool) -> int:
 @click.argument("entry")
 @json_option
 def check_plugin(entry: str, as_json: bool) -> int:
-    """Test the models of a plug-in: are its predictions those of an object on a table?
+    """Test the models of a plug-in: do its predictions fit an object on a table?
 
-    ENTRY is the name of an entry point or of a package that is installed, or the object itself, as
-    an entry point would name it: my_shapes:CartonModel.
+    ENTRY is the name of an entry point or an installed package, or the object itself in the form
+    of an entry point: my_shapes:CartonModel.
     """
     from objectmodels import Registry
     from objectmodels.registry.model_checks import model_faults
@@ -130,16 +130,18 @@ def check_plugin(entry: str, as_json: bool) -> int:
 
 @group.command("add")
 @click.argument("file", type=FILE)
-@click.option("--name", help="Name of what a URDF, SDF or MJCF file describes, if not the file's.")
-@click.option("--mass", type=float, help="Its mass [kg], if the file has none.")
-@click.option("--friction", type=float, help="Its friction at the table, if known.")
+@click.option(
+    "--name", help="Name of the object in a URDF, SDF or MJCF file; default: the file's own."
+)
+@click.option("--mass", type=float, help="Mass [kg], if the file has none.")
+@click.option("--friction", type=float, help="Friction coefficient at the table, if known.")
 @json_option
 def add_model(
     file: Path, name: str | None, mass: float | None, friction: float | None, as_json: bool
 ) -> int:
     """Add the model FILE to your own models.
 
-    A model file, or a file of URDF, SDF or MJCF that describes one rigid object.
+    FILE is a model file, or a URDF, SDF or MJCF file with one rigid object.
     """
     from objectmodels.descriptions.description_import import import_description
     from objectmodels.descriptions.description_reading import FILE_ENDINGS
@@ -156,11 +158,11 @@ def add_model(
 
 @group.command("import")
 @click.argument("mesh", type=FILE)
-@click.option("--name", required=True, help="What the object is to be called.")
-@click.option("--mass", type=float, help="Its mass [kg].")
-@click.option("--density", type=float, help="Its mean density [kg/m³], instead of the mass.")
-@click.option("--friction", type=float, help="Friction at the table, if known.")
-@click.option("--synonym", "synonyms", multiple=True, help="Another name; may be repeated.")
+@click.option("--name", required=True, help="Name of the object.")
+@click.option("--mass", type=float, help="Mass [kg].")
+@click.option("--density", type=float, help="Mean density [kg/m³], instead of the mass.")
+@click.option("--friction", type=float, help="Friction coefficient at the table, if known.")
+@click.option("--synonym", "synonyms", multiple=True, help="Another name for it. May be repeated.")
 @click.option(
     "--unit",
     default="m",
@@ -173,10 +175,12 @@ def add_model(
     default="+z",
     show_default=True,
     type=click.Choice(["+x", "-x", "+y", "-y", "+z", "-z"]),
-    help="Direction in the mesh that is upwards.",
+    help="Axis of the mesh that points upwards.",
 )
-@click.option("--hull", is_flag=True, help="Keep the hull of what nearly is a plain solid.")
-@click.option("--output", type=FILE, help="Write the model file here instead.")
+@click.option(
+    "--hull", is_flag=True, help="Use the convex hull even if a box, cylinder or prism fits."
+)
+@click.option("--output", type=FILE, help="Write the model file here instead of your own models.")
 @json_option
 def import_mesh_file(
     mesh: Path,
@@ -191,7 +195,7 @@ def import_mesh_file(
     output: Path | None,
     as_json: bool,
 ) -> int:
-    """Make a model from a MESH file: its shape, base, volume and centre of mass are found.
+    """Make a model from a MESH file: find its shape, base, volume and centre of mass.
 
     STL, OBJ, PLY and others; needs the extra `mesh`. Asks for the mass if neither mass nor density
     is given.
@@ -238,7 +242,7 @@ def import_mesh_file(
 )
 @json_option
 def export_model(name: str, form: Format, output: Path, as_json: bool) -> int:
-    """Describe the object NAME to another simulator: inertia, feet and friction."""
+    """Export the object NAME for another simulator: inertia, feet and friction."""
     from objectmodels.descriptions.description_reading import write_description
 
     model = open_registry().find_one(name)

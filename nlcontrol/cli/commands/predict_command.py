@@ -29,24 +29,27 @@ from nlcontrol.cli.console.console_output import json_option, print_answer
     type=Numbers(2),
     required=True,
     metavar="LATERAL,HEIGHT",
-    help="Where: along the face from its middle, rightwards for who looks at it, and up [m]; on "
-    "the top, its x and y.",
+    help="Contact: distance from the middle of the face, positive to the viewer's right, and "
+    "height [m]; on the top face x and y.",
 )
 @click.option(
-    "--direction", type=Numbers(3), metavar="X,Y,Z", help="Of the force; straight in by default."
+    "--direction",
+    type=Numbers(3),
+    metavar="X,Y,Z",
+    help="Direction of the force; default: straight in.",
 )
-@click.option("--force", type=click.FloatRange(0.0, 1e6), help="Its size [N].")
+@click.option("--force", type=click.FloatRange(0.0, 1e6), help="Magnitude of the force [N].")
 @click.option(
     "--press",
     type=click.FloatRange(0.0, 1e6, min_open=True),
-    help="Draw it along from above instead, pressed with so much [N].",
+    help="Drag from above instead, pressing with this force [N].",
 )
 @click.option(
     "--friction",
     type=click.Choice(["static", "kinetic"]),
     default="static",
     show_default=True,
-    help="Which coefficient at the table decides.",
+    help="Coefficient of friction at the table to use.",
 )
 @lying_option
 @json_option
@@ -61,7 +64,7 @@ def predict(
     lying_on: str,
     as_json: bool,
 ) -> int:
-    """Say what one push does to OBJECT.
+    """Predict the outcome of one push on OBJECT.
 
     Directions are the robot's: x away from it, y to its left, z up.
     """
@@ -95,9 +98,9 @@ def predict(
 @world_options
 @json_option
 def affordances(name: str, scene: str, seed: int, settings: Settings, as_json: bool) -> int:
-    """Tell what this robot can do with OBJECT, and if not, why not.
+    """List what this robot can do with OBJECT, and for the rest, why not.
 
-    An object that is not in the scene is taken as standing alone in the middle of the table.
+    An object outside the scene is taken to stand alone in the middle of the table.
     """
     from nlcontrol.questions.answer import affordance_lines
     from nlcontrol.service.documents import Affordances

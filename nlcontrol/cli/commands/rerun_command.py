@@ -20,9 +20,9 @@ from nlcontrol.cli.console.console_output import (
 @click.argument("bundle", type=FILE)
 @json_option
 def command(bundle: Path, as_json: bool) -> int:
-    """Repeat the run of BUNDLE and compare.
+    """Repeat the run in BUNDLE and compare the results.
 
-    BUNDLE is a file of `say --bundle` or of the service.
+    BUNDLE is a file written by `say --bundle` or by the service.
     """
     from nlcontrol.service.bundle import read_bundle, report_lines, rerun
 

@@ -50,8 +50,8 @@ _explain = click.option("--explain", is_flag=True, help="Show which words became
 _picture = click.option(
     "--picture",
     type=FILE,
-    help="Write a picture of the run (PNG or GIF) or of the plan; with --explain, of the "
-    "explanation; of a question about places, of the outcome map (PNG, SVG or PDF).",
+    help="Draw the run (PNG or GIF) or the plan; with --explain, the explanation; for a question "
+    "about places, the outcome map (PNG, SVG or PDF).",
 )
 
 
@@ -70,11 +70,11 @@ def _sentence_options(command: Command) -> Command:
 
 
 def _said_options(command: Command) -> Command:
-    """Add what is to be done, as `sentence` or `frames`."""
+    """Add the task, as `sentence` or `frames`."""
     frames = click.option(
         "--frames",
         type=click.Path(dir_okay=False, path_type=Path, allow_dash=True),
-        help="Take frames (JSON, docs/frames.md) in place of a sentence; - is standard input.",
+        help="Read frames (JSON, docs/frames.md) instead of a sentence; - is standard input.",
     )
     return click.argument("sentence", nargs=-1)(frames(command))
 
@@ -95,10 +95,10 @@ def _said(words: tuple[str, ...], frames: Path | None) -> str | Frames:
 
 @click.command()
 @_sentence_options
-@click.option("--plan-only", is_flag=True, help="Stop before anything is executed.")
-@click.option("--replay", type=FILE, help="Write a replay of the run, one HTML file.")
-@click.option("--trace", type=FILE, help="Write what happened over time, as arrays (npz).")
-@click.option("--bundle", type=FILE, help="Write all of it into one file; `rerun` repeats it.")
+@click.option("--plan-only", is_flag=True, help="Plan, and execute nothing.")
+@click.option("--replay", type=FILE, help="Save a replay of the run as one HTML file.")
+@click.option("--trace", type=FILE, help="Save the trace as arrays (npz).")
+@click.option("--bundle", type=FILE, help="Save the whole run in one file, which `rerun` repeats.")
 @motion_option
 def say(
     plan_only: bool,
@@ -108,9 +108,9 @@ def say(
     bundle: Path | None,
     **options: Any,
 ) -> int:
-    """Do what SENTENCE says, in simulation, and check every clause.
+    """Carry out SENTENCE in simulation, and check every clause.
 
-    A question is answered.
+    Questions are answered.
     """
     if plan_only:
         motion = "never"
@@ -124,9 +124,9 @@ def say(
 @click.command()
 @_sentence_options
 def plan(**options: Any) -> int:
-    """Plan what SENTENCE says, and move nothing.
+    """Plan SENTENCE, and move nothing.
 
-    A plan tells where and how hard to push, and what that will do.
+    A plan states the contact, the largest force and the predicted outcome.
     """
     return _answer_sentence(**options, motion="never", of_run={})
 
@@ -135,9 +135,9 @@ def plan(**options: Any) -> int:
 @_said_options
 @json_option
 def parse(sentence: tuple[str, ...], frames: Path | None, as_json: bool) -> int:
-    """Read SENTENCE: what was understood, as frames.
+    """Read SENTENCE, and print it as frames.
 
-    Of --frames it tells whether they make sense.
+    With --frames, check that they make sense.
     """
     from grammar.parser import default_parser
     from nlcontrol.reports.result_report import understanding_lines
@@ -169,20 +169,22 @@ def _require_names(
 
 
 @click.command()
-@click.option("--count", default=10, show_default=True, type=click.IntRange(1), help="How many.")
 @click.option(
-    "--seed", default=0, show_default=True, type=click.IntRange(0), help="Of the random words."
+    "--count", default=10, show_default=True, type=click.IntRange(1), help="Number of sentences."
+)
+@click.option(
+    "--seed", default=0, show_default=True, type=click.IntRange(0), help="Seed of the random words."
 )
 @click.option(
     "--noun",
     "nouns",
     multiple=True,
     callback=_require_names,
-    help="A name to speak of; may be repeated.",
+    help="Object name to use. May be repeated.",
 )
 @json_option
 def sample(count: int, seed: int, nouns: tuple[str, ...], as_json: bool) -> int:
-    """Make up random sentences, each with the frames that it means."""
+    """Make up random sentences, each with its frames."""
     from itertools import islice
 
     from grammar.paraphrasing.sentence_sampler import NOUNS, random_sentences

@@ -32,13 +32,13 @@ if TYPE_CHECKING:
 
 @click.group("scenes")
 def group() -> None:
-    """The tables that the robot can be put at."""
+    """List, show and write the scenes in which the robot can work."""
 
 
 @group.command("list")
 @json_option
 def list_scenes(as_json: bool) -> int:
-    """List the built-in scenes and what stands there."""
+    """List the built-in scenes with their objects."""
     from sim.truth.scene_file import built_in_scenes, load_scene
 
     scenes = [load_scene(name) for name in built_in_scenes()]
@@ -51,7 +51,7 @@ def list_scenes(as_json: bool) -> int:
 @click.argument("scene", default="kitchen", shell_complete=complete_scenes)
 @json_option
 def show_scene(scene: str, as_json: bool) -> int:
-    """Show where things stand in SCENE, a built-in one or a scene file."""
+    """Show the objects of SCENE (built-in or a file) and their poses."""
     from sim.truth.scene_file import load_scene
 
     with known_errors_raised():
@@ -70,12 +70,12 @@ def show_scene(scene: str, as_json: bool) -> int:
 @click.option(
     "--extends",
     shell_complete=complete_scenes,
-    help="A scene, built in or a file, to take everything else from.",
+    help="Built-in scene or scene file to inherit everything else from.",
 )
 @put_option
 @json_option
 def write_scene(file: Path, extends: str | None, put: tuple[Placed, ...], as_json: bool) -> int:
-    """Write a scene FILE of your own, to be changed by hand."""
+    """Write a scene FILE of your own, to edit by hand."""
     from sim.truth.scene_file import built_in_scenes, parse_scene
 
     if file.suffix not in {".yaml", ".yml"}:

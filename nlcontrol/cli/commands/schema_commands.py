@@ -22,8 +22,7 @@ from nlcontrol.errors import OK, known_errors_raised
 def defaults(names: tuple[str, ...], scene: str, settings: Settings, as_json: bool) -> int:
     """List every default with its value.
 
-    These are what --set takes, and `defaults` in a scene file. With NAME only those whose names
-    begin so.
+    --set and `defaults` in a scene file take these names. NAME selects those that begin with it.
     """
     from dataclasses import asdict
 
@@ -40,7 +39,7 @@ def defaults(names: tuple[str, ...], scene: str, settings: Settings, as_json: bo
 
 @click.command("schema")
 def schema() -> int:
-    """Print the JSON schema of what `--json` gives."""
+    """Print the JSON schema of all documents that `--json` prints."""
     from nlcontrol import json_schema
 
     print_json(json_schema.schema())

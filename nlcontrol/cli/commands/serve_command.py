@@ -31,44 +31,51 @@ _COUNT = click.IntRange(1, 1000)
     default=8000,
     show_default=True,
     type=click.IntRange(0, 65535),
-    help="Port to listen on; 0 takes a free one.",
+    help="Port to listen on; 0: any free one.",
 )
 @click.option(
     "--scene",
     "scenes",
     multiple=True,
-    help="A scene that may be asked for; may be repeated. All built-in ones by default.",
+    help="Scene that clients may open; default: all built-in ones. May be repeated.",
 )
-@click.option("--workers", type=_COUNT, help="Runs that simulate at once; cores - 1 by default.")
-@click.option("--sessions", type=_COUNT, help="Sessions that may be open at once.")
-@click.option("--planners", type=_COUNT, help="Processes that plan without a session, at most.")
-@click.option("--queue", type=click.IntRange(0, 10_000), help="Runs that may wait.")
+@click.option("--workers", type=_COUNT, help="Simultaneous simulated runs; default: cores - 1.")
+@click.option("--sessions", type=_COUNT, help="Most open sessions.")
+@click.option("--planners", type=_COUNT, help="Most processes that plan without a session.")
+@click.option("--queue", type=click.IntRange(0, 10_000), help="Most waiting runs.")
 @click.option(
     "--time-limit",
     type=click.FloatRange(0.0, min_open=True),
     metavar="SECONDS",
-    help="Give up a plan or an answer that takes longer (wall clock); 60 by default.",
+    help="Stop a plan or an answer after this many seconds (wall clock); default: 60.",
 )
 @click.option(
     "--store",
     type=click.Path(file_okay=False, path_type=Path),
-    help="Folder of the runs; your own of the service by default.",
+    help="Folder of the runs; default: one in your home folder.",
 )
-@click.option("--keep", type=click.IntRange(1), metavar="MB", help="Of runs that are kept.")
+@click.option(
+    "--keep",
+    type=click.IntRange(1),
+    metavar="MB",
+    help="Space for finished runs; the oldest are deleted.",
+)
 @click.option(
     "--token-file",
     type=FILE,
-    help=f"File with the token that every request has to bear; or {TOKEN_VARIABLE}. Needed for "
-    "every --host but this machine's own.",
+    help=f"File holding the token that requests must carry; or set {TOKEN_VARIABLE}. Required "
+    "unless --host is this machine's own.",
 )
 @click.option(
     "--name",
     "names",
     multiple=True,
-    help="Another name by which the service is called, as by a proxy; may be repeated.",
+    help="Another host name of the service, such as a proxy's. May be repeated.",
 )
-@click.option("--executor", metavar="MODULE:CLASS", help="The robot, instead of the simulation.")
-@click.option("--approve", is_flag=True, help="Every motion needs an approved plan.")
+@click.option(
+    "--executor", metavar="MODULE:CLASS", help="Robot to drive instead of the simulated one."
+)
+@click.option("--approve", is_flag=True, help="Require an approved plan for every motion.")
 @click.option("--open", "opens", is_flag=True, help="Open the page in a browser.")
 def command(
     host: str,
@@ -89,7 +96,7 @@ def command(
 ) -> int:
     """Serve plans, sessions and runs over HTTP.
 
-    docs/service.md shows how to use it.
+    docs/service.md is the guide to it.
     """
     _require_packages()
     from pydantic import ValidationError

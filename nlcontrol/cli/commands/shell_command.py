@@ -180,12 +180,12 @@ WORDS = ("help", *sorted(LEAVING), "again", "a bit more", "undo that", "why")
 
 
 @click.command(name="shell")
-@click.option("--json", "as_json", is_flag=True, help="Answer with one JSON document per line.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON document per line.")
 @world_options
 @put_option
 @time_limit_option
 @detail_options
-@click.option("--plan-only", is_flag=True, help="Stop before anything is executed.")
+@click.option("--plan-only", is_flag=True, help="Plan, and execute nothing.")
 @motion_option
 def command(
     as_json: bool,
@@ -198,7 +198,7 @@ def command(
     plan_only: bool,
     motion: Motion | None,
 ) -> int:
-    """Do one sentence after another.
+    """Carry out one sentence after another.
 
     Later ones may refer to earlier ones: "push it away", "again", "undo that", "why?".
     """
@@ -296,7 +296,7 @@ def _help_text(controller: Controller) -> str:
     )
     return "\n".join(
         (
-            "Say what should become of an object, for example",
+            "Say what to do with an object, for example",
             *(f"  {example}" for example in examples),
             f"On the table: {_object_list(controller)}.",
             "“exit”, “quit”, “bye” or control-D leave; control-C ends a sentence.",

@@ -131,7 +131,7 @@ scene_option = click.option(
     help="A built-in scene, or a scene file.",
 )
 seed_option = click.option(
-    "--seed", default=0, show_default=True, type=click.IntRange(0), help="Of everything random."
+    "--seed", default=0, show_default=True, type=click.IntRange(0), help="Seed of all randomness."
 )
 set_option = click.option(
     "--set",
@@ -140,7 +140,7 @@ set_option = click.option(
     multiple=True,
     metavar="NAME=VALUE",
     shell_complete=complete_defaults,
-    help="Set a default, e.g. distance_m=0.15; may be repeated. `nlcontrol defaults` lists them.",
+    help="Set a default, e.g. distance_m=0.15 (see `nlcontrol defaults`). May be repeated.",
 )
 
 
@@ -149,16 +149,16 @@ put_option = click.option(
     type=Placement(),
     multiple=True,
     metavar="NAME@X,Y",
-    help="Put an object on the table, which really is as its model says: at x, y [m], turned by a "
-    "third number [degrees]; may be repeated.",
+    help="Add an object, true to its model, at x, y [m]; a third number is its heading [degrees]. "
+    "May be repeated.",
 )
 
 
 motion_option = click.option(
     "--motion",
     type=click.Choice(["never", "simulate"]),
-    help="Whether anything may move: never, as with --plan-only; simulate: a question too may "
-    "touch an object, to know the answer better.",
+    help="never: nothing moves, as with --plan-only. simulate: questions may touch objects too, "
+    "for better answers.",
 )
 
 
@@ -166,7 +166,7 @@ time_limit_option = click.option(
     "--time-limit",
     type=click.FloatRange(0.0, min_open=True),
     metavar="SECONDS",
-    help="Give up a plan that takes longer, by the clock on the wall.",
+    help="Stop planning after this many seconds (wall clock).",
 )
 
 
@@ -227,13 +227,13 @@ face_option = click.option(
     default="front",
     show_default=True,
     shell_complete=complete_faces,
-    help="The face that is touched, as the robot would call it.",
+    help="Face that is pushed, as seen from the robot.",
 )
 lying_option = click.option(
     "--lying-on",
     default="bottom",
     shell_complete=complete_faces,
-    help="The face that the object lies on, e.g. left for a box.",
+    help="Face that the object lies on, e.g. left for a box.",
 )
 
 
@@ -297,8 +297,8 @@ def keep_options(command: Command) -> Command:
         is_flag=False,
         flag_value="",
         metavar="[NAME]",
-        help="Keep the fitted model among your own, under its name or another: the robot goes by "
-        "it.",
+        help="Save the fitted model among your own, under its name or another; the robot then "
+        "uses it.",
     )
     return save(output(command))
 

@@ -106,7 +106,7 @@ def with_style(text: str) -> str:
 FILE = click.Path(dir_okay=False, path_type=Path)
 """The type of an option that names a file."""
 
-json_option = click.option("--json", "as_json", is_flag=True, help="Answer with one JSON document.")
+json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON document.")
 
 
 def print_json(content: Mapping[str, Any]) -> None:
@@ -292,10 +292,10 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 def detail_options(command: Command) -> Command:
     """Add -v and -q, as `detail`."""
     verbose = click.option(
-        "-v", "--verbose", "detail", flag_value="full", help="Tell every phase and every new plan."
+        "-v", "--verbose", "detail", flag_value="full", help="Print every phase and every new plan."
     )
     quiet = click.option(
-        "-q", "--quiet", "detail", flag_value="quiet", help="Tell only what came of it."
+        "-q", "--quiet", "detail", flag_value="quiet", help="Print the result alone."
     )
     return quiet(verbose(command))
 

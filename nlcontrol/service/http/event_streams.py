@@ -39,7 +39,7 @@ class EventList(Document):
     """Events of a run so far.
 
     Attributes:
-        events: in their order.
+        events: events in their order.
     """
 
     events: tuple[NumberedEvent, ...]

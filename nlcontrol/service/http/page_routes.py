@@ -37,10 +37,10 @@ class PageFile(NamedTuple):
     """A file of the page.
 
     Attributes:
-        content: of it.
+        content: content of the file.
         packed: the same, compressed (gzip).
-        media_type: of it.
-        tag: by which a browser knows that it has this content already.
+        media_type: media type of the file.
+        tag: entity tag, by which a browser knows that it has this content already.
     """
 
     content: bytes

@@ -30,8 +30,8 @@ class Fault(DocumentPart):
     """A place in a request that is not as it has to be.
 
     Attributes:
-        path: of the place, such as `table.seed`.
-        message: what is wrong there.
+        path: path of the place, such as `table.seed`.
+        message: the fault there.
     """
 
     path: str
@@ -44,16 +44,16 @@ class Problem(DocumentPart):
     Attributes:
         type: URN of the kind of problem.
         title: the kind in words.
-        status: of HTTP.
+        status: status of HTTP.
         detail: the problem in one plain sentence.
         code: stable name of the kind, the `code` of all errors of nlcontrol.
-        suggestions: what would be possible, or might have been meant.
+        suggestions: possible alternatives, or what may have been meant.
         say: whole sentences that would do in place of the one that was said.
         path: place in the body, or file and key, that it is about.
         numbers: the figures that decided, by name [SI].
         span: the words that it is about, `[start, end)` in the sentence as given.
         spans: all places in the sentence that it is about, if there are several.
-        capability: what this robot lacks, if that is the matter.
+        capability: capability that this robot lacks, if that is the cause.
         family: the stage that raised it.
         faults: places in the request, if its form is wrong.
     """

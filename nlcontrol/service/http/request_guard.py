@@ -53,7 +53,7 @@ class BrowserLogin:
     """The login of browsers at a service that has a token.
 
     Args:
-        token: of the service.
+        token: token of the service.
     """
 
     def __init__(self, token: str) -> None:
@@ -68,7 +68,7 @@ class BrowserLogin:
         """The address that logs a browser in, once.
 
         Args:
-            url: of the service.
+            url: address of the service.
         """
         return f"{url}/#login={self._code}"
 
@@ -139,12 +139,12 @@ class RequestGuard:
 
     Args:
         app: the other.
-        settings: of the HTTP face.
+        settings: settings of the HTTP interface.
         body_bytes: largest body of a request.
-        login: of browsers; one of its own if not given and the settings have a token.
+        login: login of browsers; a new one if not given and the settings have a token.
 
     Attributes:
-        login: of browsers; None where no token is asked for.
+        login: login of browsers; None without a token.
     """
 
     def __init__(
@@ -334,7 +334,7 @@ class _Answer:
     """The answer on its way, with the headers that all answers bear.
 
     Attributes:
-        status: of it; 0 before it begins.
+        status: status of the answer; 0 before it begins.
         is_head: the body is left out.
         is_done: nothing more is to be sent.
     """

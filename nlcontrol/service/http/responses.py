@@ -79,18 +79,18 @@ LOOPBACK = ("127.0.0.1", "localhost", "[::1]", "::1")
 
 
 class HttpSettings(BaseModel):
-    """Settings of the HTTP face.
+    """Settings of the HTTP interface.
 
     Attributes:
-        host: address on which it listens.
-        port: on which it listens; 0 takes a free one.
-        token: that every request has to bear; none is needed if not given.
-        hosts: further names by which requests may call the service, such as a proxy's.
-        requests: that may be under way at once.
-        listeners: streams of events and poses that may be open at once.
+        host: address to listen on.
+        port: port to listen on; 0: any free one.
+        token: token that requests must carry; none if not given.
+        hosts: further host names of the service, such as a proxy's.
+        requests: most requests under way at once.
+        listeners: most open streams of events and poses.
         heartbeat: longest silence of a stream [s].
-        body_time: in which the body of a request has to arrive [s].
-        approve: every motion needs an approved plan, whatever a session asks for.
+        body_time: longest time for the body of a request [s].
+        approve: require an approved plan for every motion, whatever a session asks for.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -171,7 +171,7 @@ class PlanIdBody(RequestBody):
     """A plan to be executed.
 
     Attributes:
-        plan_id: of an offer.
+        plan_id: name of an offered plan.
         text: that was shown to whoever approved the plan; it is refused (`other_sentence`) unless
             it is the text that was planned. Not compared if not given.
     """

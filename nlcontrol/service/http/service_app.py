@@ -41,9 +41,9 @@ def service_app(
     """The application that answers for a service.
 
     Args:
-        service: that has started.
-        settings: of the HTTP face.
-        login: of browsers; one of its own if not given and the settings have a token.
+        service: service that has started.
+        settings: settings of the HTTP interface.
+        login: login of browsers; a new one if not given and the settings have a token.
     """
     app = routes_app()
     app.state.service = service

@@ -44,7 +44,7 @@ class HttpConnection(H11Protocol):
 
     Attributes:
         most: connections at once.
-        head_time: in which it has to say what it wants [s].
+        head_time: longest time for the head of a request [s].
         waits_since: time since which no request of it is under way, on the clock of the loop [s].
     """
 
@@ -124,7 +124,7 @@ def connection_class(most: int, head_time: float = HEAD_TIME) -> type[HttpConnec
 
     Args:
         most: connections at once.
-        head_time: in which each has to say what it wants [s].
+        head_time: longest time for the head of each request [s].
     """
     return type("OwnConnection", (HttpConnection,), {"most": most, "head_time": head_time})
 
@@ -137,7 +137,7 @@ class _Server(uvicorn.Server):
     """A server whose first signal closes the service behind it, and then itself.
 
     Args:
-        config: of it.
+        config: configuration of the server.
         close: the service; may take seconds, while its runs come to rest.
     """
 
@@ -203,10 +203,10 @@ def serve(
     """Answers requests until a signal comes; the service is closed then.
 
     Args:
-        service: that has started.
-        settings: of the HTTP face.
+        service: service that has started.
+        settings: settings of the HTTP interface.
         listening: the socket.
-        login: of browsers, if the settings have a token.
+        login: login of browsers, if the settings have a token.
     """
     # Answers that are on their way at the end have 5 s.
     config = uvicorn.Config(

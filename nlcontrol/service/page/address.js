@@ -6,7 +6,7 @@ import { takeUpSession } from "./open_session.js";
 import { tellProblem } from "./problems.js";
 import { showRun } from "./run/show_run.js";
 
-const GONE = "The run of this address is not kept any more.";
+const GONE = "The run at this address is no longer stored.";
 
 export function addressOf({ text, scene, seed, run }) {
   const link = new URL(location.pathname, location.origin);

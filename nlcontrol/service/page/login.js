@@ -27,5 +27,5 @@ export function loginForm(api) {
     }
   });
   return section("Log in", { id: "login" },
-    element("p", {}, "This service asks for its token, or for the link that it has printed."), form, told);
+    element("p", {}, "This service needs its token. The link that it printed also logs you in."), form, told);
 }

@@ -4,7 +4,7 @@ import { tellProblem } from "./problems.js";
 import { planSentence } from "./sentence/sentence_reading.js";
 
 const KEY = "nlcontrol session";
-const NEW_SESSION = "The session had ended. This is a new one, and its table is as at the beginning.";
+const NEW_SESSION = "The session had ended. A new one has begun, with the table as at the start.";
 
 // Takes up the session of this tab if its table is the one that is wanted; else opens one.
 export async function takeUpSession(state, api, { scene, seed }) {

@@ -10,8 +10,8 @@ const FIRST_PAUSE = 500; // before the service is asked again; each is twice the
 const LONGEST_PAUSE = 30_000; // [ms]
 
 const TOLD = {
-  no_answer: ["The service does not answer. It is asked again until it does.", "Ask now"],
-  full: ["All sessions of this service are taken. History can be read all the same.", "Try again"],
+  no_answer: ["The service does not answer. The page keeps trying.", "Try now"],
+  full: ["All sessions of this service are in use. History still works.", "Try again"],
 };
 
 // The banner of the connection, and what mends it.

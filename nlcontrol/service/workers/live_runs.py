@@ -32,7 +32,7 @@ class SimulationQueue:
     Args:
         workers: runs that may simulate at once.
         length: runs that may wait.
-        on_moved: told that a run waits at a place, from 1; called when that has changed.
+        on_moved: called with a run and its place in the queue, from 1, whenever that has changed.
     """
 
     def __init__(
@@ -63,7 +63,7 @@ class SimulationQueue:
         """Lets a run begin, or wait for its turn.
 
         Args:
-            run_id: of it.
+            run_id: name of the run.
             begin: begins it; called here, or when another run leaves, in that thread.
 
         Raises:
@@ -117,7 +117,7 @@ class LiveRun:
 
     Attributes:
         info: the run as it is now.
-        session: in which it is carried out.
+        session: session of the run.
         changed: rung at each change.
         ended: set at its end.
         unwritten: events that the store has not taken yet.
@@ -142,7 +142,7 @@ class LiveRuns:
     it is, and written again until it is there. Nothing is written under the lock.
 
     Args:
-        store: where they are noted.
+        store: store that records them.
         workers: runs that may simulate at once.
         queue: runs that may wait.
     """

@@ -36,13 +36,13 @@ class LiveSession:
     """A session that is open.
 
     Args:
-        session_id: of it.
-        spec: as it was asked for.
-        settings: of the service.
+        session_id: name of the session.
+        spec: specification with which it was opened.
+        settings: settings of the service.
 
     Attributes:
-        process: in which it is open.
-        run_id: of the run that is under way or queued.
+        process: process in which it is open.
+        run_id: name of the run that is under way or queued.
         is_lost: its process has ended.
         frames: rung at each pose frame; `frame` is the last one, as JSON.
     """

@@ -69,7 +69,7 @@ class ObservedWorld:
     """A simulated world as its observer sees it.
 
     Args:
-        executor: in whose world things happen.
+        executor: executor whose world is shown.
     """
 
     def __init__(self, executor: SimulatedExecutor) -> None:
@@ -110,7 +110,7 @@ class BelievedTable:
     """The table of a robot that is not simulated, as it was seen last: a box for each object.
 
     Args:
-        controller: of the robot.
+        controller: controller of the robot.
     """
 
     def __init__(self, controller: Controller) -> None:
@@ -148,7 +148,7 @@ class PoseStream:
     """Frames of a session, told while they are wanted.
 
     Args:
-        session: whose robot is looked at.
+        session: session of the robot that is shown.
         tell: tells a frame, as JSON.
     """
 
@@ -209,8 +209,8 @@ def write_view(kind: str, trace: str, scene: str, path: str, result: str | None)
         kind: `replay` or `recording`.
         trace: path of its file.
         scene: name of it.
-        path: of the file that is written.
-        result: of the run as JSON, or None.
+        path: path of the file that is written.
+        result: result of the run as JSON, or None.
     """
     shown, story = Trace.load(Path(trace)), None
     if result is not None:
@@ -236,8 +236,8 @@ def session_answer(
     """The answer of a session to one of `METHODS`, as JSON.
 
     Args:
-        session: that is asked.
-        method: of it.
+        session: session that answers.
+        method: name of its method.
         arguments: of the method, as JSON has them; with `explain` the result says which words
             became which parameters.
         ends: the session ends with this answer, so that a plan id would be good for nothing.
@@ -389,9 +389,9 @@ class SessionHost:
 
         Args:
             asked: one of `ASKED`.
-            table: as JSON; it may be open already.
-            time_limit: of the answer [s].
-            arguments: of the method.
+            table: table as JSON; it may be open already.
+            time_limit: longest time for the answer [s].
+            arguments: arguments of the method.
         """
         if asked not in ASKED:
             raise ValueError(f"{asked} needs a session")
@@ -499,7 +499,7 @@ def named_executor(name: str) -> Executor:
     """The robot of a class, made without arguments.
 
     Args:
-        name: of the class, as `module:Class`.
+        name: name of the class, as `module:Class`.
 
     Raises:
         ControlError: `bad_executor`.

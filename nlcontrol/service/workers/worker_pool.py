@@ -68,7 +68,7 @@ class WorkerPool:
         most: workers that answer calls without a session at once.
         sessions: workers that sessions may lease at once.
         queue: calls that may wait.
-        request_time: after which a call is given up [s].
+        request_time: time after which a call is given up [s].
     """
 
     def __init__(self, most: int, sessions: int, queue: int, request_time: float) -> None:
@@ -123,9 +123,9 @@ class WorkerPool:
         """Calls a method of a session that is opened for this call alone.
 
         Args:
-            method: of `nlcontrol.service.methods.Questions`.
-            table: to be planned for.
-            arguments: of the method.
+            method: name of a method of `nlcontrol.service.methods.Questions`.
+            table: table to plan for.
+            arguments: arguments of the method.
 
         Returns:
             The answer as a JSON document; it raises `ControlError`, `time_limit` among them.

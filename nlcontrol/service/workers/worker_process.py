@@ -36,9 +36,9 @@ class Call(NamedTuple):
     """A method to be called in the worker.
 
     Attributes:
-        number: of the call, which its answer bears.
+        number: number of the call, repeated in its answer.
         method: name of it.
-        arguments: by name, as JSON has them.
+        arguments: arguments by name, as JSON has them.
     """
 
     number: int
@@ -54,7 +54,7 @@ class Answer(NamedTuple):
     """Answer to a call.
 
     Attributes:
-        number: of the call.
+        number: number of the call.
         content: a JSON document, or the `ErrorInfo` of what was raised.
         ok: nothing was raised.
     """
@@ -69,7 +69,7 @@ class WorkerEvent(NamedTuple):
 
     Attributes:
         topic: one of its host's.
-        content: as JSON.
+        content: content as JSON.
     """
 
     topic: str
@@ -98,8 +98,8 @@ class Host(Protocol):
         """The answer to a call, as JSON.
 
         Args:
-            method: that is called.
-            arguments: of it.
+            method: method that is called.
+            arguments: arguments of the method.
 
         Raises:
             Exception: anything; the caller gets it as `ErrorInfo`.
@@ -116,7 +116,7 @@ def run_host(
     Args:
         connection: this process's end of the pipe.
         make_host: makes the host, given a way to tell the parent something by itself.
-        environment: of the parent; what this process was forked from may have begun in another.
+        environment: environment of the parent, since a forked process may have begun in another.
     """
     os.environ.clear()
     os.environ.update(environment)
@@ -390,9 +390,9 @@ def daemon_timer(delay: float, action: Callable[..., object], *arguments: object
     """A timer that has begun to run, and that keeps no program from ending.
 
     Args:
-        delay: after which the action is done [s].
+        delay: time after which the action is done [s].
         action: called in a thread of its own.
-        arguments: of the action.
+        arguments: arguments of the action.
     """
     timer = Timer(delay, action, arguments)
     timer.daemon = True

@@ -55,9 +55,9 @@ def meant_command(
     """The command with each remark replaced by the frames that it means.
 
     Args:
-        command: what is said now.
-        said: what came of what was said last; None if it was not understood.
-        done: what came of the last command.
+        command: the present command.
+        said: result of the last sentence; None if it was not understood.
+        done: result of the last command.
         exchange: that command, if things changed places; see `exchange_of`.
 
     Raises:
@@ -266,7 +266,7 @@ def continue_frame(before: g.Frame, said: g.Frame, heading: float | None) -> g.F
     Args:
         before: the frame to go on with.
         said: the remark.
-        heading: in which the object was pushed, for a goal that is a place and reached by now.
+        heading: direction of the last push, for a goal that is a place and reached by now.
     """
     last = without_spans(before)
     goal = last.goal

@@ -453,8 +453,8 @@ def context_after(
     """What was spoken of once a sentence is done or refused.
 
     Args:
-        context: what was spoken of before.
-        result: what came of the sentence.
+        context: objects and results mentioned before.
+        result: result of the sentence.
         joins: whether its objects join those of the sentence before ("and the mug too").
         corrects: whether they take the place of some that were not meant ("no, the mug").
     """

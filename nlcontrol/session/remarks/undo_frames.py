@@ -33,12 +33,12 @@ class UndoEntry:
     """A push, or what a whole hand did, that was carried out.
 
     Attributes:
-        of: what came of the sentence that asked for it.
+        of: result of the sentence that asked for it.
         object: name of the object in the scene.
-        before: where the robot saw it before.
-        task: what the plan amounted to.
-        rest: how it lay then, if not on its bottom.
-        on: on or in what it stood then; None on the table.
+        before: pose in which the robot saw it before.
+        task: task of the plan.
+        rest: attitude in which it lay then, if not on its bottom.
+        on: object on or in which it stood then; None on the table.
     """
 
     of: Result
@@ -70,9 +70,9 @@ class UndoPlan:
     """Frames that undo some pushes.
 
     Attributes:
-        frames: what is to be done, in this order.
+        frames: frames to carry out, in this order.
         undoes: for each frame, the push that it undoes.
-        notes: what is not undone, in plain words.
+        notes: parts that are not undone, in plain words.
     """
 
     frames: tuple[g.Frame, ...]

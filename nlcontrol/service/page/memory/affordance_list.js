@@ -13,7 +13,7 @@ export function affordanceList(state, api, name) {
   const folded = element("details", {}, element("summary", {}, "What can be done with it"), list);
   folded.addEventListener("toggle", async () => {
     if (!folded.open || list.children.length) return;
-    list.append(element("li", { role: "status" }, "It is being worked out …"));
+    list.append(element("li", { role: "status" }, "Working it out …"));
     try {
       const { affordances } = await api.affordances(name, statedTable(state));
       list.replaceChildren(...affordances.map((each) => item(state, api, name, each)));

@@ -10,7 +10,7 @@ const PAGE = 20; // runs that are asked for at once
 export function historyPanel(state, api) {
   const list = element("ul", { class: "runs" });
   const more = element("button", { type: "button", hidden: true }, "Older runs");
-  const none = element("p", { class: "asked" }, "Nothing was done yet.");
+  const none = element("p", { class: "asked" }, "No runs yet.");
   const panel = element("details", { id: "history" }, element("summary", {}, "History"), none, list, more);
   let cursor = null;
   const load = async (after) => {
@@ -41,7 +41,7 @@ function item(state, api, run) {
   drop.addEventListener("click", async () => {
     if (drop.dataset.asked !== "true") {
       drop.dataset.asked = "true";
-      drop.textContent = "Really?";
+      drop.textContent = "Delete it?";
       drop.addEventListener("blur", () => {
         drop.dataset.asked = "false";
         drop.textContent = "Delete";

@@ -66,5 +66,5 @@ function* described({ summary, model, geometry }, name, onTable, shape, { state,
   yield parameterTable(model, onTable);
   if (onTable) yield affordanceList(state, api, name);
   const { source } = model.provenance ?? {};
-  if (source) yield element("p", { class: "asked" }, `figures from: ${source}`);
+  if (source) yield element("p", { class: "asked" }, `source of the figures: ${source}`);
 }

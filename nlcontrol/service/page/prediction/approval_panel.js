@@ -11,7 +11,7 @@ const STALE = new Set(["stale_plan", "expired_plan", "unknown_plan", "used_plan"
 
 export function approvalPanel(state, api) {
   const told = element("p", { role: "status" });
-  const changed = element("p", { class: "asked", hidden: true }, "The sentence has changed: press Plan to see what it would do.");
+  const changed = element("p", { class: "asked", hidden: true }, "The sentence has changed. Press Plan to plan it.");
   const approve = element("button", { type: "button", class: "primary", id: "do-it" });
   const panel = element("section", { id: "approval", "aria-label": "Approval", hidden: true }, told, changed, approve);
   let expiry = null;
@@ -50,6 +50,7 @@ function summary({ status, steps, error }) {
   }
   const [first] = plan.actions;
   const verb = ENDS[first.ends_on] ?? OUTCOMES[first.prediction?.outcome];
-  const what = verb ? `The ${plan.object} ${verb}` : `To ${plan.task} the ${plan.object}`;
+  const task = `${plan.task.charAt(0).toUpperCase()}${plan.task.slice(1)} the ${plan.object}`;
+  const what = verb ? `The ${plan.object} ${verb}` : `${task}: success`;
   return [element("b", {}, what), ` with probability ${share(plan.probability)}`];
 }

@@ -7,7 +7,7 @@ import { millimetres, newtons, share } from "./quantities.js";
 const CONTACTS = 80; // about so many on a face
 const FINEST = 0.01; // distance between them [m]
 const OUTCOMES = {
-  slide: "slides", topple: "topples", undecided: "either may be", none: "nothing moves it",
+  slide: "slides", topple: "topples", undecided: "slides or topples", none: "does not move",
 };
 const STEPS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
@@ -18,7 +18,7 @@ export function faceMap(api, { object, faces, contacts }, push, sides) {
   const chosen = element("select", { "aria-label": "Face", onchange: () => load() },
     ...faces.map((face) => element("option", { value: face }, `${face} face`)));
   const load = async () => {
-    told.textContent = "The map of this face is being made …";
+    told.textContent = "Computing the map of this face …";
     try {
       const spacing = spacingOf(sides);
       const map = await api.map({ object, face: chosen.value, spacing });
@@ -30,7 +30,7 @@ export function faceMap(api, { object, faces, contacts }, push, sides) {
   };
   load();
   return element("figure", { class: "outcomes" },
-    element("figcaption", {}, "Pushed there, seen from outside: ", chosen),
+    element("figcaption", {}, "Outcomes of pushes, seen from outside: ", chosen),
     chart, element("div", { class: "beside" }, told, legend(push)));
 }
 

@@ -36,7 +36,7 @@ function* lines(result, { lines: told, marks }) {
     for (const note of result.notes) yield element("p", { class: "asked" }, note);
   }
   if (!marks.length) return;
-  yield element("p", {}, "Drawn on the table:");
+  yield element("p", {}, "Marked on the table:");
   yield element("ul", { class: "marks" }, ...marks.map((mark) =>
     element("li", { "data-about": mark.about ?? mark.kind }, mark.text)));
 }

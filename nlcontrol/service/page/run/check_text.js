@@ -7,15 +7,15 @@ const SCALES = {
 
 // The mark of a verdict, and what it means.
 export const VERDICTS = {
-  held: ["✓", "held"], not_held: ["✗", "did not hold"], unknown: ["?", "cannot tell"],
+  held: ["✓", "held"], not_held: ["✗", "did not hold"], unknown: ["?", "unknown"],
 };
 
 // Why a clause can be neither confirmed nor denied, and what an observer saw of it.
 export function doubtText({ verdict, why, low, high, unit, observed }) {
   const near = why === "too_near" && low !== null
-    ? `; it is ${valueText(low, unit)} to ${valueText(high, unit)}, too near to tell` : "";
+    ? `; between ${valueText(low, unit)} and ${valueText(high, unit)}, too close to the limit to decide` : "";
   if (!observed || verdict === (observed.ok ? "held" : "not_held")) return near;
-  return `${near}; an observer saw ${valueText(observed.measured, unit)}`;
+  return `${near}; true value (observer): ${valueText(observed.measured, unit)}`;
 }
 
 export function valueText(value, unit) {

@@ -8,10 +8,10 @@ import { followRun } from "./follow_run.js";
 import { lightWords, saidWords } from "./said_words.js";
 
 const WORDS = {
-  done: "done", failed: "not as asked", undecided: "cannot be told", cancelled: "stopped", refused: "refused", answered: "answered",
+  done: "done", failed: "not as asked", undecided: "undecided", cancelled: "stopped", refused: "refused", answered: "answered",
   not_understood: "not understood", unsupported: "not possible here", planned: "planned",
 };
-const LOST = { aborted: "ended by force", cut_off: "cut off", defect: "ended by a defect" };
+const LOST = { aborted: "aborted", cut_off: "cut off", defect: "internal error" };
 
 export function runPanel(state, api) {
   followRun(state, api);
@@ -78,7 +78,7 @@ export function statusText(run) {
 
 function phaseText(run, events) {
   if (run.ended_at !== null) return run.result?.error?.message ?? run.error?.message ?? "";
-  if (run.state === "queued") return `waits for its turn, place ${run.place ?? 1}`;
+  if (run.state === "queued") return `in the queue, place ${run.place ?? 1}`;
   const last = events.findLast(({ event }) => event.kind === "phase")?.event;
   if (!last) return "plans";
   const name = last.phase.replaceAll("_", " ");

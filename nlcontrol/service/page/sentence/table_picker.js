@@ -26,7 +26,7 @@ export function tablePicker(state, api) {
   });
   return element("div", { id: "table" },
     element("label", {}, "scene ", scene), element("label", {}, "seed ", seed),
-    element("label", { title: "Without looking at the plan first" }, atOnce, " do at once"),
+    element("label", { title: "Carry sentences out without showing the plan first" }, atOnce, " do at once"),
     shareButton(state));
 }
 
@@ -40,7 +40,7 @@ function shareButton(state) {
       button.textContent = "Copied";
     } catch {
       history.replaceState(null, "", link); // where there is no clipboard, the address has it
-      button.textContent = "It is the address";
+      button.textContent = "See the address bar";
     }
     setTimeout(() => (button.textContent = "Copy link"), 2000);
   });
