@@ -1,9 +1,11 @@
 """A planning service for programs that await: as `nlcontrol.service.remote_session` otherwise.
 
-from nlcontrol import AsyncClient
+    from nlcontrol import AsyncClient
 
-async with AsyncClient(url) as client, await client.sessions.open("kitchen") as session:
-print(await session.say("push the ice tea box away"))
+    async with AsyncClient(url) as client, await client.sessions.open("kitchen") as session:
+        print(await session.say("push the ice tea box away"))
+
+A wait that is cancelled stops what it waits for.
 """
 
 from __future__ import annotations

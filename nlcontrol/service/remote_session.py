@@ -1,9 +1,11 @@
 """A planning service as a program uses it: sessions and runs as those of this process are.
 
-from nlcontrol import Client
+    from nlcontrol import Client
 
-with Client("http://127.0.0.1:8000") as client, client.sessions.open("kitchen") as session:
-print(session.say("push the ice tea box away"))
+    with Client("http://127.0.0.1:8000") as client, client.sessions.open("kitchen") as session:
+        print(session.say("push the ice tea box away"))
+
+Making a client calls nothing; a lost connection is made anew where nothing is done twice by that.
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@
     with Session("kitchen") as session:
         offer = session.plan("push the ice tea box away without toppling it")
         print(offer.result.text)
-        result = session.execute(offer.plan_id).result()
+        result = session.execute(offer)
 
 A plan is carried out as it was approved, from a table that is as it was then: `execute` looks
 again first. After the first plan the robot looks, learns and plans anew as in every sentence.

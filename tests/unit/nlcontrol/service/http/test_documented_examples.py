@@ -14,7 +14,7 @@ from tests.patience import PATIENCE, wait_until
 from tests.service_process import serving_counted_robot
 
 JSON = "application/json"
-HEALTH = b'{"schema_version": "2.2", "version": "1", "sessions": 0, "planners": 0, "running": 0'
+HEALTH = b'{"schema_version": "3.0", "version": "1", "sessions": 0, "planners": 0, "running": 0'
 
 
 @pytest.fixture(scope="module")
