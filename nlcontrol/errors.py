@@ -15,6 +15,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pydantic import Field
+from pydantic.json_schema import SkipJsonSchema
 
 from nlcontrol.interruption import EXIT_CODES
 from nlcontrol.json_document import DocumentPart
@@ -198,7 +199,7 @@ class ErrorInfo(DocumentPart):
     capability: str | None = None
     path: str | None = None
     family: str | None = None
-    cures: tuple[Cure, ...] = Field(default=(), exclude=True, repr=False)
+    cures: SkipJsonSchema[tuple[Cure, ...]] = Field(default=(), exclude=True, repr=False)
 
     @property
     def status(self) -> Status:

@@ -107,7 +107,7 @@ class TouchControl:
         travel, speed = 0.0, 0.0
         while travel < SETTING_OFF or not self._is_touching():
             if NO_TOUCH.is_tripped(travel):
-                raise EarlyEndError(*NO_TOUCH.ended(travel))
+                raise EarlyEndError(*NO_TOUCH.end_of(travel))
             speed = self._faster(speed, self.speed)
             travel += speed * self._period
             self._step(self.way.start + travel * self.way.inward, self.way.inward)

@@ -79,7 +79,7 @@ class Guard(Generic[S_contra]):
         limit = self.limit if self.trips_at is None else self.trips_at
         return bool(self.beyond(self.measure(sample), limit))
 
-    def ended(self, sample: S_contra) -> Ended:
+    def end_of(self, sample: S_contra) -> Ended:
         """The end that it makes of a motion."""
         return Ended(self.end, self.says(sample))
 
@@ -110,7 +110,7 @@ class Watch(Generic[S_contra]):
             tripped = guard.is_tripped(sample)
             self._beyond[k] = self._beyond[k] + self._period if tripped else 0.0
             if self._beyond[k] > guard.lasts:
-                return guard.ended(sample)
+                return guard.end_of(sample)
         return None
 
 

@@ -220,7 +220,7 @@ class GraspExecution:
         contact = contact_guard(self._grasp.width)
         while contact.is_tripped(sense):
             if motion.opening < -tuning.closes_beyond:
-                raise EarlyEndError(*contact.ended(sense))
+                raise EarlyEndError(*contact.end_of(sense))
             motion.close()
         while sense.squeeze < squeeze and motion.wound < tuning.most_winding_share * squeeze:
             motion.wind()

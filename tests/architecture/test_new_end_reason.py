@@ -39,15 +39,16 @@ EDITS = [
 USED = """
 import json
 import numpy as np
-from nlcontrol import Controller
 from nlcontrol.checks.verdicts import PLANNED_ENDS
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from planner.types.end_reasons import END_REASONS
 from sim.control.guards import Sample, Watch, push_guards
 from sim.control.object_estimate import ObjectEstimate
 from sim.robots.cell_description import Vision
 
 controller = Controller("kitchen")
-result = controller.say("push the ice tea box 20 cm away", plan_only=True)
+result = Conversation(controller).say("push the ice tea box 20 cm away", plan_only=True)
 push = result.plan.push
 left = np.array([-push.direction_W[1], push.direction_W[0], 0.0])
 

@@ -249,7 +249,7 @@ def test_a_defect_in_a_row_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     def fail(*_: object, **__: object) -> None:
         raise ZeroDivisionError
 
-    monkeypatch.setattr(Controller, "say", fail)
+    monkeypatch.setattr(Conversation, "say", fail)
     assert [(each.status, each.ok) for each in run(ROWS[:1])] == [("crashed", False)]
 
 

@@ -111,7 +111,7 @@ def test_a_record_of_another_major_version_is_refused_with_both(
 def test_a_record_of_a_later_minor_version_is_read(tmp_path: Path) -> None:
     path = written(tmp_path / "touches.jsonl")
     _, first, *lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
-    head = json.dumps({"format": "touches", "schema_version": "2.9"}) + "\n"
+    head = json.dumps({"format": "touches", "schema_version": "3.9"}) + "\n"
     more = json.dumps(json.loads(first) | {"weather": "fine"}) + "\n"
     path.write_text("".join((head, more, *lines)), encoding="utf-8")
     assert dict(Record(path).results) == {"a": SLID, "b": STAYED, "c": MISSED}

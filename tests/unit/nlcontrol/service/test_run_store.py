@@ -186,7 +186,7 @@ CREATE TABLE events (run INTEGER NOT NULL REFERENCES runs ON DELETE CASCADE,
 CREATE TABLE idempotency_keys (session_id TEXT NOT NULL, key BLOB NOT NULL, request BLOB NOT NULL,
     run INTEGER NOT NULL REFERENCES runs ON DELETE CASCADE, PRIMARY KEY (session_id, key));
 CREATE INDEX keys_by_run ON idempotency_keys (run);
-INSERT INTO runs VALUES (5, 'old', 's', 'ended', 2.0, 10, '{"schema_version": "2.0",
+INSERT INTO runs VALUES (5, 'old', 's', 'ended', 2.0, 10, '{"schema_version": "3.0",
     "run_id": "old", "session_id": "s", "kind": "say", "state": "ended", "text": "push it",
     "asked_at": 1.0, "ended_at": 2.0}');
 INSERT INTO events VALUES (5, 1,

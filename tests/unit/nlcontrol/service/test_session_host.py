@@ -33,7 +33,7 @@ class Heard:
 
 
 @pytest.fixture
-def subscribed() -> Heard:
+def heard() -> Heard:
     return Heard()
 
 

@@ -31,6 +31,7 @@ import numpy as np
 from dataclasses import replace
 from nlcontrol.robots import Trace
 from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
 from tests.fakes.played_executor import PlayedExecutor
 from tests.unit.nlcontrol.pushes import BOX
 
@@ -53,7 +54,7 @@ def gone(plan):
 simulated = Controller("kitchen", seed=1)
 poses = {name: seen.pose for name, seen in simulated.look().objects.items()}
 executor = PlayedExecutor(simulated.cell, poses, simulated.robot, gone)
-result = Controller(executor=executor).say("push the ice tea box away without toppling it")
+result = Conversation(Controller(executor=executor)).say("push the ice tea box away without toppling it")
 print(result.status, len(executor.executed), len(result.checks))
 assert not any(name.startswith("pydrake.") for name in sys.modules)
 """
