@@ -54,7 +54,8 @@ def gone(plan):
 simulated = Controller("kitchen", seed=1)
 poses = {name: seen.pose for name, seen in simulated.look().objects.items()}
 executor = PlayedExecutor(simulated.cell, poses, simulated.robot, gone)
-result = Conversation(Controller(executor=executor)).say("push the ice tea box away without toppling it")
+conversation = Conversation(Controller(executor=executor))
+result = conversation.say("push the ice tea box away without toppling it")
 print(result.status, len(executor.executed), len(result.checks))
 assert not any(name.startswith("pydrake.") for name in sys.modules)
 """
