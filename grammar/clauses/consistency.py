@@ -7,8 +7,14 @@ from typing import Any, cast
 
 from grammar.errors import ParseError
 from grammar.frames import command as g
-from grammar.frames.conflicts import EXCLUSIVE, FORBIDS, FORBIDS_BELOW, FORBIDS_EVENT, ORDERED
-from grammar.frames.constraints import STILL
+from grammar.frames.constraints import (
+    EXCLUSIVE,
+    FORBIDS,
+    FORBIDS_BELOW,
+    FORBIDS_EVENT,
+    ORDERED,
+    STILL,
+)
 from grammar.words.normalisation import Normalised
 
 Places = tuple[g.Spans, g.Spans]

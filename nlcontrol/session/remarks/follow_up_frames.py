@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from grammar import paraphrase
 from grammar.clauses.consistency import first_contradiction
 from grammar.frames import command as g
-from grammar.frames.conflicts import HOW_FAR
+from grammar.frames.constraints import HOW_FAR
 from grammar.words.lexicon_plugins import installed_lexicon
 from nlcontrol.errors import error, whole_span
 from nlcontrol.references.object_names import name_words

@@ -17,7 +17,7 @@ from pydantic import BaseModel
 
 from grammar import paraphrase
 from grammar.frames import command as g
-from grammar.frames.conflicts import FORBIDS, FORBIDS_BELOW, HOW_FAR, SAME_MATTER
+from grammar.frames.constraints import FORBIDS, FORBIDS_BELOW, HOW_FAR, SAME_MATTER
 from grammar.words.lexicon_plugins import installed_lexicon
 from nlcontrol.errors import error, whole_span
 from nlcontrol.references.object_names import find_by_name, name_words, names_on_table

@@ -9,7 +9,7 @@ import pytest
 
 from grammar import ParseError, parse
 from grammar.clauses import consistency
-from grammar.frames import conflicts
+from grammar.frames import constraints as conflicts
 from grammar.frames.constraints import CONSTRAINTS
 from grammar.frames.goals import GOALS
 

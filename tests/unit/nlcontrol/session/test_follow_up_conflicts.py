@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from grammar.frames import command as g
-from grammar.frames import conflicts
+from grammar.frames import constraints as conflicts
 from grammar.frames.constraints import CONSTRAINTS, new_constraint
 from nlcontrol.session.remarks import follow_up_targets
 from nlcontrol.session.remarks.follow_up_targets import merge_frames

@@ -10,8 +10,7 @@ import pytest
 
 from grammar import Frame, parse
 from grammar.frames.command import Displace, ObjectRef
-from grammar.frames.conflicts import EXCLUSIVE, FORBIDS
-from grammar.frames.constraints import CONSTRAINTS
+from grammar.frames.constraints import CONSTRAINTS, EXCLUSIVE, FORBIDS
 from grammar.frames.goals import GOALS
 from nlcontrol import Result
 from nlcontrol.cli import run
