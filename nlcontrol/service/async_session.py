@@ -39,7 +39,7 @@ from nlcontrol.service.documents import (
     StatedObject,
     session_spec,
 )
-from nlcontrol.service.methods import Question, Questions, plan_id_of
+from nlcontrol.service.methods import QUESTIONS, Question, Questions, plan_id_of
 from nlcontrol.service.remote_calls import (
     EventReading,
     HostCalls,
@@ -287,6 +287,12 @@ class AsyncSession:
         traceback: TracebackType | None,
     ) -> None:
         await self.close()
+
+
+# Type checkers see the questions that the class names; any other one is asked just the same.
+for _question in QUESTIONS:
+    if not hasattr(AsyncSession, _question.name):
+        setattr(AsyncSession, _question.name, awaited(getattr(Questions, _question.name)))
 
 
 async def _ended_result(run: AsyncRun) -> Result:

@@ -65,26 +65,31 @@ EDITS = [
     ("nlcontrol/service/session.py", "import secrets\n", "import math\nimport secrets\n"),
     (
         "nlcontrol/service/session.py",
-        "from nlcontrol.service.methods import PlanningSession",
-        "from nlcontrol.service.methods import Spread\n"
-        "from nlcontrol.service.methods import PlanningSession",
+        "from nlcontrol.service.methods import (\n",
+        "from nlcontrol.service.methods import (\n    Spread,\n",
     ),
 ]
 
 USED = """
-import json, sys
+import asyncio, json, sys
 import httpx
-from nlcontrol import Client
+from nlcontrol import AsyncClient, Client
 from nlcontrol.mcp.agent_tools import TOOLS, AgentTools
 from nlcontrol.service.session import Session
 
 url = sys.argv[1]
-with Session() as here, Client(url) as there, httpx.Client(base_url=f"{url}/v1") as http:
+
+async def awaited():
+    async with AsyncClient(url) as client, await client.sessions.open() as session:
+        return (await session.nearest("mug")).distance
+
+with Session() as here, Client(url).sessions.open() as there, httpx.Client(base_url=f"{url}/v1") as http:
     tool = next(tool for tool in TOOLS if tool.name == "nearest")
     given = tool.read_arguments({"object": "mug"})
     told = {
         "here": here.nearest("mug").distance,
         "there": there.nearest("mug").distance,
+        "awaited": asyncio.run(awaited()),
         "alone": http.post("/nearest", json={"object": "mug"}).json()["distance"],
         "unknown": http.post("/nearest", json={"object": "teapot"}).json()["code"],
         "tool": tool.answer(AgentTools(here), given).facts["distance"],
@@ -127,4 +132,5 @@ def test_new_question_is_asked_in_every_way(copy: Path) -> None:
     told: dict[str, Any] = json.loads(done.stdout)
     assert told["documented"] == ["nearest", "session_nearest"]
     assert told["unknown"] == "unknown_object"
-    assert {told["there"], told["alone"], told["tool"]} == {told["here"]}
+    ways = ("there", "awaited", "alone", "tool")
+    assert {told[way] for way in ways} == {told["here"]}

@@ -325,4 +325,4 @@ def test_the_address_of_a_run_that_is_gone_says_so(
 ) -> None:
     opened.page.goto(f"{lasting.url}/?say=hello&run=run-0")
     opened.wait(f"globalThis.page?.state.get('problem') !== null && {STATE}('session') !== null")
-    assert "not kept" in opened.page.inner_text("#problem")
+    assert "no longer stored" in opened.page.inner_text("#problem")
