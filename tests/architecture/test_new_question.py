@@ -83,7 +83,8 @@ async def awaited():
     async with AsyncClient(url) as client, await client.sessions.open() as session:
         return (await session.nearest("mug")).distance
 
-with Session() as here, Client(url).sessions.open() as there, httpx.Client(base_url=f"{url}/v1") as http:
+web = httpx.Client(base_url=f"{url}/v1")
+with Session() as here, Client(url).sessions.open() as there, web as http:
     tool = next(tool for tool in TOOLS if tool.name == "nearest")
     given = tool.read_arguments({"object": "mug"})
     told = {
