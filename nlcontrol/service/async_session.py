@@ -222,6 +222,7 @@ class AsyncSession:
         """The document with which the service answers a question."""
         return await self._connection.run(self._calls.answer(asked, fields))
 
+    @checked_arguments
     async def ask(self, said: str | Frames, *, motion: Motion = "never") -> Result:
         """The answer to a question; it moves nothing unless that is allowed."""
         if motion == "simulate":
@@ -232,6 +233,7 @@ class AsyncSession:
 
     _ask = awaited(Questions.ask)
 
+    @checked_arguments
     async def start(
         self,
         said: str | Frames | Offer | None = None,
@@ -245,6 +247,7 @@ class AsyncSession:
         info = await self._connection.run(self._calls.start(said, plan_id, text, motion))
         return AsyncRun(self._connection, info.run_id, on_event)
 
+    @checked_arguments
     async def say(
         self,
         said: str | Frames,
@@ -258,6 +261,7 @@ class AsyncSession:
         """
         return await _ended_result(await self.start(said, motion=motion, on_event=on_event))
 
+    @checked_arguments
     async def execute(
         self, plan: Offer | str, *, text: str | None = None, on_event: EventListener | None = None
     ) -> Result:
@@ -313,6 +317,7 @@ class AsyncSessions:
     def __repr__(self) -> str:
         return f"<AsyncSessions at {self._connection.url}>"
 
+    @checked_arguments
     async def open(
         self,
         scene: SessionSpec | str = "kitchen",
@@ -327,6 +332,7 @@ class AsyncSessions:
         info = await self._connection.run(self._calls.open_session(spec))
         return AsyncSession(self._connection, info)
 
+    @checked_arguments
     async def get(self, session_id: str) -> AsyncSession:
         """A session that is open; raises `unknown_session`."""
         info = await self._connection.run(self._calls.read(SessionInfo, f"sessions/{session_id}"))
@@ -346,11 +352,13 @@ class AsyncRuns:
     def __repr__(self) -> str:
         return f"<AsyncRuns at {self._connection.url}>"
 
+    @checked_arguments
     async def get(self, run_id: str) -> AsyncRun:
         """A run by its name; raises `unknown_run`."""
         info = await self._connection.run(self._calls.read(RunInfo, f"runs/{run_id}"))
         return AsyncRun(self._connection, info.run_id)
 
+    @checked_arguments
     async def list(
         self, *, session: str | None = None, cursor: str | None = None, limit: int = 50
     ) -> RunPage:
@@ -358,6 +366,7 @@ class AsyncRuns:
         page = self._calls.read(RunPage, "runs", session=session, cursor=cursor, limit=limit)
         return await self._connection.run(page)
 
+    @checked_arguments
     async def delete(self, run_id: str) -> None:
         """Has the service forget a run that has ended, its events and its files."""
         await self._connection.run(self._calls.delete_run(run_id))
@@ -403,6 +412,7 @@ class AsyncClient:
         """Object models of the host, in a few figures."""
         return (await self._connection.run(self._calls.read(ObjectList, "objects"))).objects
 
+    @checked_arguments
     async def object(self, name: str) -> ObjectDescription:
         """An object model by its name or a synonym; raises `unknown_object`."""
         return await self._connection.run(self._calls.read(ObjectDescription, f"objects/{name}"))

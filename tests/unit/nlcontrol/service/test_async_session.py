@@ -72,12 +72,25 @@ def test_questions_take_the_same_arguments() -> None:
     assert len(wire.sent("look")) == 2
 
 
-def test_a_wrong_argument_is_refused_before_anything_is_sent() -> None:
-    wire = Wire(plan=[])
+@pytest.mark.parametrize(
+    "use",
+    [
+        lambda session: session.plan(5),
+        lambda session: session.say(5),
+        lambda session: session.start(b"push the mug"),
+        lambda session: session.start(),
+        lambda session: session.execute(5),
+        lambda session: session.ask("how heavy is it?", motion="maybe"),
+    ],
+)
+def test_a_wrong_argument_is_refused_before_anything_is_sent(
+    use: Callable[[AsyncSession], Awaitable[Any]],
+) -> None:
+    wire = Wire()
     with pytest.raises(ControlError) as raised:
-        awaited(wire, lambda session: session.plan(5))  # type: ignore[arg-type]
+        awaited(wire, use)
     assert raised.value.code == "bad_arguments"
-    assert wire.sent("plans") == []
+    assert [request.url.path for request in wire.requests] == ["/v1/sessions"]
 
 
 def test_a_sentence_is_said_once_and_its_result_awaited() -> None:
