@@ -114,6 +114,14 @@ class Check(DocumentPart):
         seen = self.observed
         return seen is not None and self.verdict != ("held" if seen.ok else "not_held")
 
+    def __repr__(self) -> str:
+        measured, asked = (
+            value if isinstance(value, str) else quantity(value, self.unit)
+            for value in (self.measured, self.expected)
+        )
+        relation = self.relation.replace("_", " ")
+        return f"<Check {self.verdict}: {self.quantity} {measured}, asked {relation} {asked}>"
+
     def _repr_html_(self) -> str:
         values = (self.measured, self.expected, self.tolerance or 0.0)
         texts = [v if isinstance(v, str) else quantity(v, self.unit) for v in values]

@@ -14,7 +14,7 @@ import pytest
 
 import nlcontrol
 from nlcontrol import AsyncClient, Client, NlcontrolError, Registry, Session
-from nlcontrol.types import ControlError, DefaultsError, ParseError, SimError, StatedObject
+from nlcontrol.types import Check, ControlError, DefaultsError, ParseError, SimError, StatedObject
 
 # Wrong arguments are given on purpose.
 # mypy: disable-error-code="arg-type, dict-item"
@@ -207,6 +207,16 @@ def test_everything_is_shown_in_one_short_line(session: Session) -> None:
         client.sessions,
         client.runs,
         StatedObject(name="mug", x=0.5, y=0.0),
+        Check(
+            clause="displace",
+            quantity="moved in the asked direction",
+            relation="about",
+            expected=0.1,
+            measured=0.0995,
+            unit="m",
+            verdict="held",
+            ok=True,
+        ),
     ):
         assert len(repr(each)) <= 120, each
         assert "\n" not in repr(each)
