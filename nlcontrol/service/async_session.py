@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import asyncio
 import inspect
+from abc import ABC, abstractmethod
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
 from types import TracebackType
 from typing import Any, Concatenate, Generic, Literal, ParamSpec, Self, TypeVar, cast, overload
@@ -194,7 +195,26 @@ class awaited(Generic[Given, Answer]):  # noqa: N801 - a decorator
         return ask
 
 
-class AsyncSession:
+class AsyncClosed(ABC):
+    """Something that is closed at the end of an `async with` block."""
+
+    @abstractmethod
+    async def close(self) -> None:
+        """Ends it."""
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(
+        self,
+        kind: type[BaseException] | None,
+        raised: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        await self.close()
+
+
+class AsyncSession(AsyncClosed):
     """A planning session at a server, awaited; see `nlcontrol.service.methods.PlanningSession`.
 
     Args:
@@ -281,17 +301,6 @@ class AsyncSession:
         """Ends the session; one that has ended with its server is left at that."""
         await self._connection.run(self._calls.close())
 
-    async def __aenter__(self) -> Self:
-        return self
-
-    async def __aexit__(
-        self,
-        kind: type[BaseException] | None,
-        raised: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        await self.close()
-
 
 # Type checkers see the questions that the class names; any other one is asked just the same.
 for _question in QUESTIONS:
@@ -372,7 +381,7 @@ class AsyncRuns:
         await self._connection.run(self._calls.delete_run(run_id))
 
 
-class AsyncClient:
+class AsyncClient(AsyncClosed):
     """A planning service, awaited; making one calls nothing.
 
     Args:
@@ -420,14 +429,3 @@ class AsyncClient:
     async def close(self) -> None:
         """Ends the connection; sessions and runs of the service go on."""
         await self._connection.close()
-
-    async def __aenter__(self) -> Self:
-        return self
-
-    async def __aexit__(
-        self,
-        kind: type[BaseException] | None,
-        raised: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        await self.close()

@@ -510,7 +510,26 @@ class Run(Protocol):
         """The trace of what happened; None if nothing moved. Waits until it has ended."""
 
 
-class PlanningSession(Questions, ABC):
+class Closed(ABC):
+    """Something that is closed at the end of a `with` block."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Ends it."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        raised: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+
+class PlanningSession(Questions, Closed):
     """A table, a robot and a conversation: look, plan, approve, do, verify.
 
     Attributes:
@@ -616,17 +635,6 @@ class PlanningSession(Questions, ABC):
     @abstractmethod
     def close(self) -> None:
         """Ends the session; what is being carried out is stopped first."""
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        raised: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
 
 
 def ended_result(run: Run) -> Result:

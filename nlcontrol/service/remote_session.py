@@ -13,8 +13,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from threading import Thread
-from types import TracebackType
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import BaseModel
 
@@ -39,7 +38,7 @@ from nlcontrol.service.documents import (
     StatedObject,
     session_spec,
 )
-from nlcontrol.service.methods import PlanningSession, Question, is_question
+from nlcontrol.service.methods import Closed, PlanningSession, Question, is_question
 from nlcontrol.service.remote_calls import (
     EventReading,
     HostCalls,
@@ -308,7 +307,7 @@ class RemoteRuns:
         self._connection.run(self._calls.delete_run(run_id))
 
 
-class Client:
+class Client(Closed):
     """A planning service; making one calls nothing.
 
     Args:
@@ -365,14 +364,3 @@ class Client:
     def close(self) -> None:
         """Ends the connection; sessions and runs of the service go on."""
         self._connection.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        raised: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
