@@ -14,7 +14,7 @@ from planner.types.world_state import PlanarPose
 from sim.control.guards import Sample, Watch, planned_ends, push_guards
 from sim.control.object_estimate import ObjectEstimate, TiltEstimator, TravelSpeed
 from sim.robots.cell_description import Vision
-from tests.unit.planner.conftest import planned, world
+from tests.unit.planner.conftest import RuledReach, planned, world
 
 PERIOD = 0.01
 
@@ -200,3 +200,16 @@ def test_a_tilt_that_the_camera_surely_does_not_show_slides(
     plan, view = _plan("tilt the ice tea box by 10 degrees"), TiltEstimator(np.radians(0.3))
     view.own, view.correction = own, -deviations * view.unsure
     assert _tilt_end(plan, view) == end
+
+
+@pytest.mark.parametrize(("behind", "end"), [(0.007, None), (0.009, "slipped")])  # 8 mm are told
+def test_a_drag_ends_once_the_fingertip_slips_over_the_object(
+    behind: float, end: EndReason | None
+) -> None:
+    state = world(book=PlanarPose(0.45, -0.1))
+    push = planned("push the book 10 cm to the left", state, RuledReach(max_press=30.0)).push
+    estimate = ObjectEstimate(push, state, Vision(), np.zeros(3), PERIOD)
+    estimate.slipped = -behind * np.array(push.direction_W[:2])
+    sample = Sample(1.0, 0.03, push.speed, push.press, 0.0, estimate)
+    tripped = Watch(push_guards(push), PERIOD).first_tripped(sample)
+    assert (tripped and tripped.end) == end
