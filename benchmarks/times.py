@@ -97,7 +97,7 @@ def first_plan(runs: int = 9) -> None:
 
     Each run is a fresh process. It imports all modules that the sentence ever loads, then times
     the parts in turn: controller and look, parsing, planning by `Controller.plan`, and what
-    `Controller.say(…, plan_only=True)` adds to them at its first call. Times are of the processor,
+    `Conversation.say(…, plan_only=True)` adds to them at its first call. They are processor time,
     the medians of the runs; they vary by half with what else the machine does, the imports most.
     """
     prelude = "import json, sys; from benchmarks.times import first_parts, first_modules;"
@@ -248,7 +248,7 @@ def warm_plans(
     """How long plans take where others were made before, over varied tables and sentences.
 
     The process has planned the task before, at another table. Refusals are counted apart; so is
-    the first plan at a table. Times are of `Controller.say(…, plan_only=True)`, from the words to
+    the first plan at a table. Times are of `Conversation.say(…, plan_only=True)`, from the words to
     the result.
     """
     for name in task:

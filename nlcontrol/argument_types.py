@@ -91,7 +91,7 @@ def is_of_type(value: object, hint: Any) -> bool:
         return isinstance(value, Mapping) and all(
             is_of_type(k, parts[0]) and is_of_type(v, parts[1]) for k, v in value.items()
         )
-    if origin is Callable or origin is type(Callable):
+    if origin is Callable:
         return callable(value)
     kind = origin or hint
     if kind in (float, int):
@@ -145,8 +145,6 @@ def type_words(hint: Any) -> str:
         return "a mapping"
     if callable(hint) and hint in _WORDS:
         return _WORDS[hint]
-    if origin is not None and not isinstance(origin, type):
-        return "something to call"
     name = getattr(origin or hint, "__name__", str(hint))
     return (
         "something to call"

@@ -52,6 +52,11 @@ class Request:
     headers: dict[str, str] | None = None
     params: dict[str, Any] | None = None
 
+    @property
+    def content(self) -> dict[str, Any]:
+        """All but method and path, by httpx's names."""
+        return {"json": self.body, "headers": self.headers, "params": self.params}
+
 
 @dataclass(frozen=True)
 class Pause:
@@ -191,6 +196,11 @@ class ServiceConnection:
         ) from raised
 
 
+def _next_asked(exchange: Exchange[Any], reply: Any) -> Request | Pause:
+    """What an exchange asks after a reply; what was raised in place of one is raised in it."""
+    return exchange.throw(reply) if isinstance(reply, Exception) else exchange.send(reply)
+
+
 class BlockingConnection(ServiceConnection):
     """A connection whose calls wait; threads may share it."""
 
@@ -206,28 +216,21 @@ class BlockingConnection(ServiceConnection):
         """What comes of a call."""
         import httpx
 
-        answer: httpx.Response | None = None
-        lost: httpx.TransportError | None = None
+        reply: httpx.Response | httpx.TransportError | None = None
         while True:
             try:
-                asked = exchange.send(answer) if lost is None else exchange.throw(lost)
+                asked = _next_asked(exchange, reply)
             except StopIteration as ended:
                 result: T = ended.value
                 return result
-            answer = lost = None
+            reply = None
             if isinstance(asked, Pause):
                 time.sleep(asked.time)
                 continue
             try:
-                answer = self._http.request(
-                    asked.method,
-                    asked.path,
-                    json=asked.body,
-                    headers=asked.headers,
-                    params=asked.params,
-                )
+                reply = self._http.request(asked.method, asked.path, **asked.content)
             except httpx.TransportError as raised:
-                lost = raised
+                reply = raised
 
     def stream(self, path: str, after: int = 0) -> Iterator[str]:
         """The data of the events of a stream, those after a number alone.
@@ -266,28 +269,21 @@ class AwaitedConnection(ServiceConnection):
         """What comes of a call; see `BlockingConnection.run`."""
         import httpx
 
-        answer: httpx.Response | None = None
-        lost: httpx.TransportError | None = None
+        reply: httpx.Response | httpx.TransportError | None = None
         while True:
             try:
-                asked = exchange.send(answer) if lost is None else exchange.throw(lost)
+                asked = _next_asked(exchange, reply)
             except StopIteration as ended:
                 result: T = ended.value
                 return result
-            answer = lost = None
+            reply = None
             if isinstance(asked, Pause):
                 await asyncio.sleep(asked.time)
                 continue
             try:
-                answer = await self._http.request(
-                    asked.method,
-                    asked.path,
-                    json=asked.body,
-                    headers=asked.headers,
-                    params=asked.params,
-                )
+                reply = await self._http.request(asked.method, asked.path, **asked.content)
             except httpx.TransportError as raised:
-                lost = raised
+                reply = raised
 
     async def stream(self, path: str, after: int = 0) -> AsyncIterator[str]:
         """The data of the events of a stream; see `BlockingConnection.stream`."""

@@ -321,7 +321,7 @@ class PlanningService:
 
         Raises:
             ControlError: `unknown_session`, `session_lost`, `queue_full`, `key_reused`; what
-                `PlanningSession.execute` or `say` raises.
+                `PlanningSession.start` raises.
         """
         return self._runs.begin(
             self._session(session_id),

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal, TypedDict, Unpack
+from typing import TYPE_CHECKING, Literal
 
 from grammar.frames import command as g
 from grammar.part_reader import understood_part
@@ -89,17 +89,6 @@ REMEMBERED = 50
 """Pushes that can be undone, commands that are told of, and texts that units come from."""
 
 
-class Options(TypedDict, total=False):
-    """Options of `say` and `do`; see `nlcontrol.session.controller.Controller.say`."""
-
-    plan_only: bool
-    motion: Motion | None
-    progress: Progress | None
-    on_event: Callable[[Event], object] | None
-    stop: StopToken | None
-    force_rate: float
-
-
 class Conversation(TakesTurns):
     """Sentences said one after another to one robot.
 
@@ -140,8 +129,25 @@ class Conversation(TakesTurns):
     ) -> Result:
         """Does what a sentence says, as it is meant after those before it.
 
-        It may be a remark on what was said and done before; otherwise as `Controller.say`. Frames
-        are taken in place of a sentence; see `do`.
+        It may be a remark on what was said and done before. A question is answered from what is
+        believed, and moves nothing unless `motion` says so.
+
+        Args:
+            text: an English sentence, or frames in its place (docs/frames.md).
+            plan_only: stop before anything is executed.
+            motion: `never`, as `plan_only`; `simulate`: a question too may move the robot, where it
+                asks for a weight or a friction that is not known well and touching would tell.
+            progress: told what happens during the simulation.
+            on_event: told of every event on the way (`nlcontrol.session.events`).
+            stop: asked all the time whether to go on; the result is then `cancelled`.
+            force_rate: events of kind `force` per second of the robot's time [Hz].
+
+        Raises:
+            ControlError: `internal`, a defect of nlcontrol.
+            Exception: what a callback has raised, once the robot is at rest.
+
+        Returns:
+            A result in every other case: what is not understood or refused is a result too.
         """
         plan_only |= motion == "never"
         supervisor = self._supervisor(progress, stop, on_event, force_rate)
@@ -149,13 +155,6 @@ class Conversation(TakesTurns):
         return self._supervised(
             deed, supervisor, lambda: self._say(text, plan_only, motion, supervisor)[0]
         )
-
-    def do(self, frames: Frames, **options: Unpack[Options]) -> Result:
-        """Does what frames say, as they are meant after what was said before; as `Controller.do`.
-
-        They may be a remark ("again", "undo that") and hold pronouns, as a sentence may.
-        """
-        return self.say(frames, **options)
 
     @in_turn
     def plan(

@@ -108,7 +108,7 @@ REFUSED = {
 def test_every_example_is_planned_or_answered() -> None:
     talk = Conversation(Controller("kitchen"))
     for frame in examples():
-        result = talk.do([frame], plan_only=True)
+        result = talk.say([frame], plan_only=True)
         clauses = [frame.get("goal", {}), *frame.get("constraints", ())]
         kinds = [frame.get("dialogue"), *(clause.get("kind") for clause in clauses)]
         codes = [REFUSED[kind] for kind in kinds if kind in REFUSED]

@@ -29,7 +29,7 @@ def kitchen() -> Controller:
 
 
 def planned(controller: Controller, frames: Frames) -> Result:
-    return Conversation(controller).do(frames, plan_only=True)
+    return Conversation(controller).say(frames, plan_only=True)
 
 
 def pushed(*constraints: dict[str, Any], **goal: Any) -> list[dict[str, Any]]:
@@ -81,15 +81,15 @@ def test_frames_take_part_in_a_conversation(kitchen: Controller) -> None:
     talk.say("push the mug 10 cm to the left", plan_only=True)
     it = {"text": "it", "pronoun": True}
     right = {"kind": "displace", "direction": "right"}
-    talk.do([{"action": "push", "object": it, "goal": right}], plan_only=True)
-    again = talk.do([{"dialogue": "repeat"}], plan_only=True)
+    talk.say([{"action": "push", "object": it, "goal": right}], plan_only=True)
+    again = talk.say([{"dialogue": "repeat"}], plan_only=True)
     assert again.paraphrase == "push the mug to the right"
-    corrected = talk.do([{"dialogue": "correct", "object": BOX}], plan_only=True)
+    corrected = talk.say([{"dialogue": "correct", "object": BOX}], plan_only=True)
     assert corrected.plan
     assert corrected.plan.object == "ice tea box"
-    why = talk.do([{"query": "why"}])
+    why = talk.say([{"query": "why"}])
     assert (why.status, why.plan) == ("answered", None)
-    assert talk.do([{"dialogue": "stop"}]).status == "done"
+    assert talk.say([{"dialogue": "stop"}]).status == "done"
 
 
 def test_what_frames_did_is_undone(kitchen: Controller) -> None:
@@ -98,7 +98,7 @@ def test_what_frames_did_is_undone(kitchen: Controller) -> None:
     done = planned(kitchen, [{**SHOVE, "object": {"text": "mug"}}])
     there = type(here)(here.x - 0.1, here.y, here.yaw)
     talk.past.append(UndoEntry(done, "mug", there))
-    back = talk.do([{"dialogue": "undo"}], plan_only=True)
+    back = talk.say([{"dialogue": "undo"}], plan_only=True)
     assert back.status == "planned"
     assert isinstance(back.frames[0].goal, Displace)
     assert back.frames[0].goal.distance == pytest.approx(0.1, abs=1e-6)
