@@ -40,7 +40,7 @@ from nlcontrol.service.documents import (
     StatedObject,
     session_spec,
 )
-from nlcontrol.service.methods import QUESTIONS, Question, Questions, plan_id_of
+from nlcontrol.service.methods import QUESTIONS, Question, Questions, asks_only, plan_id_of
 from nlcontrol.service.remote_calls import (
     EventReading,
     HostCalls,
@@ -245,13 +245,19 @@ class AsyncSession(AsyncClosed):
     @checked_arguments
     async def ask(self, said: str | Frames, *, motion: Motion = "never") -> Result:
         """The answer to a question; it moves nothing unless that is allowed."""
-        if motion == "simulate":
-            frames = (await self.parse(said)).frames
-            if all(frame.query is not None for frame in frames):
-                return await self.say(said, motion=motion)
+        if motion == "simulate" and await self._is_question(said):
+            return await self.say(said, motion=motion)
         return await self._ask(said)
 
     _ask = awaited(Questions.ask)
+
+    async def _is_question(self, said: str | Frames) -> bool:
+        """All that is said asks, and nothing commands; see `nlcontrol.service.methods`."""
+        try:
+            command = await self.parse(said)
+        except ControlError:
+            return False
+        return asks_only(command)
 
     @checked_arguments
     async def start(

@@ -677,7 +677,11 @@ def plan_id_of(plan: Offer | str) -> str:
 def is_question(session: PlanningSession, said: str | Frames) -> bool:
     """Return True if all that is said asks, and nothing commands."""
     try:
-        frames = session.parse(said).frames
+        return asks_only(session.parse(said))
     except ControlError:
         return False
-    return all(frame.query is not None for frame in frames)
+
+
+def asks_only(command: Command) -> bool:
+    """Return True if all frames of a command are questions."""
+    return all(frame.query is not None for frame in command.frames)

@@ -115,6 +115,14 @@ def test_a_question_that_may_move_is_a_run() -> None:
     assert (len(wire.sent("say")), len(wire.sent("ask"))) == (1, 1)
 
 
+def test_what_is_not_understood_is_a_result_even_where_it_might_move() -> None:
+    told = {"code": "unknown_verb", "message": "it knows no such verb", "family": "sentence"}
+    refused = {**RESULT, "ok": False, "status": "not_understood", "error": told}
+    wire = Wire(parse=[{**UNDERSTOOD, "ok": False, "error": told}], ask=[refused])
+    result = awaited(wire, lambda session: session.ask("frobnicate", motion="simulate"))
+    assert result.status == "not_understood"
+
+
 def test_events_go_on_where_the_stream_was_lost() -> None:
     streams = [Stream(1, lost=True), httpx.ConnectError, Stream(1, 2, lost=True), Stream(3)]
     wire = Wire(say=[RUN], events=streams, r1=[RUN])
